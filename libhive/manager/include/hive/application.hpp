@@ -1,0 +1,135 @@
+// What an application is written against: find drones, describe, connect, configure, collect. hivectl uses only this.
+#pragma once
+
+#include <hive/error.hpp>
+#include <hive/event.hpp>
+#include <hive/interface.hpp>
+#include <hive/transfer.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+/// The answer of one drone to something asked of several.
+struct Answer {
+    std::string drone;
+    Json result;                 ///< an object; meaningful without error
+    std::optional<Error> error;
+};
+
+/// One end of a connection: "camera" or "camera.image".
+struct Endpoint {
+    std::string drone;
+    std::string port;  ///< empty: inferred, when only one pair fits
+};
+
+struct CollectOptions {
+    ConnectionOptions connection{.transfer = Transfer::streaming};
+    bool ordered = false;  ///< results of one source in the order of its captures, however many workers made them
+    /// Ordered: how long a missing result holds up those after it. Live events never wait longer than 1 s.
+    std::chrono::milliseconds patience{30'000};
+};
+
+/// What collecting has counted so far.
+struct CollectCounts {
+    std::int64_t received = 0;    ///< results handed out
+    std::int64_t duplicates = 0;  ///< second answers to shared work, refused
+    std::int64_t missing = 0;     ///< sequences that never came (ordered)
+    std::int64_t failed = 0;      ///< reported as exceptions instead
+    std::int64_t dropped = 0;     ///< lost at this end because they were not taken in time
+};
+
+/// Receives events from outputs of drones; connections that end are made again by themselves. Made by Application::collect.
+class Collector {
+public:
+    virtual ~Collector() = default;
+    /// The next event, or nothing when `patience` has passed. User thread.
+    virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
+    [[nodiscard]] virtual CollectCounts counts() const = 0;
+};
+
+/// An application in the swarm. Calls block until they are confirmed or their deadline has passed (Errc::timeout); they
+/// are for one thread at a time. Everything throws hive::Error.
+class Application {
+public:
+    struct Options {
+        std::string name;                        ///< empty: "app-PID"
+        std::filesystem::path home;              ///< empty: default_home()
+        std::chrono::milliseconds timeout{5000};  ///< of every call
+    };
+
+    Application();
+    explicit Application(Options options);
+    ~Application();
+    Application(const Application&) = delete;
+    Application& operator=(const Application&) = delete;
+
+    /// Changes the deadline of the calls that follow.
+    void timeout(std::chrono::milliseconds timeout);
+
+    // --- find ---
+
+    /// Names of the drones that run on this machine (those whose socket answers), sorted.
+    std::vector<std::string> drones();
+    /// Expands a glob, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
+    std::vector<std::string> find(const std::string& pattern);
+    /// Splits "camera.image" into drone and port; a running drone with the whole name wins.
+    Endpoint endpoint(const std::string& text);
+    Interface describe(const std::string& drone);
+    /// What the drone is doing: state, counters, connections (see SPEC.md, section 6.4).
+    Json status(const std::string& drone);
+    /// Of many at once; the answers come in the order of the names.
+    std::vector<Answer> status(const std::vector<std::string>& drones);
+
+    // --- wire ---
+
+    /// Connects output to input, confirmed by both. Empty ports are inferred. Returns the ports that were used.
+    /// Throws Errc::type_mismatch naming both types, Errc::refused when a drone that keeps state is to share.
+    std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver, const ConnectionOptions& options = {});
+    /// Undoes it. Throws Errc::not_found if there is no such connection. Empty ports: every connection between the two.
+    void disconnect(const Endpoint& sender, const Endpoint& receiver);
+
+    // --- configure ---
+
+    /// Sets parameters of one drone, all together or none; returns the applied values.
+    Json set(const std::string& drone, const Json& parameters);
+    /// Sets the same on many: checked on all, then applied on all; if one refuses, none has changed.
+    std::vector<Answer> set(const std::vector<std::string>& drones, const Json& parameters);
+    /// The present values: of all parameters, or of those named.
+    Json get(const std::string& drone, const std::vector<std::string>& names = {});
+    std::vector<Answer> get(const std::vector<std::string>& drones, const std::vector<std::string>& names = {});
+
+    // --- collect ---
+
+    /// Receives from the outputs; ends when the Collector is destroyed. Returns when every drone has acknowledged.
+    std::unique_ptr<Collector> collect(const std::vector<Endpoint>& outputs, const CollectOptions& options = {});
+    /// Receives the exceptions of drones, as events whose header has "code", "text", "policy".
+    std::unique_ptr<Collector> exceptions(const std::vector<std::string>& drones);
+    /// Sends one event into an input; returns when the drone has taken it into its queue.
+    void put(const Endpoint& input, const Json& header, Body body, const std::string& type);
+
+    // --- control ---
+
+    void halt(const std::string& drone);
+    void resume(const std::string& drone);
+    /// Ends a drone and forgets what it was told; returns when it is gone.
+    void stop(const std::string& drone);
+    /// Changes what happens when the drone's code throws.
+    void exception_policy(const std::string& drone, ExceptionPolicy policy);
+
+private:
+    class Core;
+    std::unique_ptr<Core> core_;
+};
+
+/// Where local drones meet: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID. Only their user can enter it.
+std::filesystem::path default_home();
+
+}  // namespace hive

@@ -1,0 +1,125 @@
+// What a drone is written against: parameters, outputs, callbacks, main, exceptions.
+#pragma once
+
+#include <hive/error.hpp>
+#include <hive/event.hpp>
+#include <hive/interface.hpp>
+#include <hive/transfer.hpp>
+
+#include <chrono>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+
+namespace hive {
+
+class DroneCore;  // the machinery behind the handles below
+
+/// What a parameter may be, apart from its type: `between(1.01, 2.0)`, `one_of({"jpeg", "png"})`, `between(1, 100).in("%")`.
+struct Constraint {
+    std::optional<double> least, most;
+    std::vector<std::string> choices;
+    std::string unit;
+
+    /// The unit, shown beside the value: "px", "fps", "%".
+    [[nodiscard]] Constraint in(std::string unit_name) const
+    {
+        Constraint copy = *this;
+        copy.unit = std::move(unit_name);
+        return copy;
+    }
+};
+inline Constraint anything() { return {}; }
+inline Constraint between(double least, double most) { return {least, most, {}, {}}; }
+inline Constraint at_least(double least) { return {least, std::nullopt, {}, {}}; }
+inline Constraint one_of(std::initializer_list<const char*> choices) { return {std::nullopt, std::nullopt, {choices.begin(), choices.end()}, {}}; }
+
+/// A handle on one of the drone's outputs; cheap to copy. For the user thread.
+class Output {
+public:
+    /// Does anybody receive the bodies of this output? If not, there is no need to encode one.
+    [[nodiscard]] bool wanted() const;
+    /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
+    [[nodiscard]] bool asked() const;
+
+    /// Sends an event to whoever wants it. Never waits for a receiver. Inside a callback the event inherits the
+    /// identity and time of the input; elsewhere it begins a new one, captured now.
+    /// @param header  a JSON object, at most about 60 KiB as text
+    /// @param type    the media type of the body; empty: the first one that the output was declared with
+    void emit(Json header = Json::object(), Body body = {}, std::string type = {}) const;
+    /// As above, with a body that is made only if it is wanted().
+    void emit(Json header, const std::function<Body()>& body, std::string type = {}) const;
+    /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless).
+    void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, Body body, std::string type = {}) const;
+
+private:
+    friend class Drone;
+    Output(DroneCore& core, std::size_t index) : core_(&core), index_(index) {}
+    DroneCore* core_;
+    std::size_t index_;
+};
+
+/// A process with a clear interface. Declarations come first, then run(). All functions are for the thread that calls
+/// run() (the user thread) unless they say otherwise; callbacks, parameter changes and main run there, one at a time.
+class Drone {
+public:
+    explicit Drone(DroneCore& core) : core_(core) {}
+    Drone(const Drone&) = delete;
+    Drone& operator=(const Drone&) = delete;
+
+    // --- declarations ---
+
+    /// Declares a parameter bound to `variable`, whose present value is the default. `set` assigns it between callbacks.
+    void parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help);
+    void parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help);
+    void parameter(const std::string& name, bool& variable, const Constraint& constraint, const std::string& help);
+    void parameter(const std::string& name, std::string& variable, const Constraint& constraint, const std::string& help);
+    /// Declares an output. @param type  one media type or several: "image/jpeg", "image/jpeg,image/png"
+    Output output(const std::string& name, const std::string& type, const std::string& help = "");
+    /// Declares an input and what to do with its events. If `callback` throws, the exception policy decides.
+    void on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help = "");
+    /// Called after the parameters of one `set` have been assigned, all together. If it throws, all are put back, it is
+    /// called again, and the `set` is refused with its text. Also called once before the first event, after on_start.
+    void on_change(std::function<void()> callback);
+    /// Called once when the drone runs for real (not for --describe): the place to open devices and load models. If it
+    /// throws, the drone ends and says why.
+    void on_start(std::function<void()> callback);
+    /// What a source does: called again and again between callbacks. Returns how long to wait before the next call; it is
+    /// called earlier when the demand for an output changes, a parameter was set, or wake() was called. Not called while halted.
+    void main(std::function<std::chrono::microseconds()> step);
+
+    /// Runs until the drone is told to stop. For --describe: prints the interface and returns.
+    void run();
+
+    // --- while running ---
+
+    /// Calls main as soon as possible. From any thread.
+    void wake();
+    /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any thread.
+    void condition(const std::string& text);
+    /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any thread.
+    void report(Errc code, const std::string& text);
+    /// One line in the drone's log. From any thread.
+    void log(const std::string& text);
+    /// True when the drone should end; for loops in threads of the author's own. From any thread.
+    [[nodiscard]] bool stopping() const;
+
+private:
+    DroneCore& core_;
+};
+
+/// What a drone program is.
+struct DroneProgram {
+    std::string kind;       ///< "face"
+    std::string summary;    ///< one sentence for --help and describe
+    bool stateful = false;  ///< keeps state between events: its work cannot be shared
+};
+
+/// The main function of a drone: reads the command line that all drones share, lets `body` declare and run the drone.
+/// Returns the exit code.
+///
+///     int main(int argc, char** argv) { return hive::run_drone(argc, argv, {"face", "Finds faces."}, face_detector); }
+int run_drone(int argc, char** argv, const DroneProgram& program, const std::function<void(Drone&)>& body);
+
+}  // namespace hive

@@ -1,0 +1,24 @@
+// Where a module can be met: a unix socket, a TCP endpoint, or (for tests) a name inside this process.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace hive::transport {
+
+struct Address {
+    enum class Scheme { unix_socket, tcp, in_process };
+    Scheme scheme = Scheme::unix_socket;
+    std::string host;        ///< the path of a unix socket, a host name or number, or the in-process name
+    std::uint16_t port = 0;  ///< tcp only; 0 when listening: any free one
+
+    bool operator==(const Address&) const = default;
+};
+
+/// Reads `unix:/path`, `tcp://HOST:PORT`, `tcp://[::1]:PORT`, `in-process:NAME`. Throws Errc::invalid_argument.
+Address parse_address(std::string_view text);
+/// What parse_address reads.
+std::string to_text(const Address& address);
+
+}  // namespace hive::transport

@@ -1,0 +1,57 @@
+// A full-duplex connection to one peer: packets in, packets out, heartbeats, limits. The same for every transport.
+#pragma once
+
+#include <hive/protocol/packet.hpp>
+#include <hive/transport/stream.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace hive::transport {
+
+/// Times and sizes of a connection; tests make them short.
+struct Timing {
+    std::chrono::milliseconds heartbeat{500};    ///< a ping leaves when nothing else was sent for this long
+    std::chrono::milliseconds silence{2000};     ///< a peer that sends nothing for this long is dead
+    std::chrono::milliseconds first_packet{2000};  ///< the whole first packet must be here by then
+    std::chrono::milliseconds stall{5000};       ///< a packet that has begun must go on at 64 KiB/s, or the peer is cut off
+    std::size_t control_bytes = 256 * 1024;      ///< more control packets than this waiting: the peer is cut off
+};
+
+/// Lives on the network thread; all calls and handlers are there. Two lanes leave it: control packets, and events
+/// (event, notification, exception and put carry bodies). Control packets overtake waiting events at every packet
+/// boundary. Pings and pongs are answered here and shown to nobody.
+///
+/// The first packet must fit protocol::hello_limits and be a hello; when it has been handed over, open() raises the
+/// limits. A connection that breaks the protocol is closed with the error that says how.
+class Connection : public std::enable_shared_from_this<Connection> {
+public:
+    struct Handlers {
+        std::function<void(protocol::Packet&&)> packet;       ///< a whole packet came
+        std::function<void(const hive::Error&)> closed;  ///< once, the last call; also after close()
+        std::function<void()> drained;                   ///< the event lane has become empty
+    };
+    /// Called once: true when the last byte is with the operating system, false when the connection ended before.
+    using Written = std::function<void(bool)>;
+
+    static std::shared_ptr<Connection> create(asio::io_context& context, std::unique_ptr<Stream> stream, Timing timing = {});
+    virtual ~Connection() = default;
+
+    /// Begins reading. Handlers are dropped after `closed`, so they may own the connection.
+    virtual void start(Handlers handlers) = 0;
+    /// The peer has said a valid hello: from now on these limits hold.
+    virtual void open(const protocol::Limits& limits) = 0;
+    /// Queues a packet; never blocks, never calls back from inside. Bodies are not copied: the packet holds them until
+    /// they are written. After the end it is dropped (written is called with false).
+    virtual void send(protocol::Packet packet, Written written = {}) = 0;
+    /// Packets in the event lane that are not wholly written. The caller keeps this small; nothing here drops.
+    [[nodiscard]] virtual std::size_t events_waiting() const = 0;
+    /// Ends the connection; `closed` follows with this error, from the event loop.
+    virtual void close(const hive::Error& reason) = 0;
+    [[nodiscard]] virtual std::string peer() const = 0;
+};
+
+}  // namespace hive::transport

@@ -1,0 +1,35 @@
+// What a transport has to provide: an ordered, reliable stream of bytes in both directions. Framing, lanes, heartbeats
+// and limits are built above it once (connection.hpp), so a transport is its stream, its listener and its dialer.
+#pragma once
+
+#include <hive/error.hpp>
+
+#include <asio/buffer.hpp>
+#include <asio/io_context.hpp>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <system_error>
+
+namespace hive::transport {
+
+/// Every function and every handler runs on the network thread. A handler is never called from inside the call that
+/// it was given to. At most one read and one write are under way at a time. The buffers outlive the handler.
+class Stream {
+public:
+    using Handler = std::function<void(std::error_code, std::size_t bytes)>;
+
+    virtual ~Stream() = default;
+    /// Reads at least one byte. End of stream is asio::error::eof.
+    virtual void read_some(asio::mutable_buffer into, Handler handler) = 0;
+    /// Writes at least one byte of a gather list, copying nothing.
+    virtual void write_some(std::span<const asio::const_buffer> from, Handler handler) = 0;
+    /// Ends both directions; pending handlers are called with asio::error::operation_aborted. May be called twice.
+    virtual void close() noexcept = 0;
+    /// Who is there, for logs and errors: "pid 4711", "192.0.2.7:50012".
+    [[nodiscard]] virtual std::string peer() const = 0;
+};
+
+}  // namespace hive::transport

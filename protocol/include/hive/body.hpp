@@ -1,0 +1,38 @@
+// The binary part of an event: immutable bytes with one owner shared by everyone who holds them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+/// Bytes that never change once they are here; copying a Body copies no bytes. Whatever owns the memory (a vector, a
+/// picture, a receive buffer) lives until the last Body over it is gone. Safe to share between threads.
+class Body {
+public:
+    Body() = default;
+    Body(std::vector<unsigned char> bytes);  // NOLINT: a vector is a body
+    Body(std::string bytes);                 // NOLINT: a string is a body
+    /// A view of memory that `owner` keeps alive and unchanged.
+    Body(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
+        : owner_(std::move(owner)), bytes_(bytes)
+    {
+    }
+
+    [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }
+    [[nodiscard]] const unsigned char* data() const noexcept
+    {
+        return reinterpret_cast<const unsigned char*>(bytes_.data());
+    }
+    [[nodiscard]] std::size_t size() const noexcept { return bytes_.size(); }
+    [[nodiscard]] bool empty() const noexcept { return bytes_.empty(); }
+
+private:
+    std::shared_ptr<const void> owner_;
+    std::span<const std::byte> bytes_;
+};
+
+}  // namespace hive

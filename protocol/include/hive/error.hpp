@@ -1,0 +1,56 @@
+// The one vocabulary of errors, in memory and on the wire (SPEC.md, section 7).
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace hive {
+
+/// Why something failed. The order is not part of the wire: the token is.
+enum class Errc {
+    invalid_argument,  ///< a value, a name or a call that can never be right
+    not_found,         ///< no such drone, input, output or parameter
+    unreachable,       ///< nobody answers at that address
+    connection_lost,   ///< the peer ended or was cut off while something was under way
+    timeout,           ///< the deadline passed before the answer came
+    refused,           ///< the drone understood and said no; the text gives its reason
+    type_mismatch,     ///< output and input speak different types; the text names both
+    halted,            ///< the drone has halted and takes nothing until it is resumed
+    name_taken,        ///< a living module has that name already
+    not_permitted,     ///< the peer or the user may not do this
+    too_large,         ///< over a limit of this end (SPEC.md, section 3)
+    malformed,         ///< bytes or JSON that break the protocol
+    version_mismatch,  ///< the peer speaks another version of the protocol
+    unsupported,       ///< a request that this module does not know
+    failed,            ///< user code threw
+    abandoned,         ///< every attempt at an event failed; it is given up
+    stopped,           ///< the module is ending
+    io                 ///< the operating system refused
+};
+
+/// One row of the table behind Errc.
+struct ErrorInfo {
+    Errc code;
+    std::string_view token;     ///< as written on the wire and in --json output
+    std::string_view sentence;  ///< what happened
+    std::string_view advice;    ///< what the caller can do
+};
+
+/// The row of a code.
+const ErrorInfo& info(Errc code) noexcept;
+
+/// The code of a wire token; Errc::failed for a token this version does not know.
+Errc errc_from_token(std::string_view token) noexcept;
+
+/// What Hive throws for bad input, peers and the operating system. Normal absence is std::optional instead.
+class Error : public std::runtime_error {
+public:
+    Error(Errc code, const std::string& text) : std::runtime_error(text), code_(code) {}
+    [[nodiscard]] Errc code() const noexcept { return code_; }
+
+private:
+    Errc code_;
+};
+
+}  // namespace hive

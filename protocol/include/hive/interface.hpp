@@ -1,0 +1,59 @@
+// What a drone offers: inputs, outputs and parameters, as `--describe` prints and `describe` answers them.
+#pragma once
+
+#include <hive/json.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+/// An input or an output. `type` is a comma-separated list of media types (see types_fit).
+struct Port {
+    std::string name;
+    std::string type;
+    std::string help;
+};
+
+enum class ParameterType { integer, number, text, flag };
+std::string_view token(ParameterType type) noexcept;  // "integer", "number", "text", "flag"
+
+/// A parameter and what it may be.
+struct ParameterInfo {
+    std::string name;
+    ParameterType type = ParameterType::text;
+    Json default_value;
+    std::optional<double> least, most;  ///< inclusive, for integer and number
+    std::vector<std::string> choices;   ///< not empty: a text that is one of these
+    std::string unit;                   ///< "px", "fps", "%"
+    std::string help;
+};
+
+/// The value a parameter takes when told `value`: of its declared type (a text is parsed, as the shell gives it) and
+/// within its range. Throws Errc::refused saying what is allowed.
+Json checked_value(const ParameterInfo& parameter, const Json& value);
+
+/// The range or the choices as people read them: "1.01 to 2", "jpeg | png | raw", or empty.
+std::string range_text(const ParameterInfo& parameter);
+
+/// The whole description of a drone.
+struct Interface {
+    std::string kind;     ///< "face": which program it is, whatever it is called in a swarm
+    std::string summary;  ///< one sentence
+    std::string version;
+    bool stateful = false;  ///< remembers earlier events, so its work cannot be shared
+    std::vector<Port> inputs, outputs;
+    std::vector<ParameterInfo> parameters;
+
+    /// The named port or parameter, or nullptr.
+    [[nodiscard]] const Port* input(std::string_view name) const;
+    [[nodiscard]] const Port* output(std::string_view name) const;
+    [[nodiscard]] const ParameterInfo* parameter(std::string_view name) const;
+};
+
+Json to_json(const Interface& interface);
+/// Reads what to_json wrote. Throws Errc::malformed.
+Interface interface_from_json(const Json& object);
+
+}  // namespace hive

@@ -1,0 +1,58 @@
+// The JSON headers of packets as values: what each says, how it is read and written (SPEC.md, sections 4 to 6).
+#pragma once
+
+#include <hive/error.hpp>
+#include <hive/json.hpp>
+#include <hive/protocol/packet.hpp>
+#include <hive/transfer.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace hive::protocol {
+
+/// The first packet of either end: who is there.
+struct Hello {
+    std::string name;        ///< of the module in its swarm
+    std::string kind;        ///< "face"; "application" for an application
+    std::int64_t epoch = 0;  ///< when the module started, microseconds since 1970: a restarted module has a larger one
+    std::int64_t pid = 0;
+};
+Json to_json(const Hello& hello);
+Hello hello_from_json(const Json& object);
+
+/// A receiver asks a sender for the events of an output. The channel in the prefix, chosen by the receiver, names the
+/// registration on this connection from then on.
+struct Registration {
+    std::int64_t id = 0;      ///< of the request; the confirmation repeats it
+    std::int64_t epoch = 0;   ///< of the registration; each request repeats it
+    std::string output;
+    std::string receiver;     ///< who: "face" or "face.image"
+    std::string accepts;      ///< the media types of its input
+    bool stateful = false;    ///< the receiver keeps state between events, so it cannot share
+    ConnectionOptions options;
+};
+Json to_json(const Registration& registration);
+Registration registration_from_json(const Json& object);
+
+/// A receiver asks for more. Both numbers count from the registration, so a lost, late or repeated request is harmless.
+struct Request {
+    std::int64_t epoch = 0;
+    std::int64_t id = 0;    ///< events asked for so far
+    std::int64_t done = 0;  ///< events dealt with so far: the acknowledgement
+};
+std::string to_text(const Request& request);
+Request request_from_json(const Json& object);
+
+/// The answer to a request: a result, or an error.
+struct Confirmation {
+    std::int64_t id = 0;
+    Json result;  ///< an object; meaningful without error
+    bool ok = true;
+    Errc code{};
+    std::string text;
+};
+Json to_json(const Confirmation& confirmation);
+Confirmation confirmation_from_json(const Json& object);
+
+}  // namespace hive::protocol

@@ -1,0 +1,51 @@
+// The table of error codes: token, sentence, advice.
+#include <hive/error.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace hive {
+namespace {
+
+constexpr std::array table{
+    ErrorInfo{Errc::invalid_argument, "invalid_argument", "that can never be right", "correct the call"},
+    ErrorInfo{Errc::not_found, "not_found", "there is no such thing", "check the name"},
+    ErrorInfo{Errc::unreachable, "unreachable", "nobody answers there", "start it, or check the address"},
+    ErrorInfo{Errc::connection_lost, "connection_lost", "the peer went away", "try again; the outcome is not known"},
+    ErrorInfo{Errc::timeout, "timeout", "no answer in time", "allow more time, or look what it is busy with"},
+    ErrorInfo{Errc::refused, "refused", "the drone said no", "read the reason"},
+    ErrorInfo{Errc::type_mismatch, "type_mismatch", "output and input do not fit", "connect other ports"},
+    ErrorInfo{Errc::halted, "halted", "the drone has halted", "resume it"},
+    ErrorInfo{Errc::name_taken, "name_taken", "the name is in use", "choose another name, or stop the holder"},
+    ErrorInfo{Errc::not_permitted, "not_permitted", "that is not allowed", "use the right account"},
+    ErrorInfo{Errc::too_large, "too_large", "over the limit", "send less, or have the operator raise the limit"},
+    ErrorInfo{Errc::malformed, "malformed", "not the protocol", "check what talks to this socket"},
+    ErrorInfo{Errc::version_mismatch, "version_mismatch", "another version of the protocol", "use matching versions"},
+    ErrorInfo{Errc::unsupported, "unsupported", "unknown request", "use matching versions"},
+    ErrorInfo{Errc::failed, "failed", "the drone's code failed", "read the text, correct the drone or its input"},
+    ErrorInfo{Errc::abandoned, "abandoned", "given up after several attempts", "look at the input and the workers"},
+    ErrorInfo{Errc::stopped, "stopped", "the module is ending", "start it again"},
+    ErrorInfo{Errc::io, "io", "the operating system refused", "read the text"},
+};
+
+constexpr bool in_order()
+{
+    for (std::size_t i = 0; i < table.size(); ++i)
+        if (static_cast<std::size_t>(table[i].code) != i)
+            return false;
+    return true;
+}
+static_assert(in_order(), "the table is indexed by the enumerator");
+static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
+
+}  // namespace
+
+const ErrorInfo& info(Errc code) noexcept { return table[static_cast<std::size_t>(code)]; }
+
+Errc errc_from_token(std::string_view token) noexcept
+{
+    const auto row = std::ranges::find(table, token, &ErrorInfo::token);
+    return row == table.end() ? Errc::failed : row->code;
+}
+
+}  // namespace hive

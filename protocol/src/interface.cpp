@@ -1,0 +1,103 @@
+// The interface description as JSON and back.
+#include <hive/error.hpp>
+#include <hive/interface.hpp>
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hive {
+namespace {
+
+template <class Item>
+const Item* find(const std::vector<Item>& items, std::string_view name)
+{
+    const auto found = std::ranges::find(items, name, &Item::name);
+    return found == items.end() ? nullptr : &*found;
+}
+
+Json to_json(const std::vector<Port>& ports)
+{
+    Json array = Json::array();
+    for (const auto& port : ports)
+        array.push_back({{"name", port.name}, {"type", port.type}, {"help", port.help}});
+    return array;
+}
+
+Json to_json(const ParameterInfo& parameter)
+{
+    Json object{{"name", parameter.name}, {"type", token(parameter.type)}, {"default", parameter.default_value},
+                {"unit", parameter.unit}, {"help", parameter.help}};
+    if (parameter.least)
+        object["min"] = *parameter.least;
+    if (parameter.most)
+        object["max"] = *parameter.most;
+    if (!parameter.choices.empty())
+        object["choices"] = parameter.choices;
+    return object;
+}
+
+std::vector<Port> ports(const Json& array)
+{
+    std::vector<Port> result;
+    for (const auto& item : array) {
+        const Fields fields(item, "port");
+        result.push_back({fields.name("name"), fields.text("type"), fields.text_or("help", "")});
+    }
+    return result;
+}
+
+ParameterType parameter_type(const std::string& text)
+{
+    for (const auto type : {ParameterType::integer, ParameterType::number, ParameterType::text, ParameterType::flag})
+        if (token(type) == text)
+            return type;
+    throw Error(Errc::malformed, "parameter: unknown type " + in_quotes(text));
+}
+
+std::optional<double> bound(const Json& object, const char* key)
+{
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+}
+
+ParameterInfo parameter(const Json& object)
+{
+    const Fields fields(object, "parameter");
+    ParameterInfo result{.name = fields.name("name"), .type = parameter_type(fields.text("type")),
+                         .default_value = object.value("default", Json()), .least = bound(object, "min"), .most = bound(object, "max"),
+                         .choices = {}, .unit = fields.text_or("unit", ""), .help = fields.text_or("help", "")};
+    if (fields.has("choices"))
+        for (const auto& choice : fields.array("choices"))
+            if (choice.is_string())
+                result.choices.push_back(choice.get<std::string>());
+    return result;
+}
+
+}  // namespace
+
+const Port* Interface::input(std::string_view name) const { return find(inputs, name); }
+const Port* Interface::output(std::string_view name) const { return find(outputs, name); }
+const ParameterInfo* Interface::parameter(std::string_view name) const { return find(parameters, name); }
+
+Json to_json(const Interface& interface)
+{
+    Json parameters = Json::array();
+    for (const auto& item : interface.parameters)
+        parameters.push_back(to_json(item));
+    return {{"kind", interface.kind},       {"summary", interface.summary},          {"version", interface.version},
+            {"stateful", interface.stateful}, {"inputs", to_json(interface.inputs)}, {"outputs", to_json(interface.outputs)},
+            {"parameters", parameters}};
+}
+
+Interface interface_from_json(const Json& object)
+{
+    const Fields fields(object, "interface");
+    Interface result{.kind = fields.name("kind"), .summary = fields.text_or("summary", ""), .version = fields.text_or("version", ""),
+                     .stateful = fields.flag_or("stateful", false), .inputs = ports(fields.array("inputs")),
+                     .outputs = ports(fields.array("outputs")), .parameters = {}};
+    for (const auto& item : fields.array("parameters"))
+        result.parameters.push_back(parameter(item));
+    return result;
+}
+
+}  // namespace hive

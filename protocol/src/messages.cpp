@@ -1,0 +1,75 @@
+// The JSON of hello, register, request and confirmation.
+#include <hive/protocol/messages.hpp>
+
+namespace hive::protocol {
+
+Json to_json(const Hello& hello)
+{
+    return {{"name", hello.name}, {"kind", hello.kind}, {"epoch", hello.epoch}, {"pid", hello.pid}};
+}
+
+Hello hello_from_json(const Json& object)
+{
+    const Fields fields(object, "hello");
+    return {fields.name("name"), fields.name("kind"), fields.integer("epoch", 0, max_json_integer), fields.integer_or("pid", 0, max_json_integer, 0)};
+}
+
+Json to_json(const Registration& registration)
+{
+    return {{"id", registration.id},
+            {"epoch", registration.epoch},
+            {"output", registration.output},
+            {"receiver", registration.receiver},
+            {"accepts", registration.accepts},
+            {"stateful", registration.stateful},
+            {"options", to_json(registration.options)}};
+}
+
+Registration registration_from_json(const Json& object)
+{
+    const Fields fields(object, "register");
+    return {.id = fields.integer("id", 0, max_json_integer),
+            .epoch = fields.integer("epoch", 0, max_json_integer),
+            .output = fields.name("output"),
+            .receiver = fields.text("receiver"),
+            .accepts = fields.text_or("accepts", "*/*"),
+            .stateful = fields.flag_or("stateful", false),
+            .options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{}};
+}
+
+std::string to_text(const Request& request)
+{
+    return "{\"epoch\":" + std::to_string(request.epoch) + ",\"id\":" + std::to_string(request.id) + ",\"done\":" + std::to_string(request.done) + "}";
+}
+
+Request request_from_json(const Json& object)
+{
+    const Fields fields(object, "request");
+    return {fields.integer("epoch", 0, max_json_integer), fields.integer("id", 0, max_json_integer),
+            fields.integer_or("done", 0, max_json_integer, 0)};
+}
+
+Json to_json(const Confirmation& confirmation)
+{
+    if (confirmation.ok)
+        return {{"id", confirmation.id}, {"result", confirmation.result.is_null() ? Json::object() : confirmation.result}};
+    return {{"id", confirmation.id}, {"error", {{"code", info(confirmation.code).token}, {"text", confirmation.text}}}};
+}
+
+Confirmation confirmation_from_json(const Json& object)
+{
+    const Fields fields(object, "confirmation");
+    Confirmation confirmation;
+    confirmation.id = fields.integer("id", 0, max_json_integer);
+    if (fields.has("error")) {
+        const Fields error(fields.object("error"), "confirmation error");
+        confirmation.ok = false;
+        confirmation.code = errc_from_token(error.text("code"));
+        confirmation.text = error.text_or("text", "");
+    } else {
+        confirmation.result = fields.object("result");
+    }
+    return confirmation;
+}
+
+}  // namespace hive::protocol

@@ -1,0 +1,71 @@
+// The grammar of names, globs over them, and the nearest one to a misspelt one.
+#include <hive/error.hpp>
+#include <hive/json.hpp>
+#include <hive/name.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace hive {
+namespace {
+
+bool is_alphanumeric(char c) noexcept
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+}  // namespace
+
+bool is_name(std::string_view text) noexcept
+{
+    return !text.empty() && text.size() <= 64 && is_alphanumeric(text.front())
+        && text.find("..") == std::string_view::npos
+        && std::ranges::all_of(text, [](char c) { return is_alphanumeric(c) || c == '_' || c == '.' || c == '-'; });
+}
+
+std::string require_name(std::string_view text, std::string_view what)
+{
+    if (!is_name(text))
+        throw Error(Errc::invalid_argument, in_quotes(text) + " is not a " + std::string(what)
+                        + " name: 1 to 64 letters, digits, '_', '.' or '-', starting with a letter or digit");
+    return std::string(text);
+}
+
+bool matches_glob(std::string_view pattern, std::string_view text) noexcept
+{
+    std::size_t p = 0, t = 0, star = std::string_view::npos, resume = 0;
+    while (t < text.size()) {
+        if (p < pattern.size() && (pattern[p] == '?' || (pattern[p] == text[t] && pattern[p] != '*'))) {
+            ++p;
+            ++t;
+        } else if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            resume = t;
+        } else if (star != std::string_view::npos) {
+            p = star + 1;
+            t = ++resume;
+        } else {
+            return false;
+        }
+    }
+    return std::ranges::all_of(pattern.substr(p), [](char c) { return c == '*'; });
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b)
+{
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({row[j + 1] + 1, row[j] + 1, substituted});
+        }
+    }
+    return row.back();
+}
+
+}  // namespace hive

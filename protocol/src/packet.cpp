@@ -1,0 +1,99 @@
+// Encoding and checking of prefixes.
+#include <hive/error.hpp>
+#include <hive/protocol/packet.hpp>
+
+#include <cstring>
+
+namespace hive::protocol {
+namespace {
+
+template <class Number>
+void put(unsigned char* at, Number value) noexcept
+{
+    for (std::size_t i = 0; i < sizeof value; ++i)
+        at[i] = static_cast<unsigned char>(value >> (8 * i));
+}
+
+template <class Number>
+Number get(const unsigned char* at) noexcept
+{
+    Number value = 0;
+    for (std::size_t i = 0; i < sizeof value; ++i)
+        value = static_cast<Number>(value | static_cast<Number>(at[i]) << (8 * i));
+    return value;
+}
+
+void require_size(std::string_view part, std::uint32_t size, std::uint32_t limit)
+{
+    if (size > limit)
+        throw Error(Errc::too_large, std::string(part) + " of " + std::to_string(size) + " bytes, limit " + std::to_string(limit));
+}
+
+}  // namespace
+
+std::string_view token(PacketType type) noexcept
+{
+    switch (type) {
+    case PacketType::hello: return "hello";
+    case PacketType::ping: return "ping";
+    case PacketType::pong: return "pong";
+    case PacketType::register_receiver: return "register";
+    case PacketType::deregister: return "deregister";
+    case PacketType::request: return "request";
+    case PacketType::event: return "event";
+    case PacketType::notification: return "notification";
+    case PacketType::exception: return "exception";
+    case PacketType::connect: return "connect";
+    case PacketType::disconnect: return "disconnect";
+    case PacketType::set: return "set";
+    case PacketType::get: return "get";
+    case PacketType::describe: return "describe";
+    case PacketType::status: return "status";
+    case PacketType::halt: return "halt";
+    case PacketType::resume: return "resume";
+    case PacketType::stop: return "stop";
+    case PacketType::put: return "put";
+    case PacketType::confirmation: return "confirmation";
+    }
+    return {};
+}
+
+PrefixBytes encode(const Prefix& prefix) noexcept
+{
+    PrefixBytes bytes{};
+    std::memcpy(bytes.data(), magic.data(), magic.size());
+    bytes[4] = version;
+    bytes[5] = static_cast<unsigned char>(prefix.type);
+    put(&bytes[6], prefix.channel);
+    put(&bytes[8], prefix.header_size);
+    put(&bytes[12], prefix.body_size);
+    return bytes;
+}
+
+Prefix decode_prefix(const unsigned char* bytes, const Limits& limits)
+{
+    if (std::memcmp(bytes, magic.data(), magic.size()) != 0)
+        throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
+    if (bytes[4] != version)
+        throw Error(Errc::version_mismatch, "the peer speaks version " + std::to_string(bytes[4]) + " of the protocol, this end version "
+                        + std::to_string(version));
+    Prefix prefix{static_cast<PacketType>(bytes[5]), get<std::uint16_t>(&bytes[6]), get<std::uint32_t>(&bytes[8]),
+                  get<std::uint32_t>(&bytes[12])};
+    if (token(prefix.type).empty())
+        throw Error(Errc::malformed, "packet type " + std::to_string(bytes[5]) + " does not exist");
+    require_size("header", prefix.header_size, limits.header);
+    require_size("body", prefix.body_size, limits.body);
+    return prefix;
+}
+
+Prefix Packet::prefix() const
+{
+    return {type, channel, static_cast<std::uint32_t>(header_text().size()), static_cast<std::uint32_t>(body.size())};
+}
+
+Packet make_packet(PacketType type, std::string header, std::uint16_t channel, Body body)
+{
+    return {type, channel, std::make_shared<const std::string>(std::move(header)), std::move(body)};
+}
+
+}  // namespace hive::protocol

@@ -1,0 +1,56 @@
+# How everything in Hive is compiled: language level, warnings, sanitizers, and the functions that add a layer or a drone.
+include(CTest)
+include(GNUInstallDirs)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo)
+endif()
+
+set(HIVE_SANITIZE "" CACHE STRING "sanitizers for the whole build, as for -fsanitize=")
+option(HIVE_FUZZ "build the libFuzzer targets (needs clang)" OFF)
+
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror=return-type)
+if(HIVE_SANITIZE)
+  add_compile_options(-fsanitize=${HIVE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${HIVE_SANITIZE})
+endif()
+if(HIVE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
+find_package(Threads REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+
+# A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
+# sideways include does not compile.
+function(hive_layer name)
+  cmake_parse_arguments(PARSE_ARGV 1 layer "" "" "SOURCES;DEPENDS")
+  add_library(${name} OBJECT ${layer_SOURCES})
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
+  target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
+  set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
+endfunction()
+
+# A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME.
+function(hive_drone name)
+  cmake_parse_arguments(PARSE_ARGV 1 drone "" "" "ALGORITHM;LIBRARIES")
+  if(drone_ALGORITHM)
+    add_library(${name}_algorithm STATIC ${drone_ALGORITHM})
+    target_include_directories(${name}_algorithm PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+    target_link_libraries(${name}_algorithm PUBLIC ${drone_LIBRARIES})
+  endif()
+  add_executable(hive-${name} main.cpp)
+  target_link_libraries(hive-${name} PRIVATE hive hive_vision)
+  if(drone_ALGORITHM)
+    target_link_libraries(hive-${name} PRIVATE ${name}_algorithm)
+  endif()
+  set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
+  install(TARGETS hive-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
