@@ -6,7 +6,8 @@
 #include <hive/vision/image.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include <array>
+#include <algorithm>
+#include <iterator>
 
 using hive::Body;
 using hive::Errc;
@@ -36,13 +37,14 @@ void check_like_opencv(const media::Bytes& bytes, const std::string& type)
 /// The JPEG with an EXIF segment of one entry, the orientation.
 media::Bytes with_orientation(const media::Bytes& jpeg, unsigned char orientation, bool big_endian)
 {
-    media::Bytes exif{0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0, 0};
+    const media::Bytes segment{0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0, 0};
     const media::Bytes big{'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0};
     const media::Bytes little{'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0};
-    exif.insert(exif.end(), (big_endian ? big : little).begin(), (big_endian ? big : little).end());
-    media::Bytes result(jpeg.begin(), jpeg.begin() + 2);
-    result.insert(result.end(), exif.begin(), exif.end());
-    result.insert(result.end(), jpeg.begin() + 2, jpeg.end());
+    media::Bytes result;
+    std::copy(jpeg.begin(), jpeg.begin() + 2, std::back_inserter(result));
+    std::ranges::copy(segment, std::back_inserter(result));
+    std::ranges::copy(big_endian ? big : little, std::back_inserter(result));
+    std::copy(jpeg.begin() + 2, jpeg.end(), std::back_inserter(result));
     return result;
 }
 
