@@ -16,6 +16,7 @@ endif()
 set(HIVE_SANITIZE "" CACHE STRING "sanitizers for the whole build, as for -fsanitize=")
 option(HIVE_FUZZ "build the libFuzzer targets (needs clang)" OFF)
 
+add_compile_definitions(HIVE_VERSION="${PROJECT_VERSION}" ASIO_STANDALONE ASIO_NO_DEPRECATED)
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror=return-type)
 if(HIVE_SANITIZE)
   add_compile_options(-fsanitize=${HIVE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -27,6 +28,8 @@ endif()
 
 find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)
 
 # A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
 # sideways include does not compile.

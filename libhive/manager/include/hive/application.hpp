@@ -31,7 +31,8 @@ struct Endpoint {
 };
 
 struct CollectOptions {
-    ConnectionOptions connection{.transfer = Transfer::streaming};
+    /// A wide window: nothing is skipped unless the collector falls that far behind, and of a source on demand nothing at all.
+    ConnectionOptions connection{.window = 64, .group = {}, .lease = {}};
     bool ordered = false;  ///< results of one source in the order of its captures, however many workers made them
     /// Ordered: how long a missing result holds up those after it. Live events never wait longer than 1 s.
     std::chrono::milliseconds patience{30'000};

@@ -50,9 +50,7 @@ public:
     void emit(Json header = Json::object(), Body body = {}, std::string type = {}) const;
     /// As above, with a body that is made only if it is wanted().
     void emit(Json header, const std::function<Body()>& body, std::string type = {}) const;
-    /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless).
-    void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, Body body, std::string type = {}) const;
-    /// As above, with a body that is made (before this returns) only if it is wanted().
+    /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless). The body is made only if it is wanted().
     void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body,
                        std::string type = {}) const;
 

@@ -1,0 +1,141 @@
+// hivectl complete: what may stand at the end of an unfinished command line; asked by the completion scripts.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../programs.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+#include <algorithm>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+using Words = std::vector<std::string>;
+
+/// The ports of the drone that `current` names before its dot, or all drones.
+Words ends(hive::Application& application, const std::string& current, bool outputs)
+{
+    const Words drones = application.drones();
+    for (const auto& drone : drones)
+        if (current.starts_with(drone + ".")) {
+            const auto interface = application.describe(drone);
+            Words ports;
+            for (const auto& port : outputs ? interface.outputs : interface.inputs)
+                ports.push_back(drone + "." + port.name);
+            return ports;
+        }
+    return drones;
+}
+
+Words parameters(hive::Application& application, const std::string& drone, const std::string& after)
+{
+    Words names;
+    for (const auto& name : application.find(drone).empty() ? Words{} : application.find(drone))
+        for (const auto& parameter : application.describe(name).parameters)
+            if (std::ranges::find(names, parameter.name + after) == names.end())
+                names.push_back(parameter.name + after);
+    return names;
+}
+
+Words operands(Operand operand, const std::string& first, const std::string& current, Session& session)
+{
+    switch (operand) {
+    case Operand::kind: return kinds();
+    case Operand::drone: return session.application(300ms).drones();
+    case Operand::sender: return ends(session.application(300ms), current, true);
+    case Operand::receiver: return ends(session.application(300ms), current, false);
+    case Operand::parameter: return parameters(session.application(300ms), first, "");
+    case Operand::setting: return parameters(session.application(300ms), first, "=");
+    case Operand::file:
+    case Operand::other: break;
+    }
+    return {};
+}
+
+Words flags(const CLI::App& app)
+{
+    Words names{"--json", "--timeout", "--help"};
+    for (const CLI::Option* option : app.get_options())
+        for (const auto& name : option->get_lnames())
+            names.push_back("--" + name);
+    return names;
+}
+
+/// Does the option `word` take the next word as its value?
+bool takes_value(const CLI::App& app, const std::string& word)
+{
+    if (word == "--timeout")
+        return true;
+    const CLI::Option* option = word.starts_with('-') ? app.get_option_no_throw(word) : nullptr;
+    return option && option->get_items_expected_max() > 0;
+}
+
+Words candidates(const Words& words, Session& session)
+{
+    const auto all = verbs();
+    if (words.size() < 2) {
+        Words names;
+        for (const auto& verb : all)
+            if (!verb.group.empty())
+                names.emplace_back(verb.name);
+        return names;
+    }
+    const Verb* verb = verb_named(all, words[0]);
+    if (!verb)
+        return {};
+    CLI::App app;
+    Session unused;
+    const Run declared = verb->declare(app, unused);
+    const std::string& current = words.back();
+    if (takes_value(app, words[words.size() - 2]))
+        return {};
+    if (current.starts_with('-'))
+        return flags(app);
+    Words before;
+    for (std::size_t i = 1; i + 1 < words.size(); ++i)
+        if (!words[i].starts_with('-') && !takes_value(app, words[i - 1]))
+            before.push_back(words[i]);
+    if (verb->operands.empty())
+        return {};
+    const auto place = std::min(before.size(), verb->operands.size() - 1);
+    return operands(verb->operands[place], before.empty() ? "" : before.front(), current, session);
+}
+
+int run(const Words& words, Session& session)
+{
+    Words fitting;
+    try {
+        fitting = candidates(words, session);
+    } catch (const hive::Error&) {
+        // Somebody is typing: a swarm that does not answer completes nothing, and says nothing.
+    }
+    std::erase_if(fitting, [&](const std::string& word) { return !words.empty() && !word.starts_with(words.back()); });
+    std::string text;
+    for (const auto& word : fitting)
+        text += word + "\n";
+    write_out(session.json ? json_text(fitting) + "\n" : text);
+    return exit_code::done;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto words = std::make_shared<Words>();
+    app.add_option("WORD", *words, "the words after hivectl; the last one is being typed");
+    return [words, &session] { return run(*words, session); };
+}
+
+}  // namespace
+
+Verb complete_verb()
+{
+    return {.name = "complete",
+            .usage = "-- WORD...",
+            .summary = "Lists what may stand in place of the last word; for the scripts of hivectl completion",
+            .operands = {Operand::other},
+            .declare = declare};
+}
+
+}  // namespace hivectl

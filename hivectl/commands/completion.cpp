@@ -1,0 +1,74 @@
+// hivectl completion: the scripts that make a shell complete verbs, drones, ports and parameters.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+// All three only ask `hivectl complete` for the words that fit; nothing about verbs is known here.
+constexpr std::string_view bash_script = R"(# bash completion of hivectl; use it with: source <(hivectl completion bash)
+_hivectl()
+{
+    local current=${COMP_WORDS[COMP_CWORD]}
+    local previous=${COMP_WORDS[COMP_CWORD-1]}
+    [[ $current == "=" || $previous == "=" ]] && return
+    local IFS=$'\n'
+    COMPREPLY=($(hivectl complete -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null))
+    [[ ${COMPREPLY[0]} == *[=.] ]] && compopt -o nospace
+}
+complete -o default -F _hivectl hivectl
+)";
+
+constexpr std::string_view zsh_script = R"(#compdef hivectl
+# zsh completion of hivectl; use it with: source <(hivectl completion zsh)
+_hivectl()
+{
+    local -a found open closed
+    found=("${(@f)$(hivectl complete -- "${(@)words[2,CURRENT]}" 2>/dev/null)}")
+    found=(${found:#})
+    (( $#found )) || { _files; return }
+    open=(${(M)found:#*[=.]})
+    closed=(${found:#*[=.]})
+    (( $#open )) && compadd -S '' -- $open
+    (( $#closed )) && compadd -- $closed
+}
+compdef _hivectl hivectl
+)";
+
+constexpr std::string_view fish_script = R"(# fish completion of hivectl; use it with: hivectl completion fish | source
+function __hivectl_complete
+    set -l words (commandline -opc) (commandline -ct)
+    hivectl complete -- $words[2..-1] 2>/dev/null
+end
+complete -c hivectl -a '(__hivectl_complete)'
+)";
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto shell = std::make_shared<std::string>();
+    app.add_option("SHELL", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    return [shell, &session] {
+        const std::string script(*shell == "bash" ? bash_script : *shell == "zsh" ? zsh_script : fish_script);
+        write_out(session.json ? Row{{"shell", *shell}, {"script", script}}.json() + "\n" : script);
+        return exit_code::done;
+    };
+}
+
+}  // namespace
+
+Verb completion_verb()
+{
+    return {.name = "completion",
+            .group = "shell",
+            .usage = "bash|zsh|fish",
+            .summary = "Prints a script that completes verbs, live drones, ports and parameters",
+            .examples = "source <(hivectl completion bash)",
+            .operands = {Operand::other},
+            .declare = declare};
+}
+
+}  // namespace hivectl

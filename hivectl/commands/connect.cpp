@@ -1,0 +1,95 @@
+// hivectl connect: sends the events of an output to inputs.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+struct Options {
+    std::string sender;
+    std::vector<std::string> receivers;
+    bool stream = false, notify = false, share = false, first_frame = false;
+    int window = 1;
+    std::string group;
+    std::optional<double> lease_s;
+};
+
+hive::ConnectionOptions connection_of(const Options& options, const std::string& sender)
+{
+    hive::ConnectionOptions connection;
+    connection.transfer = options.stream ? hive::Transfer::streaming : hive::Transfer::synchronized;
+    connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
+    connection.window = options.window;
+    connection.group = options.group.empty() && options.share ? sender : options.group;
+    connection.first_frame = options.first_frame;
+    if (options.lease_s && connection.group.empty())
+        throw hive::Error(hive::Errc::invalid_argument, "--lease is for shared work; add --share or --group NAME");
+    if (options.lease_s)
+        connection.lease = std::chrono::milliseconds(static_cast<std::int64_t>(*options.lease_s * 1000));
+    return connection;
+}
+
+void report(const std::pair<hive::Endpoint, hive::Endpoint>& ends, const hive::ConnectionOptions& connection, bool json)
+{
+    const auto from = to_text(ends.first), to = to_text(ends.second);
+    write_out(json ? Row{{"from", from}, {"to", to}, {"options", hive::to_json(connection)}}.json() + "\n" : from + " -> " + to + "\n");
+}
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application();
+    const auto sender = application.endpoint(options.sender);
+    const auto connection = connection_of(options, sender.drone);
+    Outcome outcome("connect");
+    for (const auto& receiver : endpoints_named(application, options.receivers)) {
+        try {
+            report(application.connect(sender, receiver, connection), connection, session.json);
+            outcome.done();
+        } catch (const hive::Error& error) {
+            outcome.failed(to_text(receiver), error);
+        }
+    }
+    return outcome.exit_code();
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("SENDER", options->sender, "drone or drone.output; the output goes without saying when only one fits")->required();
+    app.add_option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")->required();
+    auto* stream = app.add_flag("--stream", options->stream, "send every event, not only the newest when the receiver is ready; what it cannot keep up with is dropped and counted");
+    app.add_option("--window", options->window, "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
+        ->type_name("N")->check(CLI::Range(1, 64))->excludes(stream);
+    app.add_flag("--notify", options->notify, "send headers without bodies");
+    app.add_flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest");
+    app.add_option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")->type_name("NAME");
+    app.add_option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
+        ->type_name("SECONDS")->check(CLI::Range(0.001, 1e6, "SECONDS"));
+    app.add_flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb connect_verb()
+{
+    return {.name = "connect",
+            .group = "wire them",
+            .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
+            .summary = "Sends the events of one drone to others",
+            .details = "Returns when both ends have confirmed, and prints the ports that were joined. By default a receiver gets the "
+                       "newest event each time it is ready for one, so it is never behind. The connection is made again by itself "
+                       "when an end restarts.",
+            .examples = "hivectl connect camera face\n"
+                        "hivectl connect camera.image face.image --window 2\n"
+                        "hivectl connect camera 'face-*' --share  divide the pictures among all of them",
+            .operands = {Operand::sender, Operand::receiver},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,95 @@
+// hivectl describe: a drone's inputs, outputs and parameters.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+std::vector<Row> port_rows(const std::vector<hive::Port>& ports)
+{
+    std::vector<Row> rows;
+    for (const auto& port : ports)
+        rows.push_back({{"name", port.name}, {"type", port.type}, {"help", port.help}});
+    return rows;
+}
+
+std::vector<Row> parameter_rows(const hive::Interface& interface, const hive::Json& values)
+{
+    std::vector<Row> rows;
+    for (const auto& parameter : interface.parameters)
+        rows.push_back({{"name", parameter.name},
+                        {"value", bare(values.value(parameter.name, hive::Json()))},
+                        {"default", bare(parameter.default_value)},
+                        {"type", std::string(token(parameter.type))},
+                        {"range", hive::range_text(parameter)},
+                        {"unit", parameter.unit},
+                        {"help", parameter.help}});
+    return rows;
+}
+
+std::string section(std::string_view title, const std::string& table)
+{
+    return "\n" + std::string(title) + (table.empty() ? ": none\n" : ":\n" + table);
+}
+
+std::string text_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
+{
+    const std::vector<Column> ports{{"NAME", "name"}, {"TYPE", "type"}, {"HELP", "help"}};
+    const std::vector<Column> parameters{{"NAME", "name"}, {"VALUE", "value"}, {"DEFAULT", "default"}, {"TYPE", "type"},
+                                         {"RANGE", "range"}, {"UNIT", "unit"}, {"HELP", "help"}};
+    return name + ": " + printable(interface.kind) + " " + printable(interface.version) + (interface.stateful ? ", keeps state between events" : "")
+         + "\n" + printable(interface.summary) + "\n"
+         + section("inputs", table_text(ports, port_rows(interface.inputs)))
+         + section("outputs", table_text(ports, port_rows(interface.outputs)))
+         + section("parameters", table_text(parameters, parameter_rows(interface, values)));
+}
+
+int run(const std::vector<std::string>& words, Session& session)
+{
+    auto& application = session.application();
+    bool first = true;
+    for (const auto& name : drones_named(application, words)) {
+        const auto interface = application.describe(name);
+        const auto values = application.get(name);
+        if (session.json) {
+            auto object = hive::to_json(interface);
+            object["name"] = name;
+            object["values"] = values;
+            write_out(json_text(object) + "\n");
+        } else {
+            write_out((first ? "" : "\n") + text_of(name, interface, values));
+        }
+        first = false;
+    }
+    return exit_code::done;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto names = std::make_shared<std::vector<std::string>>();
+    app.add_option("NAME", *names, "drones or globs")->required();
+    return [names, &session] { return run(*names, session); };
+}
+
+}  // namespace
+
+Verb describe_verb()
+{
+    return {.name = "describe",
+            .group = "run drones",
+            .usage = "NAME... [options]",
+            .summary = "Shows what a drone receives, produces and can be told",
+            .details = "Inputs and outputs with their media types; parameters with present value, default, type, range and unit. "
+                       "With --json one object a drone.",
+            .examples = "hivectl describe face\n"
+                        "hivectl describe face --json | jq .parameters",
+            .operands = {Operand::drone},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,59 @@
+// hivectl disconnect: undoes connect.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+struct Options {
+    std::string sender;
+    std::vector<std::string> receivers;
+};
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application();
+    const auto sender = application.endpoint(options.sender);
+    Outcome outcome("disconnect");
+    for (const auto& receiver : endpoints_named(application, options.receivers)) {
+        try {
+            application.disconnect(sender, receiver);
+            outcome.done();
+            const auto from = to_text(sender), to = to_text(receiver);
+            write_out(session.json ? Row{{"from", from}, {"to", to}}.json() + "\n" : from + " -x- " + to + "\n");
+        } catch (const hive::Error& error) {
+            outcome.failed(to_text(receiver), error);
+        }
+    }
+    return outcome.exit_code();
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("SENDER", options->sender, "drone or drone.output")->required();
+    app.add_option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")->required();
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb disconnect_verb()
+{
+    return {.name = "disconnect",
+            .group = "wire them",
+            .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
+            .summary = "Undoes connect",
+            .details = "Without ports, every connection between the two.",
+            .examples = "hivectl disconnect camera face\n"
+                        "hivectl disconnect camera 'face-*'",
+            .operands = {Operand::sender, Operand::receiver},
+            .declare = declare};
+}
+
+}  // namespace hivectl

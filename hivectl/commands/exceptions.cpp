@@ -1,0 +1,132 @@
+// hivectl exceptions: what went wrong in drones, and what they do then.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+    std::vector<std::string> names;
+    bool follow = false;
+    std::int64_t count = 0;  // 0: without end
+    std::string policy;
+};
+
+const std::vector<Column> columns{{"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"}, {"TEXT", "text"}};
+
+int show_last(const std::vector<std::string>& drones, Session& session)
+{
+    std::vector<Row> rows;
+    Outcome outcome("exceptions");
+    for (const auto& answer : session.application().status(drones)) {
+        answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
+        const auto& exception = object_in(answer.result, "last_exception");
+        if (exception.empty())
+            continue;
+        Row& row = rows.emplace_back(Row{{"drone", answer.drone}});
+        for (const auto& [key, value] : exception.items())
+            if (key != "drone")
+                row.add(key, value);
+    }
+    print_rows(session.json, columns, rows);
+    return outcome.exit_code();
+}
+
+std::string line_of(const hive::Event& event, bool json)
+{
+    const auto& header = event.header;
+    const Row row{{"drone", event.sender}, {"code", text_in(header, "code")}, {"policy", text_in(header, "policy")}, {"source", event.identity.source},
+                  {"epoch", event.identity.epoch}, {"seq", event.identity.sequence}, {"header", header}};
+    if (json)
+        return row.json() + "\n";
+    std::string text = printable(event.sender) + " " + printable(row.text("code")) + " (" + printable(row.text("policy")) + "): " + printable(text_in(header, "text"));
+    if (event.identity.sequence > 0)
+        text += " [" + printable(event.identity.source) + " " + std::to_string(event.identity.sequence) + "]";
+    return text + "\n";
+}
+
+int follow(const std::vector<std::string>& drones, const Options& options, Session& session)
+{
+    const auto collector = session.application().exceptions(drones);
+    const interrupt::Deferred deferred;
+    auto last = Clock::now();
+    for (std::int64_t printed = 0; !interrupt::requested();) {
+        if (const auto event = collector->next(100ms)) {
+            write_out(line_of(*event, session.json));
+            if (++printed == options.count)
+                return exit_code::done;
+            last = Clock::now();
+        } else if (session.timeout_s && Clock::now() - last >= session.timeout()) {
+            complain("exceptions", "none came for " + duration_text(session.timeout() / 1us));
+            return exit_code::timed_out;
+        }
+    }
+    return exit_code::interrupted;
+}
+
+int change_policy(const Options& options, const std::vector<std::string>& drones, Session& session)
+{
+    const auto policy = hive::from_token<hive::ExceptionPolicy>(options.policy, "--on-exception");
+    Outcome outcome("exceptions");
+    for (const auto& drone : drones) {
+        try {
+            session.application().exception_policy(drone, policy);
+            outcome.done();
+            write_out(session.json ? Row{{"drone", drone}, {"on_exception", options.policy}}.json() + "\n" : drone + " " + options.policy + "\n");
+        } catch (const hive::Error& error) {
+            outcome.failed(drone, error);
+        }
+    }
+    return outcome.exit_code();
+}
+
+int run(const Options& options, Session& session)
+{
+    if (!options.policy.empty() && options.names.empty())
+        throw hive::Error(hive::Errc::invalid_argument, "--on-exception needs the names of the drones; for all of them: hivectl exceptions '*' --on-exception " + options.policy);
+    auto& application = session.application();
+    const auto drones = options.names.empty() ? application.drones() : drones_named(application, options.names);
+    if (!options.policy.empty())
+        return change_policy(options, drones, session);
+    return options.follow ? follow(drones, options, session) : show_last(drones, session);
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->names, "drones or globs (default: all that run)");
+    auto* following = app.add_flag("-f,--follow", options->follow, "print each one as it happens, until Ctrl-C");
+    app.add_option("-n", options->count, "with --follow: end after this many")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53))->needs(following);
+    app.add_option("--on-exception", options->policy, "change what the drones do from now on: skip the input and go on, or halt until resumed")
+        ->type_name("skip|halt")->check(CLI::IsMember({"skip", "halt"}))->excludes(following);
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb exceptions_verb()
+{
+    return {.name = "exceptions",
+            .group = "when something goes wrong",
+            .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
+            .summary = "Shows what went wrong in drones; says what they do then",
+            .details = "An exception is what a drone's code threw. Without options, the last one of each drone.",
+            .examples = "hivectl exceptions\n"
+                        "hivectl exceptions face --follow\n"
+                        "hivectl exceptions 'face-*' --on-exception halt",
+            .timeout = "give up after this long (default 5); with --follow: when none came for this long (default: never)",
+            .operands = {Operand::drone},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,73 @@
+// hivectl get: reads parameters.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../settings.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+struct Options {
+    std::string target;
+    std::vector<std::string> names;
+};
+
+int get_one(const Options& options, Session& session)
+{
+    const auto values = session.application().get(options.target, options.names);
+    if (session.json)
+        write_out(json_text(values) + "\n");
+    else if (options.names.size() == 1)
+        write_out(settings_text(values));
+    else
+        for (const auto& [key, value] : values.items())
+            write_out(key + "=" + bare(value) + "\n");
+    return exit_code::done;
+}
+
+int get_many(const Options& options, Session& session)
+{
+    auto& application = session.application();
+    Outcome outcome("get");
+    for (const auto& answer : application.get(application.find(options.target), options.names)) {
+        if (answer.error) {
+            outcome.failed(answer.drone, *answer.error);
+            continue;
+        }
+        outcome.done();
+        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n" : settings_text(answer.drone, answer.result));
+    }
+    return outcome.exit_code();
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->target, "a drone, or a glob such as 'face-*'")->required();
+    app.add_option("PARAMETER", options->names, "which parameters (default: all)");
+    return [options, &session] { return is_glob(options->target) ? get_many(*options, session) : get_one(*options, session); };
+}
+
+}  // namespace
+
+Verb get_verb()
+{
+    return {.name = "get",
+            .group = "configure them",
+            .usage = "NAME [PARAMETER...] [options]",
+            .summary = "Reads parameters",
+            .details = "One parameter of one drone is printed bare, several as key=value, those of a glob with the drone before them. "
+                       "Answered even while the drone is busy. With --json an object of values; with a glob one "
+                       "{\"drone\", \"values\"} a line.",
+            .examples = "hivectl get face scale\n"
+                        "hivectl get face\n"
+                        "hivectl get 'face-*' scale",
+            .operands = {Operand::drone, Operand::parameter},
+            .declare = declare};
+}
+
+}  // namespace hivectl

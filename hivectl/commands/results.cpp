@@ -1,0 +1,117 @@
+// hivectl results: what drones find, one JSON object a line.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+    std::vector<std::string> names;
+    std::int64_t count = 0;  // 0: without end
+    bool ordered = false, notify = false, sync = false;
+    int window = 0;  // 0: not said
+};
+
+hive::CollectOptions collecting(const Options& options)
+{
+    hive::CollectOptions result;
+    result.ordered = options.ordered;
+    result.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
+    if (options.sync || options.window > 0)
+        result.connection.transfer = hive::Transfer::synchronized;
+    result.connection.window = std::max(1, options.window);
+    return result;
+}
+
+std::string line_of(const hive::Event& event)
+{
+    const auto& identity = event.identity;
+    return Row{{"source", identity.source}, {"epoch", identity.epoch}, {"seq", identity.sequence}, {"sender", event.sender},
+               {"output", event.output}, {"time_us", identity.captured_us}, {"age_ms", static_cast<double>(event.age().count()) / 1000},
+               {"size", event.size}, {"header", event.header}}.json() + "\n";
+}
+
+void summarize(const hive::CollectCounts& counts)
+{
+    std::string text;
+    for (const auto& [count, what] : {std::pair{counts.missing, "missing"}, {counts.dropped, "dropped here because they were not taken in time"},
+                                      {counts.duplicates, "second answers refused"}, {counts.failed, "reported as exceptions instead"}})
+        if (count > 0)
+            text += ", " + std::to_string(count) + " " + what;
+    if (!text.empty())
+        complain("results", std::to_string(counts.received) + " received" + text);
+}
+
+/// Prints until `count` came, nothing came for `patience`, or Ctrl-C; returns the exit code.
+int print_events(hive::Collector& collector, std::int64_t count, std::optional<std::chrono::milliseconds> patience)
+{
+    const interrupt::Deferred deferred;
+    auto last = Clock::now();
+    for (std::int64_t printed = 0; !interrupt::requested();) {
+        if (const auto event = collector.next(std::min(patience.value_or(100ms), 100ms))) {
+            write_out(line_of(*event));
+            if (++printed == count)
+                return exit_code::done;
+            last = Clock::now();
+        } else if (patience && Clock::now() - last >= *patience) {
+            complain("results", "nothing came for " + duration_text(*patience / 1us) + "; see what is connected: hivectl edges");
+            return exit_code::timed_out;
+        }
+    }
+    return exit_code::interrupted;
+}
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application();
+    auto outputs = endpoints_named(application, options.names);
+    for (auto& output : outputs)
+        if (output.port.empty())
+            output.port = usual_output(application.describe(output.drone), output.drone, "application/json");
+    const auto collector = application.collect(outputs, collecting(options));
+    const int code = print_events(*collector, options.count, session.timeout_s ? std::optional(session.timeout()) : std::nullopt);
+    summarize(collector->counts());
+    return code;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->names, "drones, drone.output, or globs; the output goes without saying when only one is JSON")->required();
+    app.add_option("-n", options->count, "end after this many")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
+    app.add_flag("--ordered", options->ordered, "in the order of capture, however many drones share the work");
+    app.add_flag("--notify", options->notify, "ask for headers only; the drone need not make the bodies");
+    app.add_flag("--sync", options->sync, "ask for each result when the last one is printed, instead of taking all of them");
+    app.add_option("--window", options->window, "as --sync, asking for this many ahead")->type_name("N")->check(CLI::Range(1, 64));
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb results_verb()
+{
+    return {.name = "results",
+            .group = "look",
+            .usage = "NAME[.OUTPUT]... [-n N] [options]",
+            .summary = "Prints what drones find, one JSON object a line",
+            .details = "Each has source, epoch and seq of the capture it belongs to, the sender and output it came from, time_us (of the "
+                       "capture, microseconds since 1970), age_ms, size (of the body, bytes) and header (what the drone found). If "
+                       "anything was lost, refused or failed, the last line on stderr says how much.",
+            .examples = "hivectl results face -n 5\n"
+                        "hivectl results 'face-*' --ordered | jq .header",
+            .timeout = "give up when nothing came for this long (default: never)",
+            .operands = {Operand::sender},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,82 @@
+// hivectl set: changes parameters of one drone, or of many at once.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../settings.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <algorithm>
+
+namespace hivectl {
+namespace {
+
+struct Options {
+    std::string target;
+    std::vector<std::string> settings;
+};
+
+int set_one(const Options& options, const hive::Json& settings, Session& session)
+{
+    const auto applied = session.application().set(options.target, settings);
+    write_out(session.json ? json_text(applied) + "\n" : settings_text(applied));
+    return exit_code::done;
+}
+
+/// One refusal means that nothing has changed anywhere; anything else that failed says nothing about the others.
+int exit_code_after(const std::vector<hive::Answer>& answers, const Outcome& outcome)
+{
+    const bool refused = std::ranges::any_of(answers, [](const auto& answer) { return answer.error && exit_code_of(answer.error->code()) == exit_code::refused; });
+    if (refused)
+        complain("set", "nothing has changed on any of them");
+    return refused ? exit_code::refused : outcome.exit_code();
+}
+
+int set_many(const Options& options, const hive::Json& settings, Session& session)
+{
+    auto& application = session.application();
+    const auto answers = application.set(application.find(options.target), settings);
+    Outcome outcome("set");
+    for (const auto& answer : answers)
+        answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
+    const int code = exit_code_after(answers, outcome);
+    if (code != exit_code::done && code != exit_code::partly_done)
+        return code;
+    for (const auto& answer : answers)
+        if (!answer.error)
+            write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n" : settings_text(answer.drone, answer.result));
+    return code;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->target, "a drone, or a glob such as 'face-*'")->required();
+    app.add_option("key=value", options->settings, "parameters and their new values")->required();
+    return [options, &session] {
+        const auto settings = parse_settings(options->settings);
+        return is_glob(options->target) ? set_many(*options, settings, session) : set_one(*options, settings, session);
+    };
+}
+
+}  // namespace
+
+Verb set_verb()
+{
+    return {.name = "set",
+            .group = "configure them",
+            .usage = "NAME key=value... [options]",
+            .summary = "Changes parameters while the drone runs",
+            .details = "Returns when the drone's own code has applied them, and prints the applied values: bare for one parameter "
+                       "of one drone, otherwise as key=value. All of one command are applied together or not at all; "
+                       "with a glob that holds for all the drones: one refusal and nothing has changed (exit code 5). With --json "
+                       "an object of values; with a glob one {\"drone\", \"values\"} a line.",
+            .examples = "hivectl set face scale=1.05 min=40\n"
+                        "hivectl set 'face-*' scale=1.05",
+            .operands = {Operand::drone, Operand::setting},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,77 @@
+// hivectl top: how fast everything runs, again and again.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../rates.hpp"
+#include "../session.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    bool once = false;
+    double interval_s = 1;
+};
+
+std::vector<hive::Answer> look(hive::Application& application) { return application.status(application.drones()); }
+
+std::string shown(const Rates& rates, bool json)
+{
+    if (json)
+        return "{\"interval_ms\":" + std::to_string(rates.interval / 1ms) + ",\"drones\":" + json_array(rates.drones) + ",\"edges\":" + json_array(rates.edges) + "}\n";
+    const std::string drones = table_text(drone_rate_columns(), rates.drones);
+    const std::string edges = table_text(edge_rate_columns(), rates.edges);
+    return (drones.empty() ? "no drone runs; start one: hivectl start KIND\n" : drones) + (edges.empty() ? "" : "\n" + edges);
+}
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application(1s);
+    const interrupt::Deferred deferred;
+    const bool redraw = on_terminal() && !session.json && !options.once;
+    auto earlier = look(application);
+    auto earlier_at = std::chrono::steady_clock::now();
+    for (bool first = true; interrupt::sleep(std::chrono::milliseconds(static_cast<std::int64_t>(options.interval_s * 1000))); first = false) {
+        auto now = look(application);
+        const auto now_at = std::chrono::steady_clock::now();
+        const std::string text = shown(rates_between(earlier, now, now_at - earlier_at), session.json);
+        write_out((redraw ? "\x1b[H\x1b[J" : first || session.json ? "" : "\n") + text);
+        if (options.once)
+            return exit_code::done;
+        earlier = std::move(now);
+        earlier_at = now_at;
+    }
+    return exit_code::interrupted;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_flag("--once", options->once, "print one table after one interval");
+    app.add_option("--interval", options->interval_s, "time between two looks (default 1)")->type_name("SECONDS")->check(CLI::Range(0.05, 3600.0, "SECONDS"));
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb top_verb()
+{
+    return {.name = "top",
+            .group = "look",
+            .usage = "[--once] [--interval SECONDS] [options]",
+            .summary = "Shows rates, ages and losses of drones and connections until Ctrl-C",
+            .details = "IN/s and OUT/s are events a second since the last look; BUSY is the share of that time in which the drone's code "
+                       "worked; AGE is how old the newest event was when it arrived, counted from its capture. The busiest drone that "
+                       "receives something is marked slowest: it limits the whole. With --json one object a look.",
+            .examples = "hivectl top\n"
+                        "hivectl top --once --interval 5",
+            .timeout = "a drone that has not answered by then is shown as silent (default 1)",
+            .operands = {},
+            .declare = declare};
+}
+
+}  // namespace hivectl

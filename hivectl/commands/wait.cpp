@@ -1,0 +1,98 @@
+// hivectl wait: returns when a drone is in a state.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    std::vector<std::string> names;
+    std::string goal = "running";
+};
+
+/// The state of a drone in words: its own, or "gone", or "silent".
+std::string state_of(hive::Application& application, const std::string& name)
+{
+    const auto running = application.drones();
+    if (std::ranges::find(running, name) == running.end())
+        return "gone";
+    const auto answer = application.status(std::vector{name}).at(0);
+    if (!answer.error)
+        return text_in(answer.result, "state");
+    return answer.error->code() == hive::Errc::timeout ? "silent" : "gone";
+}
+
+bool reached(const std::string& goal, const std::string& state)
+{
+    return goal == "running" ? state == "idle" || state == "busy" || state == "halted" : state == goal;
+}
+
+int await(const std::string& name, const std::string& goal, Session& session, std::chrono::steady_clock::time_point end)
+{
+    for (;;) {
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+        session.application().timeout(std::clamp<std::chrono::milliseconds>(left, 1ms, 500ms));
+        const std::string state = state_of(session.application(), name);
+        if (reached(goal, state))
+            return exit_code::done;
+        if (std::chrono::steady_clock::now() >= end) {
+            complain("wait", name + " did not become " + goal + " in time; it is " + printable(state) + (state == "halted" ? "; let it go on: hivectl resume " + name : ""));
+            return exit_code::timed_out;
+        }
+        interrupt::sleep(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
+    }
+}
+
+int run(const Options& options, Session& session)
+{
+    for (const auto& name : options.names)
+        hive::require_name(name, "drone");
+    const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
+    for (const auto& name : options.names)
+        if (const int code = await(name, options.goal, session, end); code != exit_code::done)
+            return code;
+    if (session.json)
+        for (const auto& name : options.names)
+            write_out(Row{{"drone", name}, {"reached", options.goal}}.json() + "\n");
+    return exit_code::done;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->names, "drones; they need not run yet")->required();
+    app.add_option("--for", options->goal, "running: it answers and is past its start (default); idle: it has nothing to do; "
+                                           "halted: it takes nothing until resumed; gone: it has ended")
+        ->type_name("running|idle|halted|gone")->check(CLI::IsMember({"running", "idle", "halted", "gone"}));
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb wait_verb()
+{
+    return {.name = "wait",
+            .group = "run drones",
+            .usage = "NAME... [--for STATE] [options]",
+            .summary = "Returns when drones have reached a state",
+            .details = "Never past the time-out: then the exit code is 124.",
+            .examples = "hivectl wait face\n"
+                        "hivectl wait face --for halted --timeout 30",
+            .timeout = "give up after this long (default 10)",
+            .operands = {Operand::drone},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,47 @@
+// What hivectl returns to the shell, and how errors become exit codes and sentences for people.
+#pragma once
+
+#include <hive/error.hpp>
+
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace hivectl {
+
+/// The codes a script may rely on.
+namespace exit_code {
+inline constexpr int done = 0;           ///< confirmed by the other end
+inline constexpr int failure = 1;        ///< anything that is not below
+inline constexpr int usage = 2;
+inline constexpr int not_found = 3;      ///< no such drone, port, parameter
+inline constexpr int unreachable = 4;    ///< unreachable or died
+inline constexpr int refused = 5;        ///< by the drone; its reason is on stderr
+inline constexpr int type_mismatch = 6;
+inline constexpr int halted = 7;
+inline constexpr int partly_done = 8;
+inline constexpr int timed_out = 124;
+inline constexpr int interrupted = 130;
+}  // namespace exit_code
+
+int exit_code_of(hive::Errc code) noexcept;
+
+/// The error's text, safe to print, and what to do about it unless the text says so already.
+std::string explained(const hive::Error& error);
+
+/// How something asked of several drones went, drone by drone. Failures go to stderr as they come.
+class Outcome {
+public:
+    explicit Outcome(std::string_view verb) : verb_(verb) {}
+    void done() { ++done_; }
+    void failed(std::string_view subject, const hive::Error& error);
+    /// 0 when nothing failed, 8 when only some did, the common code when all failed alike, otherwise 1.
+    [[nodiscard]] int exit_code() const;
+
+private:
+    std::string verb_;
+    int done_ = 0;
+    std::set<int> codes_;
+};
+
+}  // namespace hivectl

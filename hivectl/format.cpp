@@ -1,0 +1,103 @@
+// Durations, rates and times as texts; tolerant reading of a status.
+#include "format.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+namespace hivectl {
+namespace {
+
+std::string in_two_units(std::int64_t value, std::int64_t big, const char* big_unit, const char* small_unit)
+{
+    const std::string first = std::to_string(value / big) + " " + big_unit;
+    return value % big == 0 ? first : first + " " + std::to_string(value % big) + " " + small_unit;
+}
+
+std::tm local(std::time_t seconds)
+{
+    std::tm result{};
+    localtime_r(&seconds, &result);
+    return result;
+}
+
+const hive::Json& typed(const hive::Json& object, const char* key, bool (hive::Json::*is)() const noexcept, const hive::Json& otherwise)
+{
+    if (!object.is_object())
+        return otherwise;
+    const auto found = object.find(key);
+    return found != object.end() && ((*found).*is)() ? *found : otherwise;
+}
+
+}  // namespace
+
+std::string duration_text(std::int64_t microseconds)
+{
+    if (microseconds < 0)
+        return "-" + duration_text(-microseconds);
+    if (microseconds < 1000)
+        return std::to_string(microseconds) + " us";
+    if (microseconds < 1'000'000)
+        return std::to_string(microseconds / 1000) + " ms";
+    const std::int64_t seconds = microseconds / 1'000'000;
+    if (seconds < 60)
+        return tenths_text(static_cast<double>(microseconds / 100'000) / 10) + " s";
+    if (seconds < 3600)
+        return in_two_units(seconds, 60, "min", "s");
+    if (seconds < 86400)
+        return in_two_units(seconds / 60, 60, "h", "min");
+    return in_two_units(seconds / 3600, 24, "d", "h");
+}
+
+std::string tenths_text(double number)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f", number);
+    return text;
+}
+
+std::string time_text(std::int64_t microseconds_since_1970)
+{
+    const std::tm then = local(static_cast<std::time_t>(microseconds_since_1970 / 1'000'000));
+    const std::tm today = local(std::time(nullptr));
+    char text[32];
+    const bool same_day = then.tm_year == today.tm_year && then.tm_yday == today.tm_yday;
+    const auto length = std::strftime(text, sizeof text, same_day ? "%H:%M:%S" : "%F %H:%M:%S", &then);
+    char milliseconds[8];
+    std::snprintf(milliseconds, sizeof milliseconds, ".%03d", static_cast<int>(microseconds_since_1970 / 1000 % 1000));
+    return std::string(text, length) + milliseconds;
+}
+
+std::string as_duration(const hive::Json& value) { return value.is_number() ? duration_text(value.get<std::int64_t>()) : std::string(); }
+std::string as_tenths(const hive::Json& value) { return value.is_number() ? tenths_text(value.get<double>()) : std::string(); }
+std::string as_time(const hive::Json& value) { return value.is_number() ? time_text(value.get<std::int64_t>()) : std::string(); }
+std::string as_percent(const hive::Json& value)
+{
+    return value.is_number() ? std::to_string(std::lround(value.get<double>())) + "%" : std::string();
+}
+
+std::string text_in(const hive::Json& object, const char* key)
+{
+    static const hive::Json empty = "";
+    return typed(object, key, &hive::Json::is_string, empty).get<std::string>();
+}
+
+std::int64_t count_in(const hive::Json& object, const char* key)
+{
+    static const hive::Json zero = 0;
+    return typed(object, key, &hive::Json::is_number, zero).get<std::int64_t>();
+}
+
+const hive::Json& list_in(const hive::Json& object, const char* key)
+{
+    static const hive::Json empty = hive::Json::array();
+    return typed(object, key, &hive::Json::is_array, empty);
+}
+
+const hive::Json& object_in(const hive::Json& object, const char* key)
+{
+    static const hive::Json empty = hive::Json::object();
+    return typed(object, key, &hive::Json::is_object, empty);
+}
+
+}  // namespace hivectl

@@ -1,0 +1,30 @@
+// Numbers as people read them, and fields of a status that may be missing.
+#pragma once
+
+#include <hive/json.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace hivectl {
+
+/// "850 us", "12 ms", "3.4 s", "2 min 5 s", "3 h 12 min", "2 d 4 h".
+std::string duration_text(std::int64_t microseconds);
+/// One digit behind the point: "12.3".
+std::string tenths_text(double number);
+/// Local time of day with milliseconds, the date before it when it is another day: "14:03:07.120".
+std::string time_text(std::int64_t microseconds_since_1970);
+
+// The same as formats of a column.
+std::string as_duration(const hive::Json& microseconds);
+std::string as_tenths(const hive::Json& number);
+std::string as_percent(const hive::Json& number);
+std::string as_time(const hive::Json& microseconds_since_1970);
+
+// Fields of an object that came from another process: of the right type, or nothing.
+std::string text_in(const hive::Json& object, const char* key);
+std::int64_t count_in(const hive::Json& object, const char* key);
+const hive::Json& list_in(const hive::Json& object, const char* key);
+const hive::Json& object_in(const hive::Json& object, const char* key);
+
+}  // namespace hivectl

@@ -1,0 +1,124 @@
+// Laying out help: usage, what it does, arguments, options, examples.
+#include "help.hpp"
+
+#include "command_line.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace hivectl {
+namespace {
+
+constexpr std::size_t line_width = 80;
+
+/// The words of `text` in lines of at most 80 columns, all but the first indented; an empty line is kept.
+std::string wrapped(std::string_view text, std::size_t indent)
+{
+    std::string result;
+    std::size_t column = indent;
+    std::istringstream words{std::string(text)};
+    for (std::string word; words >> word;) {
+        const bool first = column == indent;
+        if (!first && column + 1 + word.size() > line_width) {
+            result += "\n" + std::string(indent, ' ');
+            column = indent;
+        } else if (!first) {
+            result += ' ';
+            ++column;
+        }
+        result += word;
+        column += word.size();
+    }
+    return result;
+}
+
+/// "  left            right, wrapped"
+std::string entry(std::string_view left, std::string_view right, std::size_t indent)
+{
+    std::string line = "  " + std::string(left);
+    line += line.size() + 2 <= indent ? std::string(indent - line.size(), ' ') : "\n" + std::string(indent, ' ');
+    return line + wrapped(right, indent) + "\n";
+}
+
+/// "-n, --count N": CLI11 writes the names with a comma; the type is cut before the validators' texts.
+std::string option_left(const CLI::Option& option)
+{
+    std::string text;
+    for (const auto& name : option.get_snames())
+        text += (text.empty() ? "-" : ", -") + name;
+    for (const auto& name : option.get_lnames())
+        text += (text.empty() ? "--" : ", --") + name;
+    const std::string type = option.get_type_name();
+    if (option.get_expected_max() > 0 && !type.empty())
+        text += " " + type.substr(0, type.find(':'));
+    return text;
+}
+
+std::string examples(std::string_view text)
+{
+    std::istringstream lines{std::string(text)};
+    std::vector<std::pair<std::string, std::string>> rows;
+    std::size_t indent = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const auto gap = line.find("  ");
+        const auto begin = line.find_first_not_of(' ', gap);
+        rows.emplace_back(line.substr(0, gap), begin == std::string::npos ? "" : line.substr(begin));
+        indent = std::max(indent, rows.back().first.size());
+    }
+    std::string result;
+    for (const auto& [command, meaning] : rows)
+        result += "  " + command + (meaning.empty() ? "" : std::string(indent - command.size() + 2, ' ') + meaning) + "\n";
+    return result;
+}
+
+}  // namespace
+
+std::string overview(const std::vector<Verb>& all)
+{
+    std::string text = "hivectl VERB ...: runs drones, wires them into a swarm, sets their parameters, collects results.\n";
+    std::string_view group;
+    for (const auto& verb : all) {
+        if (verb.group.empty())
+            continue;
+        if (verb.group != group)
+            text += "\n" + std::string(verb.group) + ":\n";
+        group = verb.group;
+        text += entry(verb.name, std::string(verb.summary) + (verb.alias.empty() ? "" : " (also: " + std::string(verb.alias) + ")"), 14);
+    }
+    return text
+         + "\nfirst steps:\n"
+           "  hivectl start camera           run a drone\n"
+           "  hivectl start face\n"
+           "  hivectl connect camera face    camera sends its pictures to face\n"
+           "  hivectl results face -n 5      the next five results\n"
+           "  hivectl set face scale=1.05    change a parameter while it runs\n"
+           "  hivectl stop --all\n"
+           "\nEvery verb has --help, --json and --timeout SECONDS. NAME may be a glob: 'face-*'.\n"
+           "Drones meet in $HIVE_HOME, or else in $XDG_RUNTIME_DIR/hive; each writes NAME.log there.\n"
+           "exit codes: 0 done, 1 failure, 2 usage, 3 no such drone, port or parameter,\n"
+           "4 unreachable, 5 refused, 6 types do not fit, 7 halted, 8 partly done,\n"
+           "124 timed out, 130 interrupted\n";
+}
+
+std::string help_of(const Verb& verb, const CLI::App& app)
+{
+    std::string text = "hivectl " + std::string(verb.name) + (verb.usage.empty() ? "" : " " + std::string(verb.usage)) + "\n\n"
+                     + wrapped(verb.summary, 0) + ".\n";
+    if (!verb.details.empty())
+        text += "\n" + wrapped(verb.details, 0) + "\n";
+    std::string arguments, options;
+    for (const CLI::Option* option : app.get_options()) {
+        if (option->get_positional())
+            arguments += entry(option->get_name(true, false), option->get_description(), 22);
+        else
+            options += entry(option_left(*option), option->get_description(), 22);
+    }
+    if (!arguments.empty())
+        text += "\narguments:\n" + arguments;
+    text += "\noptions:\n" + options;
+    if (!verb.examples.empty())
+        text += "\nexamples:\n" + examples(verb.examples);
+    return text;
+}
+
+}  // namespace hivectl

@@ -1,0 +1,16 @@
+// The texts of --help, for hivectl and for each verb.
+#pragma once
+
+#include "verb.hpp"
+
+#include <string>
+#include <vector>
+
+namespace hivectl {
+
+/// All verbs by group, and where to go on.
+std::string overview(const std::vector<Verb>& all);
+/// Everything about one verb; `app` has its options declared.
+std::string help_of(const Verb& verb, const CLI::App& app);
+
+}  // namespace hivectl

@@ -1,0 +1,22 @@
+// Ctrl-C: ends at once with 130, unless a verb has something to put in order first.
+#pragma once
+
+#include <chrono>
+
+namespace hivectl::interrupt {
+
+/// Installs the handler; leaves SIGINT ignored where the shell wants it so (background jobs of scripts).
+void install();
+/// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once.
+class Deferred {
+public:
+    Deferred();
+    ~Deferred();
+    Deferred(const Deferred&) = delete;
+    Deferred& operator=(const Deferred&) = delete;
+};
+bool requested();
+/// Sleeps, in steps short enough to notice Ctrl-C; false when it was pressed.
+bool sleep(std::chrono::milliseconds duration);
+
+}  // namespace hivectl::interrupt

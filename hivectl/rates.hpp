@@ -1,0 +1,25 @@
+// What happened between two looks at the status of all drones.
+#pragma once
+
+#include "table.hpp"
+
+#include <hive/application.hpp>
+
+#include <chrono>
+#include <vector>
+
+namespace hivectl {
+
+struct Rates {
+    std::chrono::nanoseconds interval;
+    std::vector<Row> drones;  ///< name, state, in_per_s, out_per_s, busy_percent, age_us, slowest
+    std::vector<Row> edges;   ///< from, to, delivered_per_s, skipped_per_s, dropped_per_s, abandoned_per_s, age_us
+};
+
+/// Null where there is nothing to compare with: a drone that is new, was restarted in between, or is silent.
+Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now, std::chrono::nanoseconds interval);
+
+std::vector<Column> drone_rate_columns();
+std::vector<Column> edge_rate_columns();
+
+}  // namespace hivectl

@@ -1,0 +1,20 @@
+// The common flags as values, and the lazily made application.
+#include "session.hpp"
+
+namespace hivectl {
+
+std::chrono::milliseconds Session::timeout(std::chrono::milliseconds fallback) const
+{
+    return timeout_s ? std::chrono::milliseconds(static_cast<std::int64_t>(*timeout_s * 1000)) : fallback;
+}
+
+hive::Application& Session::application(std::chrono::milliseconds fallback)
+{
+    if (!application_)
+        application_ = std::make_unique<hive::Application>(hive::Application::Options{.name = {}, .home = home(), .timeout = timeout(fallback)});
+    return *application_;
+}
+
+std::filesystem::path Session::home() const { return std::filesystem::absolute(hive::default_home()); }
+
+}  // namespace hivectl

@@ -1,0 +1,29 @@
+// What every verb shares: the common flags and the one application, made when it is first needed.
+#pragma once
+
+#include <hive/application.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace hivectl {
+
+class Session {
+public:
+    bool json = false;                ///< --json
+    std::optional<double> timeout_s;  ///< --timeout
+
+    /// What --timeout said, or the verb's own default.
+    [[nodiscard]] std::chrono::milliseconds timeout(std::chrono::milliseconds fallback = std::chrono::seconds(5)) const;
+    /// Joins the swarm at the first call; --help and usage errors never come this far.
+    hive::Application& application(std::chrono::milliseconds fallback = std::chrono::seconds(5));
+    /// Where the drones of this machine meet; always absolute.
+    [[nodiscard]] std::filesystem::path home() const;
+
+private:
+    std::unique_ptr<hive::Application> application_;
+};
+
+}  // namespace hivectl

@@ -1,0 +1,49 @@
+// Rows that are printed as a table for people or as JSON for programs.
+#pragma once
+
+#include <hive/json.hpp>
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hivectl {
+
+/// One thing and what is known of it, in the order of insertion. Keys name the unit: "uptime_us".
+class Row {
+public:
+    Row() = default;
+    Row(std::initializer_list<std::pair<std::string, hive::Json>> fields) : fields_(fields) {}
+
+    Row& add(std::string key, hive::Json value);
+    /// Null when there is no such key.
+    [[nodiscard]] const hive::Json& operator[](std::string_view key) const;
+    /// A number, or 0.
+    [[nodiscard]] double number(std::string_view key) const;
+    /// A text, or empty.
+    [[nodiscard]] std::string text(std::string_view key) const;
+    /// One JSON object.
+    [[nodiscard]] std::string json() const;
+
+private:
+    std::vector<std::pair<std::string, hive::Json>> fields_;
+};
+
+/// How a value is shown: of a row's field to a text; an empty text is shown as "-".
+using Format = std::string (*)(const hive::Json&);
+
+struct Column {
+    std::string_view title;
+    std::string_view key;
+    Format format = nullptr;  ///< null: as it is
+};
+
+/// The table with a line of titles. Numbers stand right, texts left; the last column is not padded. Empty without rows.
+std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows);
+/// The rows as one JSON array.
+std::string json_array(const std::vector<Row>& rows);
+/// Writes one of the two to stdout.
+void print_rows(bool json, const std::vector<Column>& columns, const std::vector<Row>& rows);
+
+}  // namespace hivectl

@@ -1,0 +1,27 @@
+// From the words of a command line to drones and ports: globs, dots, and ports that go without saying.
+#pragma once
+
+#include <hive/application.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hivectl {
+
+bool is_glob(std::string_view text);
+/// "camera.image", or "camera" without a port.
+std::string to_text(const hive::Endpoint& endpoint);
+
+/// The drones that the names and globs mean, each once, in the order given. Throws Errc::not_found for a word without any.
+std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words);
+/// The same for ends of connections: "face", "face.image", "face-*", "face-*.image".
+std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words);
+
+/// The output meant when none is named: the only one whose type contains `preferred`, otherwise the only one there is.
+/// Throws Errc::not_found naming the outputs.
+std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred);
+/// The input meant when none is named: the only one that takes `type`. Throws Errc::type_mismatch or Errc::not_found.
+std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type);
+
+}  // namespace hivectl

@@ -1,0 +1,43 @@
+// The list of verbs. A new one is its file under commands/ and one line here.
+#pragma once
+
+#include "verb.hpp"
+
+#include <string_view>
+#include <vector>
+
+// In the order of `hivectl --help`.
+#define HIVECTL_VERBS(VERB) \
+    VERB(start) \
+    VERB(stop) \
+    VERB(ps) \
+    VERB(describe) \
+    VERB(wait) \
+    VERB(connect) \
+    VERB(disconnect) \
+    VERB(edges) \
+    VERB(set) \
+    VERB(get) \
+    VERB(results) \
+    VERB(snap) \
+    VERB(put) \
+    VERB(top) \
+    VERB(exceptions) \
+    VERB(halt) \
+    VERB(resume) \
+    VERB(completion) \
+    VERB(complete)
+
+namespace hivectl {
+
+#define HIVECTL_DECLARE(name) Verb name##_verb();
+HIVECTL_VERBS(HIVECTL_DECLARE)
+#undef HIVECTL_DECLARE
+
+/// All verbs; made when called, so nothing runs before main.
+std::vector<Verb> verbs();
+
+/// The verb of that name or alias, or nullptr.
+const Verb* verb_named(const std::vector<Verb>& all, std::string_view name);
+
+}  // namespace hivectl

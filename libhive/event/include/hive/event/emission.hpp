@@ -1,0 +1,38 @@
+// An event on its way out: immutable, its header encoded once for all receivers; and the way back from a packet.
+#pragma once
+
+#include <hive/event.hpp>
+#include <hive/protocol/packet.hpp>
+
+#include <memory>
+#include <string>
+
+namespace hive::event {
+
+/// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then for the network
+/// thread only.
+class Emission {
+public:
+    /// Throws Errc::too_large when the header does not fit a packet.
+    explicit Emission(Event event);
+
+    [[nodiscard]] const Event& event() const noexcept { return event_; }
+    [[nodiscard]] bool lossless() const noexcept { return event_.identity.lossless; }
+    [[nodiscard]] std::size_t size() const noexcept { return event_.body.size(); }
+    /// The packet that carries it. @param attempt  of shared work, from 1; 0: what the event inherited.
+    [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel, int attempt) const;
+
+private:
+    Event event_;
+    std::shared_ptr<const std::string> header_;
+    mutable std::shared_ptr<const std::string> first_attempt_;  // made on first use
+};
+
+using EmissionPtr = std::shared_ptr<const Emission>;
+
+/// The header of an event as JSON (SPEC.md, section 5).
+Json event_header(const Event& event, int attempt);
+/// The event in a packet of type event, notification or exception. Throws Errc::malformed.
+Event event_from_packet(const protocol::Packet& packet);
+
+}  // namespace hive::event

@@ -1,0 +1,139 @@
+// What drones and applications have in common: the network thread, links to peers, outlets, intakes, requests.
+#pragma once
+
+#include <hive/event/home.hpp>
+#include <hive/event/intake.hpp>
+#include <hive/event/link.hpp>
+#include <hive/event/outlet.hpp>
+
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
+#include <asio/signal_set.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <atomic>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+namespace hive::event {
+
+/// A way onto the network thread that outlives the module: what is posted after the module's end is dropped.
+class Door {
+public:
+    explicit Door(asio::io_context& context) : context_(&context) {}
+    void post(std::function<void()> task);
+    void shut();
+
+private:
+    std::mutex mutex_;
+    asio::io_context* context_;
+};
+
+/// A request of a peer, to be answered exactly once, from any thread.
+struct Incoming {
+    std::string peer;
+    Json header;
+    Body body;
+    std::function<void(Outcome)> answer;
+};
+
+/// Functions are for the network thread unless they say otherwise.
+class Module {
+public:
+    struct Options {
+        protocol::Hello self;
+        protocol::Limits limits;
+        transport::Timing timing;
+        std::function<void(const std::string&)> log = [](const std::string&) {};  ///< any thread
+    };
+    using RequestHandler = std::function<void(Incoming)>;
+    using OnLink = std::function<void(const LinkPtr&, const Error&)>;
+
+    explicit Module(Options options);
+    ~Module();  ///< ends the network thread; any thread but that one
+    Module(const Module&) = delete;
+    Module& operator=(const Module&) = delete;
+
+    // --- before start() ---
+    Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event);
+    void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
+    std::function<void()> on_demand = [] {};                        ///< the demand for an outlet changed
+    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
+    /// Starts the network thread.
+    void start();
+
+    // --- any thread ---
+    void post(std::function<void()> task) { door_->post(std::move(task)); }
+    /// Runs a task on the network thread and waits for it; what it throws is thrown here.
+    void call(const std::function<void()>& task);
+    [[nodiscard]] const std::shared_ptr<Door>& door() const noexcept { return door_; }
+    [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
+    void log(const std::string& text) const { options_.log(text); }
+    /// While halted, intakes ask for nothing.
+    void halt(bool halted);
+    /// Calls back on the network thread when the process gets SIGINT or SIGTERM.
+    void on_signal(std::function<void(int)> handler);
+
+    // --- network thread ---
+    [[nodiscard]] asio::io_context& context() noexcept { return context_; }
+    transport::Address listen(const transport::Address& address);
+    /// A link to the module at an address: the present one, or a new one. The error counts only without link.
+    void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
+    void request(const transport::Address& address, protocol::PacketType type, Json header, Body body, Clock::time_point deadline,
+                 OnOutcome on_outcome);
+    std::shared_ptr<Intake> add_intake(IntakeSpec spec, Intake::Sink sink);
+    void remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
+    [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
+    [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
+    /// Offers an event; lossless ones wait for a receiver when this module has none at all.
+    void emit(Outlet& outlet, EmissionPtr event);
+    /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
+    [[nodiscard]] bool paused() const noexcept { return halted_ || backlogged_; }
+    /// Ticks while something has a deadline.
+    void arm();
+
+private:
+    struct Dialing {
+        std::vector<OnLink> waiting;
+    };
+    LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
+    void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
+    void dialed(const std::string& key, const LinkPtr& link, const Error& error);
+    void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    void on_register(Link& link, const protocol::Packet& packet, const Json& header);
+    void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
+    void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    void on_closed(Link& link, const Error& reason);
+    void demand_changed();
+    void tick();
+    void leave();
+    void close_links();
+    Outlet& outlet(const std::string& name);
+
+    Options options_;
+    asio::io_context context_{1};
+    asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
+    std::shared_ptr<Door> door_ = std::make_shared<Door>(context_);
+    asio::steady_timer timer_{context_};
+    asio::steady_timer last_{context_};
+    asio::signal_set signals_{context_};
+    bool armed_ = false, ending_ = false;
+    std::atomic<bool> halted_ = false;
+    bool backlogged_ = false;
+    std::list<Outlet> outlets_;
+    std::vector<std::shared_ptr<Intake>> intakes_;
+    std::map<protocol::PacketType, RequestHandler> handlers_;
+    std::vector<std::unique_ptr<transport::Listener>> listeners_;
+    std::set<LinkPtr> links_;
+    std::map<std::string, LinkPtr> dialed_;
+    std::map<std::string, Dialing> dialing_;
+    std::thread thread_;
+};
+
+}  // namespace hive::event

@@ -1,0 +1,97 @@
+// Encoding events into packets and decoding them.
+#include <hive/error.hpp>
+#include <hive/event/emission.hpp>
+#include <hive/event/clock.hpp>
+
+namespace hive {
+
+std::chrono::microseconds Event::age() const { return std::chrono::microseconds(event::wall_us() - identity.captured_us); }
+
+}  // namespace hive
+
+namespace hive::event {
+namespace {
+
+constexpr std::size_t most_hops = 16;
+
+Json to_json(const Hop& hop) { return {{"drone", hop.drone}, {"wait_us", hop.wait_us}, {"work_us", hop.work_us}}; }
+
+Identity identity_from(const Fields& fields)
+{
+    Identity identity;
+    identity.source = fields.name("source");
+    identity.epoch = fields.integer("epoch", 0, max_json_integer);
+    identity.sequence = fields.integer("seq", 0, max_json_integer);
+    identity.captured_us = fields.integer_or("time_us", 0, max_json_integer, 0);
+    identity.monotonic_us = fields.integer_or("mono_us", 0, max_json_integer, 0);
+    identity.lossless = fields.flag_or("lossless", false);
+    identity.attempt = static_cast<int>(fields.integer_or("attempt", 0, 1000, 0));
+    identity.part = static_cast<int>(fields.integer_or("part", 0, 1 << 30, 0));
+    if (fields.has("hops"))
+        for (const auto& item : fields.array("hops")) {
+            if (identity.hops.size() == most_hops)
+                throw Error(Errc::malformed, "event: more than 16 hops");
+            const Fields hop(item, "hop");
+            identity.hops.push_back({hop.name("drone"), hop.integer_or("wait_us", 0, max_json_integer, 0),
+                                     hop.integer_or("work_us", 0, max_json_integer, 0)});
+        }
+    return identity;
+}
+
+}  // namespace
+
+Json event_header(const Event& event, int attempt)
+{
+    const Identity& identity = event.identity;
+    Json json{{"sender", event.sender},   {"kind", event.kind},          {"output", event.output}, {"type", event.type},
+              {"source", identity.source}, {"epoch", identity.epoch},    {"seq", identity.sequence}, {"time_us", identity.captured_us},
+              {"mono_us", identity.monotonic_us}, {"size", event.body.size()}, {"header", event.header}};
+    if (identity.lossless)
+        json["lossless"] = true;
+    if (attempt > 0)
+        json["attempt"] = attempt;
+    if (identity.part > 0)
+        json["part"] = identity.part;
+    const std::size_t first = identity.hops.size() > most_hops ? identity.hops.size() - most_hops : 0;
+    for (std::size_t i = first; i < identity.hops.size(); ++i)
+        json["hops"].push_back(to_json(identity.hops[i]));
+    return json;
+}
+
+Emission::Emission(Event event)
+    : event_(std::move(event)), header_(std::make_shared<const std::string>(to_text(event_header(event_, event_.identity.attempt))))
+{
+    constexpr std::size_t attempt_digits = 32;  // what a later attempt number adds
+    if (header_->size() + attempt_digits > protocol::Limits{}.header)
+        throw Error(Errc::too_large, "the header of an event is " + std::to_string(header_->size()) + " bytes, limit "
+                        + std::to_string(protocol::Limits{}.header) + ": put large data into the body");
+}
+
+protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel, int attempt) const
+{
+    const auto encoded = [&] { return std::make_shared<const std::string>(to_text(event_header(event_, attempt))); };
+    if (attempt == 1 && !first_attempt_)
+        first_attempt_ = encoded();
+    auto header = attempt == 0 ? header_ : attempt == 1 ? first_attempt_ : encoded();
+    return {type, channel, std::move(header), type == protocol::PacketType::notification ? Body() : event_.body};
+}
+
+Event event_from_packet(const protocol::Packet& packet)
+{
+    const Json json = parse_json(packet.header_text());
+    const Fields fields(json, "event");
+    Event event;
+    event.identity = identity_from(fields);
+    event.sender = fields.name("sender");
+    event.kind = fields.name("kind");
+    event.output = fields.name("output");
+    event.type = fields.text("type");
+    event.size = static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(packet.body.size())));
+    if (fields.has("header"))
+        event.header = fields.object("header");
+    event.body = packet.body;
+    event.received = std::chrono::steady_clock::now();
+    return event;
+}
+
+}  // namespace hive::event

@@ -1,0 +1,141 @@
+// Paths, locks and state files in the home directory.
+#include <hive/error.hpp>
+#include <hive/event/home.hpp>
+#include <hive/name.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace hive::event {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail(Errc code, const std::string& what)
+{
+    throw Error(code, what + ": " + std::strerror(errno));
+}
+
+void make_private(const fs::path& directory)
+{
+    std::error_code ignored;
+    if (directory.has_parent_path())
+        fs::create_directories(directory.parent_path(), ignored);
+    if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST)
+        fail(Errc::io, "cannot make " + directory.string());
+    struct stat info{};
+    if (::lstat(directory.c_str(), &info) != 0)
+        fail(Errc::io, "cannot look at " + directory.string());
+    if (!S_ISDIR(info.st_mode) || info.st_uid != ::getuid())
+        throw Error(Errc::not_permitted, directory.string() + " is not a directory of this user; set HIVE_HOME to one that is");
+    if ((info.st_mode & 077) != 0)
+        throw Error(Errc::not_permitted, "others may enter " + directory.string() + "; close it: chmod 700 " + directory.string());
+}
+
+/// Open-file-description locks: they end with the process, and can be looked at without being taken.
+struct flock whole_file(short type)
+{
+    struct flock lock{};
+    lock.l_type = type;
+    lock.l_whence = SEEK_SET;
+    return lock;
+}
+
+}  // namespace
+
+fs::path default_home()
+{
+    const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+    if (const auto home = variable("HIVE_HOME"); !home.empty())
+        return home;
+    if (const auto runtime = variable("XDG_RUNTIME_DIR"); !runtime.empty())
+        return fs::path(runtime) / "hive";
+    return "/tmp/hive-" + std::to_string(::getuid());
+}
+
+Home::Home(fs::path directory) : directory_(fs::absolute(directory)) { make_private(directory_); }
+
+fs::path Home::path(const std::string& name, std::string_view ending) const
+{
+    return directory_ / (require_name(name, "drone") + std::string(ending));
+}
+
+transport::Address Home::address(const std::string& name) const
+{
+    return {transport::Address::Scheme::unix_socket, path(name, ".sock").string(), 0};
+}
+
+std::vector<std::string> Home::names() const
+{
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(directory_, ignored))
+        if (entry.path().extension() == ".sock" && is_name(entry.path().stem().string()))
+            names.push_back(entry.path().stem().string());
+    std::ranges::sort(names);
+    return names;
+}
+
+bool Home::alive(const std::string& name) const
+{
+    const int descriptor = ::open(path(name, ".lock").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0)
+        return false;
+    struct flock whole = whole_file(F_WRLCK);
+    const bool held = ::fcntl(descriptor, F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
+    ::close(descriptor);
+    return held;
+}
+
+std::optional<Json> Home::read_state(const std::string& name) const
+{
+    std::ifstream file(path(name, ".state"));
+    if (!file)
+        return std::nullopt;
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return parse_json(text, {.bytes = 1 << 20, .depth = 16, .keys = 1024, .string_bytes = 16 * 1024});
+}
+
+void Home::write_state(const std::string& name, const Json& state) const
+{
+    const fs::path target = path(name, ".state"), fresh = path(name, ".state.new");
+    {
+        std::ofstream file(fresh, std::ios::trunc);
+        file << state.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+        if (!file.flush())
+            fail(Errc::io, "cannot write " + fresh.string());
+    }
+    fs::rename(fresh, target);
+}
+
+void Home::forget_state(const std::string& name) const noexcept
+{
+    std::error_code ignored;
+    fs::remove(path(name, ".state"), ignored);
+}
+
+NameClaim::NameClaim(const Home& home, const std::string& name)
+{
+    const auto file = home.path(name, ".lock");
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (descriptor_ < 0)
+        fail(Errc::io, "cannot open " + file.string());
+    struct flock whole = whole_file(F_WRLCK);
+    if (::fcntl(descriptor_, F_OFD_SETLK, &whole) != 0) {
+        char holder[32] = {};
+        const auto length = ::pread(descriptor_, holder, sizeof holder - 1, 0);
+        ::close(descriptor_);
+        throw Error(Errc::name_taken, name + " runs already" + (length > 0 ? ", as process " + std::string(holder) : ""));
+    }
+    const auto pid = std::to_string(::getpid());
+    if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0)
+        fail(Errc::io, "cannot write " + file.string());
+}
+
+NameClaim::~NameClaim() { ::close(descriptor_); }
+
+}  // namespace hive::event

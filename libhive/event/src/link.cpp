@@ -1,0 +1,127 @@
+// Hello, requests with deadlines, dispatch by channel.
+#include <hive/event/link.hpp>
+
+namespace hive::event {
+
+using protocol::Packet;
+using protocol::PacketType;
+
+Link::Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits)
+    : connection_(std::move(connection)), self_(self), limits_(limits)
+{
+}
+
+void Link::start(Events events)
+{
+    events_ = std::move(events);
+    const auto self = shared_from_this();
+    connection_->start({.packet = [self](Packet&& packet) { self->on_packet(packet); },
+                        .closed = [self](const Error& reason) { self->on_closed(reason); },
+                        .drained = {}});
+    connection_->send(protocol::make_packet(PacketType::hello, to_text(protocol::to_json(self_))));
+}
+
+void Link::on_packet(const Packet& packet)
+{
+    try {
+        if (!open_)
+            return on_hello(packet);
+        if (packet.type == PacketType::event || packet.type == PacketType::notification || packet.type == PacketType::exception) {
+            if (const auto sink = channels_.find(packet.channel); sink != channels_.end())
+                ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
+            return;
+        }
+        const Json header = parse_json(packet.header_text());
+        if (packet.type == PacketType::confirmation)
+            return on_confirmation(header);
+        if (packet.type == PacketType::hello)
+            throw Error(Errc::malformed, "a second hello");
+        events_.packet(*this, packet, header);
+    } catch (const Error& error) {
+        connection_->close(error);
+    }
+}
+
+void Link::on_hello(const Packet& packet)
+{
+    peer_ = protocol::hello_from_json(parse_json(packet.header_text()));
+    open_ = true;
+    connection_->open(limits_);
+    events_.opened(*this);
+}
+
+void Link::on_confirmation(const Json& header)
+{
+    const auto confirmation = protocol::confirmation_from_json(header);
+    const auto found = pending_.find(confirmation.id);
+    if (found == pending_.end())
+        return;  // its deadline has passed
+    const auto on_outcome = std::move(found->second.on_outcome);
+    pending_.erase(found);
+    if (confirmation.ok)
+        on_outcome(confirmation.result);
+    else
+        on_outcome(Error(confirmation.code, confirmation.text));
+}
+
+void Link::on_closed(const Error& reason)
+{
+    open_ = false;
+    const auto events = std::exchange(events_, {});
+    channels_.clear();
+    for (auto& [id, pending] : std::exchange(pending_, {}))
+        pending.on_outcome(Error(reason.code(), pending.what + ": " + reason.what()));
+    if (events.closed)
+        events.closed(*this, reason);
+}
+
+void Link::request(PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel)
+{
+    const auto id = ++next_id_;
+    header["id"] = id;
+    pending_[id] = {deadline, std::move(on_outcome), std::string(protocol::token(type)) + " to " + peer_.name};
+    connection_->send(protocol::make_packet(type, to_text(header), channel, std::move(body)));
+}
+
+void Link::answer(std::int64_t id, const Outcome& outcome)
+{
+    protocol::Confirmation confirmation{.id = id, .result = {}, .ok = true, .code = {}, .text = {}};
+    if (const auto* error = std::get_if<Error>(&outcome)) {
+        confirmation.ok = false;
+        confirmation.code = error->code();
+        confirmation.text = error->what();
+    } else {
+        confirmation.result = std::get<Json>(outcome);
+    }
+    connection_->send(protocol::make_packet(PacketType::confirmation, to_text(protocol::to_json(confirmation))));
+}
+
+bool Link::expire(Clock::time_point now)
+{
+    std::vector<Pending> late;
+    for (auto it = pending_.begin(); it != pending_.end();)
+        if (it->second.deadline <= now) {
+            late.push_back(std::move(it->second));
+            it = pending_.erase(it);
+        } else {
+            ++it;
+        }
+    for (const auto& request : late)
+        request.on_outcome(Error(Errc::timeout, request.what + ": no answer in time"));
+    return !pending_.empty();
+}
+
+std::uint16_t Link::claim_channel(ChannelSink sink)
+{
+    if (channels_.size() >= 1024)
+        throw Error(Errc::too_large, "more than 1024 registrations on one connection");
+    do
+        ++next_channel_;
+    while (next_channel_ == 0 || channels_.contains(next_channel_));
+    channels_[next_channel_] = std::move(sink);
+    return next_channel_;
+}
+
+void Link::release_channel(std::uint16_t channel) { channels_.erase(channel); }
+
+}  // namespace hive::event

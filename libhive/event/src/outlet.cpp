@@ -1,0 +1,121 @@
+// Carrying out the decisions of the receiver table.
+#include <hive/event/outlet.hpp>
+
+#include <cstdlib>
+
+namespace hive::event {
+
+using protocol::PacketType;
+
+namespace {
+
+/// Switched off only by the tests that show what leases are for.
+ReceiverTable::Defences defences() { return {.leases = std::getenv("HIVE_TEST_NO_LEASES") == nullptr}; }
+
+}  // namespace
+
+Outlet::Outlet(Port port, PacketType carrier, std::function<void()> on_change, std::function<void(const EmissionPtr&)> on_failed)
+    : port_(std::move(port)), carrier_(carrier), on_change_(std::move(on_change)), on_failed_(std::move(on_failed)), table_(defences())
+{
+}
+
+void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration)
+{
+    if (!types_fit(port_.type, registration.accepts))
+        throw Error(Errc::type_mismatch, "output " + port_.name + " is " + port_.type + ", but " + registration.receiver + " takes " + registration.accepts);
+    if (registration.stateful && !registration.options.group.empty())
+        throw Error(Errc::refused, registration.receiver + " keeps state between events, so it must see every one: it cannot share");
+    if (ids_.contains({link.get(), channel}))
+        throw Error(Errc::malformed, "channel " + std::to_string(channel) + " is registered already");
+    const auto id = ++next_id_;
+    ids_[{link.get(), channel}] = id;
+    places_[id] = {link, channel};
+    execute(table_.add(id, registration.receiver, registration.epoch, registration.options, Clock::now()));
+}
+
+void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Request& request)
+{
+    if (const auto found = ids_.find({&link, channel}); found != ids_.end())
+        execute(table_.request(found->second, request.epoch, request.id, request.done, Clock::now()));
+}
+
+bool Outlet::remove(const Link& link, std::uint16_t channel)
+{
+    const auto found = ids_.find({&link, channel});
+    if (found == ids_.end())
+        return false;
+    forget(found, true);
+    return true;
+}
+
+void Outlet::link_closed(const Link& link)
+{
+    for (auto it = ids_.lower_bound({&link, 0}); it != ids_.end() && it->first.first == &link; it = ids_.lower_bound({&link, 0}))
+        forget(it, false);
+}
+
+void Outlet::forget(std::map<Key, ReceiverTable::Id>::iterator place, bool left)
+{
+    const auto id = place->second;
+    ids_.erase(place);
+    places_.erase(id);
+    execute(table_.remove(id, left, Clock::now()));
+}
+
+void Outlet::offer(EmissionPtr event, bool hold)
+{
+    ++produced_;
+    last_emitted_us_ = wall_us();
+    execute(table_.offer(std::move(event), hold, Clock::now()));
+}
+
+void Outlet::tick() { execute(table_.tick(Clock::now())); }
+
+void Outlet::execute(const ReceiverTable::Decisions& decisions)
+{
+    for (const auto& send : decisions.sends) {
+        const auto place = places_.find(send.receiver);
+        if (place == places_.end())
+            continue;
+        const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
+        // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
+        place->second.link->connection().send(send.event->packet(type, place->second.channel, send.attempt),
+                                              [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
+                                                  if (!alive.expired() && written)
+                                                      execute(table_.written(id, event->size(), Clock::now()));
+                                              });
+    }
+    for (const auto& event : decisions.failed)
+        on_failed_(event);
+    refresh();
+}
+
+void Outlet::refresh()
+{
+    const bool wanted = table_.wanted(), asked = table_.asked(), backlogged = table_.backlogged();
+    const bool changed = wanted != wanted_ || asked != asked_ || backlogged != backlogged_;
+    wanted_ = wanted;
+    asked_ = asked;
+    backlogged_ = backlogged;
+    if (changed)
+        on_change_();
+}
+
+Json Outlet::status() const
+{
+    Json receivers = Json::array();
+    for (const auto& row : table_.rows()) {
+        Json json = to_json(row.options);
+        json["receiver"] = row.receiver;
+        json["produced"] = row.counts.produced;
+        json["delivered"] = row.counts.delivered;
+        json["skipped"] = row.counts.skipped;
+        json["dropped"] = row.counts.dropped;
+        json["abandoned"] = row.counts.abandoned;
+        json["in_flight"] = row.counts.in_flight;
+        receivers.push_back(std::move(json));
+    }
+    return {{"name", port_.name}, {"type", port_.type}, {"produced", produced_}, {"last_emitted_us", last_emitted_us_}, {"receivers", receivers}};
+}
+
+}  // namespace hive::event

@@ -1,0 +1,149 @@
+// The calls of an application: finding, configuring, control.
+#include "application_core.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+#include <thread>
+
+namespace hive {
+
+using protocol::PacketType;
+
+std::filesystem::path default_home() { return event::default_home(); }
+
+Application::Application() : Application(Options{}) {}
+Application::Application(Options options) : core_(std::make_unique<Core>(std::move(options))) {}
+Application::~Application() = default;
+
+void Application::timeout(std::chrono::milliseconds timeout) { core_->timeout = timeout; }
+
+std::vector<std::string> Application::drones() { return core_->running(); }
+
+std::vector<std::string> Application::find(const std::string& pattern)
+{
+    if (pattern.find_first_of("*?") == std::string::npos) {
+        core_->require_running(pattern);
+        return {pattern};
+    }
+    auto names = core_->running();
+    std::erase_if(names, [&](const std::string& name) { return !matches_glob(pattern, name); });
+    if (names.empty())
+        throw Error(Errc::not_found, "no drone that runs fits " + in_quotes(pattern));
+    return names;
+}
+
+Endpoint Application::endpoint(const std::string& text)
+{
+    const auto dot = text.rfind('.');
+    if (dot == std::string::npos || (is_name(text) && core_->home.alive(text)))
+        return {text, ""};
+    return {text.substr(0, dot), text.substr(dot + 1)};
+}
+
+Interface Application::describe(const std::string& drone) { return interface_from_json(core_->ask(drone, PacketType::describe)); }
+
+Json Application::status(const std::string& drone) { return core_->ask(drone, PacketType::status); }
+
+std::vector<Answer> Application::status(const std::vector<std::string>& drones) { return core_->ask_all(drones, PacketType::status, Json::object()); }
+
+namespace {
+
+Json set_header(const Json& parameters, std::chrono::milliseconds deadline, bool check_only)
+{
+    Json header{{"parameters", parameters}, {"deadline_ms", std::max<std::int64_t>(deadline.count(), 1)}};
+    if (check_only)
+        header["check_only"] = true;
+    return header;
+}
+
+const Answer* first_error(const std::vector<Answer>& answers)
+{
+    const auto found = std::ranges::find_if(answers, [](const Answer& answer) { return answer.error.has_value(); });
+    return found == answers.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Json Application::set(const std::string& drone, const Json& parameters)
+{
+    return core_->ask(drone, PacketType::set, set_header(parameters, core_->timeout, false)).at("parameters");
+}
+
+std::vector<Answer> Application::set(const std::vector<std::string>& drones, const Json& parameters)
+{
+    auto answers = core_->ask_all(drones, PacketType::set, set_header(parameters, core_->timeout, true));
+    if (const auto* refused = first_error(answers)) {
+        for (auto& answer : answers)
+            if (!answer.error)
+                answer.error = Error(Errc::refused, answer.drone + ": left as it was, because " + refused->drone + " could not be set");
+        return answers;
+    }
+    answers = core_->ask_all(drones, PacketType::set, set_header(parameters, core_->timeout, false));
+    if (const auto* refused = first_error(answers)) {
+        const std::string culprit = refused->drone;
+        for (auto& answer : answers) {
+            if (answer.error)
+                continue;
+            const auto undone = core_->ask_all({answer.drone}, PacketType::set, set_header(answer.result.value("previous", Json::object()), core_->timeout, false));
+            answer.error = undone[0].error ? Error(Errc::failed, answer.drone + ": was set and could not be put back: " + undone[0].error->what())
+                                           : Error(Errc::refused, answer.drone + ": put back, because " + culprit + " could not be set");
+        }
+        return answers;
+    }
+    for (auto& answer : answers)
+        answer.result = Json(answer.result.at("parameters"));
+    return answers;
+}
+
+Json Application::get(const std::string& drone, const std::vector<std::string>& names)
+{
+    return core_->ask(drone, PacketType::get, {{"names", names}}).at("parameters");
+}
+
+std::vector<Answer> Application::get(const std::vector<std::string>& drones, const std::vector<std::string>& names)
+{
+    auto answers = core_->ask_all(drones, PacketType::get, Json{{"names", names}});
+    for (auto& answer : answers)
+        if (!answer.error)
+            answer.result = Json(answer.result.at("parameters"));
+    return answers;
+}
+
+void Application::put(const Endpoint& input, const Json& header, Body body, const std::string& type)
+{
+    std::string name = input.port;
+    if (name.empty()) {
+        std::vector<std::string> fitting;
+        for (const auto& port : describe(input.drone).inputs)
+            if (types_fit(type, port.type))
+                fitting.push_back(port.name);
+        if (fitting.size() != 1)
+            throw Error(fitting.empty() ? Errc::type_mismatch : Errc::invalid_argument,
+                        input.drone + (fitting.empty() ? " has no input that takes " : " has several inputs that take ") + type);
+        name = fitting.front();
+    }
+    core_->ask(input.drone, PacketType::put, {{"input", name}, {"type", type}, {"header", header}}, body);
+}
+
+void Application::halt(const std::string& drone) { core_->ask(drone, PacketType::halt); }
+void Application::resume(const std::string& drone) { core_->ask(drone, PacketType::resume); }
+void Application::exception_policy(const std::string& drone, ExceptionPolicy policy) { core_->ask(drone, PacketType::halt, {{"policy", token(policy)}}); }
+
+void Application::stop(const std::string& drone)
+{
+    const auto until = core_->deadline();
+    try {
+        core_->ask(drone, PacketType::stop);
+    } catch (const Error& error) {
+        if (error.code() != Errc::connection_lost)
+            throw;  // it may be gone before its answer is
+    }
+    while (core_->home.alive(drone)) {
+        if (event::Clock::now() >= until)
+            throw Error(Errc::timeout, drone + " was told to stop and still runs");
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+}
+
+}  // namespace hive

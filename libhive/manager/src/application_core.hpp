@@ -1,0 +1,33 @@
+// The machinery of an application: its module, and asking drones with a deadline.
+#pragma once
+
+#include <hive/application.hpp>
+#include <hive/event/module.hpp>
+
+#include <future>
+
+namespace hive {
+
+class Application::Core {
+public:
+    explicit Core(Application::Options options);
+
+    /// Asks one drone and waits; throws what it answers.
+    Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(), const Body& body = {});
+    /// Asks several at once, each its own header, and waits for all.
+    std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const std::vector<Json>& headers);
+    std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
+    /// Throws Errc::not_found, with what to do, when no drone of this name runs here.
+    void require_running(const std::string& drone) const;
+    [[nodiscard]] std::vector<std::string> running() const;
+    [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }
+
+    std::chrono::milliseconds timeout;
+    event::Home home;
+    event::Module module;
+
+private:
+    std::future<event::Outcome> send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body);
+};
+
+}  // namespace hive

@@ -1,0 +1,91 @@
+// Waiting lines by source and epoch.
+#include "reorder.hpp"
+
+#include <algorithm>
+
+namespace hive {
+
+void Reorder::push(Event event, TimePoint now)
+{
+    Line& line = lines_[{event.identity.source, event.identity.epoch}];
+    line.lossless = event.identity.lossless;
+    const auto sequence = event.identity.sequence;
+    if (line.expected == 0) {
+        line.expected = line.lossless && sequence <= first_window ? 1 : sequence;
+        line.stuck_since = now;
+    }
+    const std::pair key{sequence, event.identity.part};
+    line.waiting.emplace(key, std::move(event));
+    advance(line, now);
+}
+
+void Reorder::fail(const Identity& identity, TimePoint now)
+{
+    Line& line = lines_[{identity.source, identity.epoch}];
+    if (identity.sequence >= line.expected && line.failed.insert(identity.sequence).second)
+        ++failed_;
+    advance(line, now);
+}
+
+void Reorder::advance(Line& line, TimePoint now)
+{
+    if (line.expected == 0)
+        return;
+    for (bool moved = true; moved;) {
+        moved = line.failed.erase(line.expected) > 0;
+        if (moved)
+            ++line.expected;
+        // A sequence already handed out may have further parts: they follow as they come.
+        while (!line.waiting.empty() && line.waiting.begin()->first.first <= line.expected) {
+            line.expected = std::max(line.expected, line.waiting.begin()->first.first + 1);
+            ready_.push_back(std::move(line.waiting.begin()->second));
+            line.waiting.erase(line.waiting.begin());
+            line.begun = moved = true;
+        }
+        if (moved)
+            line.stuck_since = now;
+    }
+    if (!line.lossless && line.waiting.size() > live_window)
+        line.stuck_since = TimePoint::min();
+}
+
+std::chrono::milliseconds Reorder::patience_of(const Line& line) const
+{
+    if (!line.begun)
+        return std::min(patience_, first_patience);
+    return line.lossless ? patience_ : std::min(patience_, live_patience);
+}
+
+void Reorder::expire(TimePoint now)
+{
+    for (auto& [key, line] : lines_)
+        while (!line.waiting.empty() && (line.stuck_since == TimePoint::min() || now - line.stuck_since >= patience_of(line))) {
+            const auto next = line.waiting.begin()->first.first;
+            if (line.begun)
+                missing_ += next - line.expected;
+            line.expected = next;
+            advance(line, now);
+        }
+}
+
+std::optional<Event> Reorder::pop()
+{
+    if (ready_.empty())
+        return std::nullopt;
+    Event event = std::move(ready_.front());
+    ready_.pop_front();
+    return event;
+}
+
+std::optional<Reorder::TimePoint> Reorder::deadline() const
+{
+    std::optional<TimePoint> first;
+    for (const auto& [key, line] : lines_)
+        if (!line.waiting.empty()) {
+            const auto due = line.stuck_since == TimePoint::min() ? line.stuck_since : line.stuck_since + patience_of(line);
+            first = first ? std::min(*first, due) : due;
+        }
+    return first;
+}
+
+}  // namespace hive

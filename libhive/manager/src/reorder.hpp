@@ -1,0 +1,57 @@
+// Puts the results of several workers back into the order of the captures. Pure logic: no clock of its own.
+#pragma once
+
+#include <hive/event.hpp>
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace hive {
+
+class Reorder {
+public:
+    using TimePoint = std::chrono::steady_clock::time_point;
+
+    static constexpr std::size_t live_window = 64;  ///< live results waiting for an earlier one, at most
+    static constexpr std::chrono::milliseconds live_patience{1000};
+    static constexpr std::chrono::milliseconds first_patience{2000};  ///< for results before the first that came
+    static constexpr std::int64_t first_window = 64;  ///< a first sequence up to this is taken for a late one of the beginning
+
+    explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
+
+    void push(Event event, TimePoint now);
+    /// This capture has no result: it was reported as failed.
+    void fail(const Identity& identity, TimePoint now);
+    /// Gives up what has been waited for too long.
+    void expire(TimePoint now);
+    /// The next event in order, if it is here.
+    std::optional<Event> pop();
+    /// When expire() may have something to do.
+    [[nodiscard]] std::optional<TimePoint> deadline() const;
+    [[nodiscard]] std::int64_t missing() const noexcept { return missing_; }
+    [[nodiscard]] std::int64_t failed() const noexcept { return failed_; }
+
+private:
+    struct Line {  ///< one source in one epoch
+        std::int64_t expected = 0;  ///< 0: nothing has come yet
+        bool begun = false;         ///< something was handed out
+        bool lossless = false;
+        std::map<std::pair<std::int64_t, int>, Event> waiting;
+        std::set<std::int64_t> failed;
+        TimePoint stuck_since{};
+    };
+    void advance(Line& line, TimePoint now);
+    [[nodiscard]] std::chrono::milliseconds patience_of(const Line& line) const;
+
+    std::chrono::milliseconds patience_;
+    std::map<std::pair<std::string, std::int64_t>, Line> lines_;
+    std::deque<Event> ready_;
+    std::int64_t missing_ = 0, failed_ = 0;
+};
+
+}  // namespace hive

@@ -1,0 +1,81 @@
+// The handles that a drone's author holds: thin doors to the core.
+#include "drone_core.hpp"
+
+#include <hive/name.hpp>
+
+namespace hive {
+namespace {
+
+ParameterInfo describe(const std::string& name, ParameterType type, const Constraint& constraint, const std::string& help)
+{
+    return {.name = require_name(name, "parameter"), .type = type, .default_value = {}, .least = constraint.least, .most = constraint.most,
+            .choices = constraint.choices, .unit = constraint.unit, .help = help};
+}
+
+}  // namespace
+
+void Drone::parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help)
+{
+    Constraint whole = constraint;  // what an int holds
+    whole.least = std::max(constraint.least.value_or(-2147483648.0), -2147483648.0);
+    whole.most = std::min(constraint.most.value_or(2147483647.0), 2147483647.0);
+    core_.parameters.add(describe(name, ParameterType::integer, whole, help), variable);
+}
+
+void Drone::parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help)
+{
+    core_.parameters.add(describe(name, ParameterType::number, constraint, help), variable);
+}
+
+void Drone::parameter(const std::string& name, bool& variable, const Constraint& constraint, const std::string& help)
+{
+    core_.parameters.add(describe(name, ParameterType::flag, constraint, help), variable);
+}
+
+void Drone::parameter(const std::string& name, std::string& variable, const Constraint& constraint, const std::string& help)
+{
+    core_.parameters.add(describe(name, ParameterType::text, constraint, help), variable);
+}
+
+Output Drone::output(const std::string& name, const std::string& type, const std::string& help)
+{
+    return {core_, core_.add_output({require_name(name, "output"), type, help})};
+}
+
+void Drone::on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help)
+{
+    core_.interface.inputs.push_back({require_name(input, "input"), type, help});
+    core_.callbacks[input] = std::move(callback);
+}
+
+void Drone::on_change(std::function<void()> callback) { core_.on_change = std::move(callback); }
+void Drone::on_start(std::function<void()> callback) { core_.on_start = std::move(callback); }
+void Drone::main(std::function<std::chrono::microseconds()> step) { core_.main = std::move(step); }
+void Drone::run() { core_.run(); }
+void Drone::wake() { core_.wake(); }
+void Drone::condition(const std::string& text) { core_.condition(text); }
+void Drone::report(Errc code, const std::string& text) { core_.report(code, text, nullptr); }
+void Drone::log(const std::string& text) { core_.log(text); }
+bool Drone::stopping() const { return core_.stopping(); }
+
+bool Output::wanted() const { return core_->wanted(index_); }
+bool Output::asked() const { return core_->asked(index_); }
+
+void Output::emit(Json header, Body body, std::string type) const
+{
+    core_->emit(index_, std::nullopt, std::move(header), [&] { return std::move(body); }, std::move(type));
+}
+
+void Output::emit(Json header, const std::function<Body()>& body, std::string type) const
+{
+    core_->emit(index_, std::nullopt, std::move(header), [&] { return wanted() ? body() : Body(); }, std::move(type));
+}
+
+void Output::emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body, std::string type) const
+{
+    const auto captured_us = event::microseconds(captured.time_since_epoch());
+    core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), [&] { return wanted() ? body() : Body(); },
+                std::move(type));
+}
+
+}  // namespace hive

@@ -1,0 +1,289 @@
+// The user thread of a drone: start, loop, callbacks, exceptions, emitting.
+#include "drone_core.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+#include <unistd.h>
+
+namespace hive {
+
+using protocol::PacketType;
+
+namespace {
+
+constexpr int most_handover = 64;  ///< emitted events that the network thread has not yet seen, per output
+constexpr auto never = std::chrono::hours(24);
+
+}  // namespace
+
+DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
+    : program_(std::move(program)), settings_(std::move(settings)), epoch_(event::wall_us())
+{
+    interface.kind = program_.kind;
+    interface.summary = program_.summary;
+    interface.version = HIVE_VERSION;
+    interface.stateful = program_.stateful;
+}
+
+DroneCore::~DroneCore() = default;
+
+std::size_t DroneCore::add_output(Port port)
+{
+    interface.outputs.push_back(std::move(port));
+    outputs_.push_back(&slots_.emplace_back());
+    return outputs_.size() - 1;
+}
+
+void DroneCore::run()
+{
+    interface.parameters = parameters.declared();
+    if (settings_.describe) {
+        std::cout << to_json(interface).dump(2) << std::endl;
+        return;
+    }
+    started_ = Clock::now();
+    prepare();
+    loop();
+    module_.reset();
+    log("ended");
+}
+
+void DroneCore::prepare()
+{
+    home_.emplace(event::default_home());
+    claim_.emplace(*home_, settings_.name);
+    module_ = std::make_unique<event::Module>(event::Module::Options{
+        .self = {.name = settings_.name, .kind = interface.kind, .epoch = epoch_, .pid = ::getpid()},
+        .limits = {},
+        .timing = {},
+        .log = [this](const std::string& text) { log(text); }});
+    for (std::size_t i = 0; i < outputs_.size(); ++i)
+        outputs_[i]->outlet = &module_->add_outlet(interface.outputs[i]);
+    exceptions_ = &module_->add_outlet({"exceptions", "application/x-hive-exception", "what this drone's code threw"}, PacketType::exception);
+    module_->on_demand = [this] { mailbox_.nudge(); };
+    module_->on_failed = [this](const event::EmissionPtr& event) {
+        report(Errc::abandoned, "given up after " + std::to_string(event::ReceiverTable::most_attempts) + " attempts", &event->event());
+    };
+    add_handlers();
+    const Json state = home_->read_state(settings_.name).value_or(Json::object());
+    board_.policy = settings_.policy ? *settings_.policy : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy");
+    Json values = parameters.checked(state.value("parameters", Json::object()));
+    values.update(parameters.checked(settings_.parameters));
+    parameters.apply(values, [] {});
+    on_start();
+    on_change();
+    set_state(State::idle);
+    module_->start();
+    module_->call([&] {
+        module_->on_signal([this](int) { end(true); });
+        module_->listen(home_->address(settings_.name));
+        for (const auto& address : settings_.listen)
+            log("listening at " + to_text(module_->listen(transport::parse_address(address))));
+        restore(state);
+        remember();
+    });
+    log("started");
+}
+
+void DroneCore::loop()
+{
+    next_step_ = Clock::now();
+    while (!stopping_) {
+        auto item = mailbox_.pop(main && !halted_ ? next_step_ : Clock::now() + never, !halted_);
+        if (item) {
+            if (auto* command = std::get_if<event::Mailbox::Command>(&*item))
+                (*command)();
+            else
+                deliver(std::move(std::get<Event>(*item)));
+        }
+        if (main && !halted_ && !stopping_ && (!item || Clock::now() >= next_step_))
+            step();
+    }
+    set_state(State::stopping);
+}
+
+void DroneCore::step()
+{
+    begin_work("main");
+    try {
+        next_step_ = Clock::now() + main();
+    } catch (const Error& error) {
+        failed({}, error.code(), error.what());
+    } catch (const std::exception& error) {
+        failed({}, Errc::failed, error.what());
+    }
+    end_work();
+}
+
+void DroneCore::deliver(Event event)
+{
+    begin_work(event.input);
+    current_ = &event;
+    current_since_ = Clock::now();
+    for (auto* slot : outputs_)
+        slot->part = 0;
+    try {
+        call(event);
+    } catch (const Error& error) {
+        failed(event, error.code(), error.what());
+    } catch (const std::exception& error) {
+        failed(event, Errc::failed, error.what());
+    } catch (...) {
+        failed(event, Errc::failed, "something that is no exception was thrown");
+    }
+    current_ = nullptr;
+    end_work();
+}  // the receipt goes with the event: the next one is asked for, unless the drone has halted
+
+void DroneCore::call(const Event& event)
+{
+    const auto* input = interface.input(event.input);
+    if (!types_fit(event.type, input->type))
+        throw Error(Errc::type_mismatch, event.sender + "." + event.output + " sent " + event.type + ", but " + event.input + " takes " + input->type);
+    callbacks.at(event.input)(event);
+    const std::lock_guard lock(board_mutex_);
+    ++board_.processed;
+}
+
+void DroneCore::failed(const Event& event, Errc code, const std::string& text)
+{
+    const bool with_input = current_ != nullptr;
+    report(code, text, with_input ? &event : nullptr);
+    if (!with_input)
+        next_step_ = Clock::now() + std::chrono::milliseconds(100);  // a main that keeps failing must not spin
+    bool halt = false;
+    {
+        const std::lock_guard lock(board_mutex_);
+        halt = board_.policy == ExceptionPolicy::halt;
+        if (with_input) {
+            ++board_.abandoned;
+            ++board_.abandoned_at[event.input];
+        }
+    }
+    if (halt) {
+        halted_ = true;
+        module_->halt(true);
+    }
+}
+
+void DroneCore::report(Errc code, const std::string& text, const Event* cause)
+{
+    Event event;
+    event.identity = cause ? cause->identity : Identity{.source = settings_.name, .epoch = epoch_, .captured_us = event::wall_us(), .monotonic_us = event::steady_us(), .hops = {}};
+    event.sender = settings_.name;
+    event.kind = interface.kind;
+    event.output = "exceptions";
+    event.type = "application/x-hive-exception";
+    {
+        const std::lock_guard lock(board_mutex_);
+        event.header = {{"code", info(code).token}, {"text", text.substr(0, 4000)}, {"policy", token(board_.policy)}, {"input", cause ? cause->input : ""}};
+        board_.last_exception = event.header;
+        board_.last_exception["time_us"] = event::wall_us();
+        board_.last_exception["source"] = event.identity.source;
+        board_.last_exception["seq"] = event.identity.sequence;
+    }
+    log(std::string("exception: ") + std::string(info(code).token) + ": " + text);
+    module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event))] { module_->emit(*exceptions_, emission); });
+}
+
+void DroneCore::set_state(State state)
+{
+    const std::lock_guard lock(board_mutex_);
+    board_.state = state;
+}
+
+void DroneCore::begin_work(const std::string& what)
+{
+    const std::lock_guard lock(board_mutex_);
+    board_.state = State::busy;
+    board_.callback = what;
+    board_.busy_since = Clock::now();
+}
+
+void DroneCore::end_work()
+{
+    const std::lock_guard lock(board_mutex_);
+    board_.busy_us += event::microseconds(Clock::now() - board_.busy_since);
+    board_.state = halted_ ? State::halted : State::idle;
+    board_.callback.clear();
+}
+
+void DroneCore::apply(const Json& values) { parameters.apply(values, on_change); }
+
+bool DroneCore::wanted(std::size_t output) const
+{
+    const auto* outlet = outputs_[output]->outlet;
+    return outlet && outlet->wanted();
+}
+
+bool DroneCore::asked(std::size_t output) const
+{
+    const Slot& slot = *outputs_[output];
+    return slot.outlet && slot.handover == 0 && slot.outlet->asked();
+}
+
+Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
+{
+    return {.source = settings_.name, .epoch = epoch_, .sequence = ++outputs_[output]->sequence, .captured_us = captured_us,
+            .monotonic_us = event::steady_us() - (event::wall_us() - captured_us), .lossless = lossless, .hops = {}};
+}
+
+void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<Body()>& body, std::string type)
+{
+    Slot& slot = *outputs_[output];
+    const Port& port = interface.outputs[output];
+    if (!module_)
+        throw Error(Errc::invalid_argument, "output " + port.name + ": nothing can be emitted before run()");
+    if (!header.is_object())
+        throw Error(Errc::invalid_argument, "output " + port.name + ": the header of an event must be a JSON object");
+    Event event;
+    if (begun) {
+        event.identity = std::move(*begun);
+    } else if (current_) {
+        event.identity = current_->identity;
+        event.identity.part = slot.part++;
+        event.identity.hops.push_back({settings_.name, event::microseconds(current_since_ - current_->received), event::microseconds(Clock::now() - current_since_)});
+        if (event.identity.lossless)
+            event.receipt = current_->receipt;
+    } else {
+        event.identity = fresh_identity(output, event::wall_us(), false);
+    }
+    event.sender = settings_.name;
+    event.kind = interface.kind;
+    event.output = port.name;
+    event.type = type.empty() ? port.type.substr(0, port.type.find(',')) : std::move(type);
+    event.header = std::move(header);
+    event.body = body();
+    event.size = event.body.size();
+    if (event.size > protocol::Limits{}.body)
+        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.size) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+    auto emission = std::make_shared<const event::Emission>(std::move(event));
+    {
+        std::unique_lock lock(handover_mutex_);
+        handover_less_.wait(lock, [&] { return slot.handover < most_handover; });
+        ++slot.handover;
+    }
+    module_->post([this, &slot, emission = std::move(emission)]() mutable {
+        module_->emit(*slot.outlet, std::move(emission));
+        {
+            const std::lock_guard lock(handover_mutex_);
+            --slot.handover;
+        }
+        handover_less_.notify_one();
+        if (slot.outlet->asked())
+            mailbox_.nudge();
+    });
+}
+
+void DroneCore::condition(const std::string& text)
+{
+    const std::lock_guard lock(board_mutex_);
+    if (board_.condition != text && !text.empty())
+        log("condition: " + text);
+    board_.condition = text;
+}
+
+void DroneCore::log(const std::string& text) const { spdlog::info("{}: {}", settings_.name, text); }
+
+}  // namespace hive

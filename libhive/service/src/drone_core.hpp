@@ -1,0 +1,128 @@
+// The machinery of a running drone: the user thread's loop, its callbacks, and what the network thread may see of it.
+#pragma once
+
+#include "parameter_set.hpp"
+
+#include <hive/drone.hpp>
+#include <hive/event/mailbox.hpp>
+#include <hive/event/module.hpp>
+#include <hive/event/sequence_filter.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+/// What the command line of a drone says.
+struct DroneSettings {
+    std::string name;
+    std::vector<std::string> listen;                ///< further addresses beside the local socket
+    Json parameters = Json::object();               ///< --set
+    std::optional<ExceptionPolicy> policy;          ///< empty: as before the crash, or skip
+    bool describe = false;
+};
+
+/// Declarations and the loop belong to the user thread; handlers of requests to the network thread (drone_requests.cpp);
+/// what both need is in `board_` under its mutex.
+class DroneCore {
+public:
+    DroneCore(DroneProgram program, DroneSettings settings);
+    ~DroneCore();
+
+    // declarations
+    ParameterSet parameters;
+    Interface interface;
+    std::map<std::string, std::function<void(const Event&)>> callbacks;
+    std::function<void()> on_change = [] {}, on_start = [] {};
+    std::function<std::chrono::microseconds()> main;
+    std::size_t add_output(Port port);
+
+    void run();
+
+    // for Output and Drone
+    [[nodiscard]] bool wanted(std::size_t output) const;
+    [[nodiscard]] bool asked(std::size_t output) const;
+    void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<Body()>& body, std::string type);
+    void wake() { mailbox_.nudge(); }
+    void condition(const std::string& text);
+    void report(Errc code, const std::string& text, const Event* cause);
+    void log(const std::string& text) const;
+    [[nodiscard]] bool stopping() const noexcept { return stopping_; }
+    Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless);
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Slot {  ///< one output
+        event::Outlet* outlet = nullptr;
+        std::int64_t sequence = 0;              ///< user thread
+        int part = 0;                           ///< events emitted for the present input
+        std::atomic<int> handover{0};           ///< emitted, not yet with the network thread
+    };
+    struct Board {  ///< what status tells of the user thread
+        State state = State::starting;
+        std::string condition, callback;
+        ExceptionPolicy policy{};
+        std::int64_t busy_us = 0;
+        Clock::time_point busy_since{};
+        std::int64_t received = 0, processed = 0, abandoned = 0, duplicates = 0, discarded = 0, dropped = 0;
+        std::map<std::string, std::int64_t> abandoned_at;  ///< by input
+        Json last_exception;
+    };
+
+    // user thread
+    void prepare();
+    void loop();
+    void step();
+    void deliver(Event event);
+    void call(const Event& event);
+    void failed(const Event& event, Errc code, const std::string& text);
+    void set_state(State state);
+    void begin_work(const std::string& what);
+    void end_work();
+    void apply(const Json& values);
+
+    // network thread: drone_requests.cpp
+    void add_handlers();
+    void restore(const Json& state);
+    void on_connect(event::Incoming incoming);
+    void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
+    void on_disconnect(const event::Incoming& incoming);
+    void on_set(const event::Incoming& incoming);
+    void on_get(const event::Incoming& incoming);
+    void on_put(const event::Incoming& incoming);
+    void on_halt(const event::Incoming& incoming);
+    void on_resume(const event::Incoming& incoming);
+    void end(bool forget);
+    void arrived(Event event, const std::weak_ptr<event::Intake>& intake);
+    event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
+    [[nodiscard]] Json status();
+    void remember();
+
+    DroneProgram program_;
+    DroneSettings settings_;
+    std::optional<event::Home> home_;
+    std::optional<event::NameClaim> claim_;
+    std::list<Slot> slots_;
+    std::vector<Slot*> outputs_;
+    event::Outlet* exceptions_ = nullptr;
+    event::Mailbox mailbox_;
+    event::SequenceFilter filter_;  ///< network thread
+    std::unique_ptr<event::Module> module_;
+    std::atomic<bool> stopping_ = false, halted_ = false;
+    std::int64_t epoch_ = 0;
+    Clock::time_point started_{}, next_step_{};
+    const Event* current_ = nullptr;  ///< the input being worked on
+    Clock::time_point current_since_{};
+    std::mutex handover_mutex_;
+    std::condition_variable handover_less_;
+    mutable std::mutex board_mutex_;
+    Board board_;
+};
+
+}  // namespace hive

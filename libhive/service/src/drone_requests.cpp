@@ -1,0 +1,327 @@
+// The network thread of a drone: what applications ask of it, answered while user code is busy.
+#include "drone_core.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+#include <unistd.h>
+
+namespace hive {
+
+using event::Incoming;
+using event::Intake;
+using event::IntakeSpec;
+using event::Outcome;
+using protocol::PacketType;
+
+namespace {
+
+/// A drone told to stop ends within this, whatever its code does.
+constexpr auto last_grace = std::chrono::seconds(2);
+
+std::vector<std::string> port_names(const std::vector<Port>& ports)
+{
+    std::vector<std::string> names;
+    for (const auto& port : ports)
+        names.push_back(port.name);
+    return names;
+}
+
+Json spec_json(const IntakeSpec& spec)
+{
+    return {{"from", {{"drone", spec.sender}, {"output", spec.output}, {"address", to_text(spec.address)}}},
+            {"input", spec.input},
+            {"options", to_json(spec.options)}};
+}
+
+}  // namespace
+
+void DroneCore::add_handlers()
+{
+    module_->handle(PacketType::describe, [this](const Incoming& incoming) { incoming.answer(to_json(interface)); });
+    module_->handle(PacketType::status, [this](const Incoming& incoming) { incoming.answer(status()); });
+    module_->handle(PacketType::get, [this](const Incoming& incoming) { on_get(incoming); });
+    module_->handle(PacketType::set, [this](const Incoming& incoming) { on_set(incoming); });
+    module_->handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
+    module_->handle(PacketType::connect, [this](const Incoming& incoming) { on_connect(incoming); });
+    module_->handle(PacketType::disconnect, [this](const Incoming& incoming) { on_disconnect(incoming); });
+    module_->handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
+    module_->handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
+    module_->handle(PacketType::stop, [this](const Incoming& incoming) {
+        incoming.answer(Json::object());
+        end(true);
+    });
+}
+
+void DroneCore::on_get(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "get");
+    std::vector<std::string> names;
+    if (fields.has("names"))
+        for (const auto& name : fields.array("names"))
+            names.push_back(name.is_string() ? name.get<std::string>() : "");
+    incoming.answer(Json{{"parameters", parameters.values(names)}});
+}
+
+void DroneCore::on_set(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "set");
+    const Json values = parameters.checked(fields.object("parameters"));
+    const auto deadline = Clock::now() + std::chrono::milliseconds(fields.integer_or("deadline_ms", 1, 86'400'000, 5000));
+    if (fields.flag_or("check_only", false))
+        return incoming.answer(Json{{"parameters", values}});
+    mailbox_.push([this, values, deadline, answer = incoming.answer] {
+        if (Clock::now() > deadline)
+            return answer(Error(Errc::timeout, settings_.name + " was busy until the deadline had passed; nothing was set"));
+        try {
+            std::vector<std::string> names;
+            for (const auto& [name, value] : values.items())
+                names.push_back(name);
+            const Json before = names.empty() ? Json::object() : parameters.values(names);
+            apply(values);
+            module_->post([this] { remember(); });
+            answer(Json{{"parameters", values}, {"previous", before}});
+        } catch (const Error& error) {
+            answer(Error(error.code() == Errc::failed ? Errc::refused : error.code(), error.what()));
+        } catch (const std::exception& error) {
+            answer(Error(Errc::refused, error.what()));
+        }
+        next_step_ = Clock::now();
+    });
+}
+
+void DroneCore::on_put(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "put");
+    const auto name = fields.name("input");
+    const Port* input = interface.input(name);
+    if (!input)
+        throw Error(Errc::not_found, settings_.name + " has no input " + name);
+    if (halted_)
+        throw Error(Errc::halted, settings_.name + " has halted; resume it: hivectl resume " + settings_.name);
+    Event event;
+    event.type = fields.text("type");
+    if (!types_fit(event.type, input->type))
+        throw Error(Errc::type_mismatch, "the event is " + event.type + ", but " + settings_.name + "." + name + " takes " + input->type);
+    event.identity = {.source = incoming.peer, .epoch = epoch_, .sequence = fields.integer("id", 0, max_json_integer), .captured_us = event::wall_us(),
+                      .monotonic_us = event::steady_us(), .hops = {}};
+    event.sender = incoming.peer;
+    event.kind = "application";
+    event.output = "put";
+    event.input = name;
+    if (fields.has("header"))
+        event.header = fields.object("header");
+    event.body = incoming.body;
+    event.size = incoming.body.size();
+    event.received = Clock::now();
+    arrived(std::move(event), {});
+    incoming.answer(Json::object());
+}
+
+IntakeSpec DroneCore::intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const
+{
+    const Fields sender(from, "connect: from");
+    const Port* port = interface.input(input);
+    if (!port) {
+        const auto near = nearest(input, port_names(interface.inputs));
+        throw Error(Errc::not_found, settings_.name + " has no input " + input + (near.empty() ? "" : "; did you mean " + near + "?"));
+    }
+    const auto name = sender.name("drone");
+    return {.sender = name,
+            .output = sender.name("output"),
+            .address = sender.has("address") ? transport::parse_address(sender.text("address")) : home_->address(name),
+            .input = input,
+            .receiver = settings_.name + "." + input,
+            .accepts = port->type,
+            .stateful = program_.stateful,
+            .options = options};
+}
+
+void DroneCore::on_connect(Incoming incoming)
+{
+    const Fields fields(incoming.header, "connect");
+    const auto options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{};
+    connect(intake_spec(fields.object("from"), fields.name("input"), options), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
+}
+
+void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
+{
+    const auto weak = std::make_shared<std::weak_ptr<Intake>>();
+    const auto intake = module_->add_intake(std::move(spec), [this, weak](Event event) { arrived(std::move(event), *weak); });
+    *weak = intake;
+    intake->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+        const auto self = weak->lock();
+        if (std::holds_alternative<Error>(outcome)) {
+            module_->remove_intake(self);
+            return on_outcome(outcome);
+        }
+        const auto same = [&](const std::shared_ptr<Intake>& other) {
+            return other != self && other->spec().sender == self->spec().sender && other->spec().output == self->spec().output
+                && other->spec().input == self->spec().input;
+        };
+        for (const auto& other : std::vector(module_->intakes()))
+            if (same(other))
+                module_->remove_intake(other);
+        remember();
+        on_outcome(outcome);
+    });
+}
+
+void DroneCore::restore(const Json& state)
+{
+    for (const auto& saved : state.value("connections", Json::array()))
+        try {
+            const Fields fields(saved, "saved connection");
+            const auto weak = std::make_shared<std::weak_ptr<Intake>>();
+            const auto intake = module_->add_intake(intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))),
+                                                    [this, weak](Event event) { arrived(std::move(event), *weak); });
+            *weak = intake;
+            intake->start({});
+        } catch (const Error& error) {
+            log(std::string("a saved connection is left out: ") + error.what());
+        }
+}
+
+void DroneCore::arrived(Event event, const std::weak_ptr<Intake>& weak)
+{
+    const bool fresh = filter_.first(event);
+    const auto lost = fresh ? mailbox_.push(std::move(event)) : 0;
+    const std::lock_guard lock(board_mutex_);
+    ++board_.received;
+    board_.duplicates += fresh ? 0 : 1;
+    board_.dropped += static_cast<std::int64_t>(lost);
+    if (const auto intake = weak.lock())
+        intake->lost += static_cast<std::int64_t>(lost);
+}
+
+void DroneCore::on_disconnect(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "disconnect");
+    const Fields from(fields.object("from"), "disconnect: from");
+    const auto drone = from.name("drone"), output = from.name_or("output", ""), input = fields.name_or("input", "");
+    std::size_t removed = 0;
+    for (const auto& intake : std::vector(module_->intakes())) {
+        const auto& spec = intake->spec();
+        if (spec.sender != drone || (!output.empty() && spec.output != output) || (!input.empty() && spec.input != input))
+            continue;
+        module_->remove_intake(intake);
+        ++removed;
+    }
+    if (removed == 0)
+        throw Error(Errc::not_found, settings_.name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
+    remember();
+    incoming.answer(Json{{"removed", removed}});
+}
+
+void DroneCore::on_halt(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "halt");
+    if (fields.has("policy")) {
+        const auto policy = from_token<ExceptionPolicy>(fields.text("policy"), "policy");
+        {
+            const std::lock_guard lock(board_mutex_);
+            board_.policy = policy;
+        }
+        remember();
+        return incoming.answer(Json::object());
+    }
+    halted_ = true;
+    module_->halt(true);
+    {
+        const std::lock_guard lock(board_mutex_);
+        if (board_.state == State::idle)
+            board_.state = State::halted;
+    }
+    mailbox_.nudge();
+    incoming.answer(Json::object());
+}
+
+void DroneCore::on_resume(const Incoming& incoming)
+{
+    mailbox_.push([this, answer = incoming.answer] {
+        const auto old = mailbox_.discard_live();  // resume continues with the newest
+        halted_ = false;
+        set_state(State::idle);
+        {
+            const std::lock_guard lock(board_mutex_);
+            board_.discarded += static_cast<std::int64_t>(old);
+        }
+        module_->halt(false);
+        answer(Json::object());
+    });
+}
+
+void DroneCore::end(bool forget)
+{
+    if (forget)
+        home_->forget_state(settings_.name);
+    if (stopping_.exchange(true))
+        return;
+    mailbox_.nudge();
+    std::thread([grace = last_grace, home = *home_, name = settings_.name] {
+        std::this_thread::sleep_for(grace);
+        std::error_code ignored;
+        std::filesystem::remove(home.path(name, ".sock"), ignored);
+        ::_exit(0);
+    }).detach();
+}
+
+void DroneCore::remember()
+{
+    if (stopping_)
+        return;
+    Json connections = Json::array();
+    if (module_)
+        for (const auto& intake : module_->intakes())
+            if (!intake->spec().output.empty())
+                connections.push_back(spec_json(intake->spec()));
+    std::string_view policy;
+    {
+        const std::lock_guard lock(board_mutex_);
+        policy = token(board_.policy);
+    }
+    home_->write_state(settings_.name, {{"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}});
+}
+
+Json DroneCore::status()
+{
+    Json outputs = Json::array(), inputs = Json::array();
+    for (const auto& outlet : module_->outlets())
+        outputs.push_back(outlet.status());
+    Board board;
+    {
+        const std::lock_guard lock(board_mutex_);
+        board = board_;
+    }
+    for (const auto& intake : module_->intakes()) {
+        Json row = intake->status();
+        row["abandoned"] = board.abandoned_at[intake->spec().input];
+        inputs.push_back(std::move(row));
+    }
+    const bool busy = board.state == State::busy;
+    const auto busy_for = busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
+    return {{"name", settings_.name},
+            {"kind", interface.kind},
+            {"pid", ::getpid()},
+            {"epoch", epoch_},
+            {"state", token(stopping_ ? State::stopping : board.state)},
+            {"condition", board.condition},
+            {"policy", token(board.policy)},
+            {"uptime_us", event::microseconds(Clock::now() - started_)},
+            {"busy_us", board.busy_us + busy_for},
+            {"busy_for_us", busy_for},
+            {"callback", board.callback},
+            {"queued", mailbox_.events()},
+            {"events",
+             {{"received", board.received},
+              {"processed", board.processed},
+              {"abandoned", board.abandoned},
+              {"duplicates", board.duplicates},
+              {"discarded", board.discarded},
+              {"dropped", board.dropped}}},
+            {"outputs", outputs},
+            {"inputs", inputs},
+            {"last_exception", board.last_exception}};
+}
+
+}  // namespace hive

@@ -1,0 +1,73 @@
+// Checking and applying groups of parameters.
+#include "parameter_set.hpp"
+
+#include <hive/error.hpp>
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hive {
+
+const ParameterInfo& ParameterSet::find(const std::string& name) const
+{
+    const auto found = std::ranges::find(declared_, name, &ParameterInfo::name);
+    if (found != declared_.end())
+        return *found;
+    std::vector<std::string> names;
+    for (const auto& parameter : declared_)
+        names.push_back(parameter.name);
+    const auto near = nearest(name, names);
+    throw Error(Errc::not_found, "no parameter " + in_quotes(name) + (near.empty() ? "" : "; did you mean " + near + "?"));
+}
+
+Json ParameterSet::checked(const Json& wanted) const
+{
+    Json values = Json::object();
+    for (const auto& [name, value] : wanted.items())
+        values[name] = checked_value(find(name), value);
+    return values;
+}
+
+void ParameterSet::assign(const Json& values)
+{
+    for (const auto& [name, value] : values.items())
+        assign_.at(name)(value);
+}
+
+void ParameterSet::apply(const Json& checked_values, const std::function<void()>& accept)
+{
+    const Json before = values();
+    assign(checked_values);
+    try {
+        accept();
+    } catch (...) {
+        assign(before);
+        accept();
+        throw;
+    }
+    const std::lock_guard lock(mutex_);
+    values_.update(checked_values);
+}
+
+Json ParameterSet::values(const std::vector<std::string>& names) const
+{
+    const std::lock_guard lock(mutex_);
+    if (names.empty())
+        return values_;
+    Json some = Json::object();
+    for (const auto& name : names)
+        some[name] = values_.at(find(name).name);
+    return some;
+}
+
+Json ParameterSet::changed() const
+{
+    const std::lock_guard lock(mutex_);
+    Json some = Json::object();
+    for (const auto& parameter : declared_)
+        if (values_.at(parameter.name) != parameter.default_value)
+            some[parameter.name] = values_.at(parameter.name);
+    return some;
+}
+
+}  // namespace hive

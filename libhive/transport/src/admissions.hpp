@@ -1,0 +1,25 @@
+// How many peers may be inside a listener's hall without having said hello.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace hive::transport {
+
+/// Counts tokens; on the network thread.
+class Admissions : public std::enable_shared_from_this<Admissions> {
+public:
+    static constexpr std::size_t most = 64;
+
+    [[nodiscard]] bool full() const { return count_ >= most; }
+    /// One more; its place is free again when the last copy of the token is gone.
+    std::shared_ptr<void> admit();
+    /// Called whenever a place becomes free.
+    std::function<void()> freed;
+
+private:
+    std::size_t count_ = 0;
+};
+
+}  // namespace hive::transport

@@ -1,0 +1,77 @@
+// The Connection that users hold: a handle that lets the connection end when the last of them lets go.
+#include "connection_core.hpp"
+#include "make_connection.hpp"
+
+#include <asio/post.hpp>
+
+namespace hive::transport {
+namespace {
+
+/// Owns the core until start(); from then on what is under way owns it. So handlers may own the handle without a cycle
+/// that would outlive the io_context.
+class ConnectionHandle final : public Connection {
+public:
+    ConnectionHandle(asio::io_context& context, std::string peer, std::shared_ptr<ConnectionCore> core)
+        : context_(context), peer_(std::move(peer)), unstarted_(std::move(core)), core_(unstarted_)
+    {
+    }
+    ConnectionHandle(const ConnectionHandle&) = delete;
+    ConnectionHandle& operator=(const ConnectionHandle&) = delete;
+    ~ConnectionHandle() override
+    {
+        if (const auto core = core_.lock())
+            core->abandon();
+    }
+
+    void start(Handlers handlers) override
+    {
+        if (const auto core = std::exchange(unstarted_, nullptr))
+            core->start(std::move(handlers));
+    }
+    void open(const protocol::Limits& limits) override
+    {
+        if (const auto core = core_.lock())
+            core->open(limits);
+    }
+    void send(protocol::Packet packet, Written written) override
+    {
+        if (const auto core = core_.lock())
+            core->send(std::move(packet), std::move(written));
+        else if (written)
+            asio::post(context_, [written = std::move(written)] { written(false); });
+    }
+    [[nodiscard]] std::size_t events_waiting() const override
+    {
+        const auto core = core_.lock();
+        return core ? core->events_waiting() : 0;
+    }
+    void close(const Error& reason) override
+    {
+        if (const auto core = core_.lock())
+            core->end(reason);
+    }
+    [[nodiscard]] std::string peer() const override { return peer_; }
+
+private:
+    asio::io_context& context_;
+    std::string peer_;
+    std::shared_ptr<ConnectionCore> unstarted_;
+    std::weak_ptr<ConnectionCore> core_;
+};
+
+}  // namespace
+
+std::shared_ptr<Connection> make_connection(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
+                                            std::shared_ptr<void> admission)
+{
+    auto peer = stream->peer();
+    auto core = std::make_shared<ConnectionCore>(context, std::move(stream), timing, std::move(admission));
+    return std::make_shared<ConnectionHandle>(context, std::move(peer), std::move(core));
+}
+
+std::shared_ptr<Connection> Connection::create(asio::io_context& context, std::unique_ptr<Stream> stream, Timing timing)
+{
+    return make_connection(context, std::move(stream), timing, nullptr);
+}
+
+}  // namespace hive::transport

@@ -1,0 +1,209 @@
+// Reading, writing, watching and ending.
+#include "connection_core.hpp"
+
+#include <asio/error.hpp>
+#include <asio/post.hpp>
+
+#include <limits>
+
+namespace hive::transport {
+
+using Clock = Liveness::Clock;
+
+ConnectionCore::ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
+                               std::shared_ptr<void> admission)
+    : context_(context), stream_(std::move(stream)), peer_(stream_->peer()), timing_(timing), admission_(std::move(admission)),
+      timer_(context), liveness_(timing, Clock::now())
+{
+}
+
+void ConnectionCore::start(Connection::Handlers handlers)
+{
+    handlers_ = std::make_shared<Connection::Handlers>(std::move(handlers));
+    if (ended_) {
+        asio::post(context_, [told = std::exchange(handlers_, nullptr), reason = *ended_] {
+            if (told->closed)
+                told->closed(reason);
+        });
+        return;
+    }
+    liveness_ = Liveness(timing_, Clock::now());
+    read();
+    write();
+    look_later();
+}
+
+void ConnectionCore::open(const protocol::Limits& limits)
+{
+    reader_.open(limits);
+    opened_ = true;
+    admission_.reset();
+    asio::post(context_, [self = shared_from_this()] {
+        self->deliver();
+        self->read();
+    });
+}
+
+void ConnectionCore::send(protocol::Packet packet, Connection::Written written)
+{
+    constexpr auto most = std::numeric_limits<std::uint32_t>::max();
+    if (packet.header_text().size() > most || packet.body.size() > most)
+        throw Error(Errc::too_large, "a packet of " + std::to_string(packet.size()) + " bytes cannot be sent, 4 GiB is the most");
+    if (ended_) {
+        if (written)
+            asio::post(context_, [written = std::move(written)] { written(false); });
+        return;
+    }
+    writer_.push(std::move(packet), std::move(written));
+    if (writer_.control_bytes() > timing_.control_bytes)
+        end(about_peer({Errc::too_large, "it does not read: " + std::to_string(writer_.control_bytes()) + " bytes of control packets wait"}));
+    else
+        write();
+}
+
+void ConnectionCore::end(const Error& reason)
+{
+    if (ended_)
+        return;
+    ended_ = reason;
+    stream_->close();
+    timer_.cancel();
+    admission_.reset();
+    asio::post(context_, [self = shared_from_this(), told = std::exchange(handlers_, nullptr), unwritten = writer_.drop()] {
+        for (const auto& written : unwritten)
+            written(false);
+        if (told && told->closed)
+            told->closed(*self->ended_);
+    });
+}
+
+void ConnectionCore::abandon()
+{
+    if (handlers_)  // what they hold is destroyed from the event loop, not inside the user's reset()
+        asio::post(context_, [dropped = std::exchange(handlers_, nullptr)] {});
+    end(Error(Errc::stopped, "nobody holds the connection any more"));
+}
+
+Error ConnectionCore::about_peer(const Error& error) const { return {error.code(), peer_ + ": " + error.what()}; }
+
+Error ConnectionCore::read_failure(std::error_code error) const
+{
+    if (error != asio::error::eof)
+        return {Errc::connection_lost, "reading failed: " + error.message()};
+    if (reader_.inside())
+        return {Errc::connection_lost, "peer ended the connection inside a packet, after " + reader_.progress()};
+    return {Errc::connection_lost, "peer ended the connection"};
+}
+
+void ConnectionCore::read()
+{
+    if (ended_ || reading_ || held())
+        return;
+    reading_ = true;
+    stream_->read_some(reader_.space(), [self = shared_from_this()](std::error_code error, std::size_t bytes) {
+        self->reading_ = false;
+        self->on_read(error, bytes);
+    });
+}
+
+void ConnectionCore::on_read(std::error_code error, std::size_t bytes)
+{
+    if (ended_)
+        return;
+    if (error)
+        return end(about_peer(read_failure(error)));
+    const bool begins = !reader_.inside();
+    reader_.received(bytes);
+    const bool ends = deliver() > 0;
+    liveness_.heard(Clock::now(), bytes, begins || ends);
+    read();
+}
+
+/// Hands over what is whole; returns how many packets that were.
+std::size_t ConnectionCore::deliver()
+{
+    std::size_t count = 0;
+    while (!ended_ && !held())
+        if (auto packet = next_packet()) {
+            ++count;
+            take(std::move(*packet));
+        } else
+            break;
+    return count;
+}
+
+std::optional<protocol::Packet> ConnectionCore::next_packet()
+{
+    try {
+        return reader_.next();
+    } catch (const Error& broken) {
+        end(about_peer(broken));
+        return {};
+    }
+}
+
+void ConnectionCore::take(protocol::Packet&& packet)
+{
+    if (!hello_came_) {
+        hello_came_ = true;
+        liveness_.hello_came();
+    }
+    if (packet.type == protocol::PacketType::pong)
+        return;
+    if (packet.type == protocol::PacketType::ping)
+        return send(protocol::make_packet(protocol::PacketType::pong, {}), {});
+    if (const auto told = handlers_; told && told->packet)
+        told->packet(std::move(packet));
+}
+
+void ConnectionCore::write()
+{
+    if (ended_ || writing_ || writer_.idle())
+        return;
+    writing_ = true;
+    stream_->write_some(writer_.gather(), [self = shared_from_this()](std::error_code error, std::size_t bytes) {
+        self->on_written(error, bytes);
+    });
+}
+
+// writing_ stays true during the callbacks, so that what they send leaves in one batch.
+void ConnectionCore::on_written(std::error_code error, std::size_t bytes)
+{
+    if (ended_)
+        return;
+    if (error)
+        return end(about_peer({Errc::connection_lost, "writing failed: " + error.message()}));
+    liveness_.sent(Clock::now());
+    const auto events = writer_.events();
+    for (const auto& written : writer_.wrote(bytes))
+        written(true);
+    if (const auto told = handlers_; told && told->drained && events > 0 && writer_.events() == 0)
+        told->drained();
+    writing_ = false;
+    write();
+}
+
+void ConnectionCore::look_later()
+{
+    timer_.expires_at(liveness_.next_look(Clock::now(), reader_.inside()));
+    timer_.async_wait([self = shared_from_this()](std::error_code error) {
+        if (!error && !self->ended_)
+            self->look();
+    });
+}
+
+void ConnectionCore::look()
+{
+    const auto now = Clock::now();
+    if (writer_.idle() && liveness_.ping_due(now))
+        send(protocol::make_packet(protocol::PacketType::ping, {}), {});
+    // This end was held up (stopped, suspended, overloaded): what the peer sent meanwhile may still be unread.
+    if (const auto late = now - timer_.expiry(); late > timing_.silence / 4)
+        liveness_.excuse(late);
+    if (const auto verdict = liveness_.verdict(now, reader_.inside()))
+        return end(about_peer(*verdict));
+    if (!ended_)
+        look_later();
+}
+
+}  // namespace hive::transport

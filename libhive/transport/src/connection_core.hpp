@@ -1,0 +1,65 @@
+// The working part of a Connection: its stream, reader, writer and clock together.
+#pragma once
+
+#include "liveness.hpp"
+#include "packet_reader.hpp"
+#include "packet_writer.hpp"
+
+#include <hive/transport/connection.hpp>
+
+#include <asio/steady_timer.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace hive::transport {
+
+/// Kept alive by what is under way on the io_context (the timer at least, from start() to the end), not by those who use
+/// the connection: their last reference may go while a read waits. On the network thread.
+class ConnectionCore : public std::enable_shared_from_this<ConnectionCore> {
+public:
+    ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing, std::shared_ptr<void> admission);
+
+    void start(Connection::Handlers handlers);
+    void open(const protocol::Limits& limits);
+    void send(protocol::Packet packet, Connection::Written written);
+    [[nodiscard]] std::size_t events_waiting() const { return writer_.events(); }
+    /// Ends it; Written callbacks and then `closed` are posted.
+    void end(const Error& reason);
+    /// Nobody holds the connection any more: ends it, and tells only the Written callbacks.
+    void abandon();
+
+private:
+    /// Reading pauses between the first packet and open().
+    [[nodiscard]] bool held() const { return hello_came_ && !opened_; }
+    [[nodiscard]] Error about_peer(const Error& error) const;
+    [[nodiscard]] Error read_failure(std::error_code error) const;
+    void read();
+    void on_read(std::error_code error, std::size_t bytes);
+    std::size_t deliver();
+    std::optional<protocol::Packet> next_packet();
+    void take(protocol::Packet&& packet);
+    void write();
+    void on_written(std::error_code error, std::size_t bytes);
+    void look_later();
+    void look();
+
+    asio::io_context& context_;
+    std::unique_ptr<Stream> stream_;
+    const std::string peer_;
+    const Timing timing_;
+    std::shared_ptr<void> admission_;
+    asio::steady_timer timer_;
+    Liveness liveness_;
+    PacketReader reader_;
+    PacketWriter writer_;
+    std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a call that is going on, which may end everything
+    std::optional<Error> ended_;
+    bool hello_came_ = false;
+    bool opened_ = false;
+    bool reading_ = false;
+    bool writing_ = false;
+};
+
+}  // namespace hive::transport

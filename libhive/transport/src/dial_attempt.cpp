@@ -1,0 +1,51 @@
+// The answer of a dialer.
+#include "dial_attempt.hpp"
+
+#include "liveness.hpp"
+#include "make_connection.hpp"
+
+#include <asio/post.hpp>
+
+namespace hive::transport {
+
+DialAttempt::DialAttempt(asio::io_context& context, const Address& address, OnDialed on_dialed, const Timing& timing)
+    : context_(context), address_(address), on_dialed_(std::move(on_dialed)), timing_(timing), deadline_(context)
+{
+}
+
+void DialAttempt::start(std::chrono::milliseconds deadline)
+{
+    deadline_.expires_after(deadline);
+    deadline_.async_wait([self = shared_from_this(), deadline](std::error_code error) {
+        if (!error)
+            self->fail(Errc::timeout, "no answer within " + duration_text(deadline));
+    });
+    try {
+        begin();
+    } catch (const Error& error) {
+        fail(error.code(), error.what());
+    }
+}
+
+void DialAttempt::succeed(std::unique_ptr<Stream> stream)
+{
+    if (!answered())
+        answer(make_connection(context_, std::move(stream), timing_, nullptr), nullptr);
+}
+
+void DialAttempt::fail(Errc code, const std::string& why)
+{
+    if (!answered())
+        answer(nullptr, std::make_exception_ptr(Error(code, "cannot reach " + to_text(address_) + ": " + why)));
+}
+
+void DialAttempt::answer(std::shared_ptr<Connection> connection, std::exception_ptr error)
+{
+    deadline_.cancel();
+    cancel();
+    asio::post(context_, [told = std::exchange(on_dialed_, nullptr), connection = std::move(connection), error]() mutable {
+        told(std::move(connection), error);
+    });
+}
+
+}  // namespace hive::transport

@@ -1,0 +1,38 @@
+// What every dialer shares: one answer, at the latest at the deadline.
+#pragma once
+
+#include <hive/transport/transport.hpp>
+
+#include <asio/steady_timer.hpp>
+
+namespace hive::transport {
+
+/// Kept alive by its deadline until it is answered. On the network thread.
+class DialAttempt : public std::enable_shared_from_this<DialAttempt> {
+public:
+    DialAttempt(asio::io_context& context, const Address& address, OnDialed on_dialed, const Timing& timing);
+    virtual ~DialAttempt() = default;
+    void start(std::chrono::milliseconds deadline);
+
+protected:
+    /// Begins; may throw hive::Error, which becomes the answer.
+    virtual void begin() = 0;
+    /// The answer is given: nothing need go on.
+    virtual void cancel() noexcept = 0;
+
+    void succeed(std::unique_ptr<Stream> stream);
+    void fail(Errc code, const std::string& why);
+    [[nodiscard]] bool answered() const { return !on_dialed_; }
+
+    asio::io_context& context_;
+    const Address address_;
+
+private:
+    void answer(std::shared_ptr<Connection> connection, std::exception_ptr error);
+
+    OnDialed on_dialed_;
+    const Timing timing_;
+    asio::steady_timer deadline_;
+};
+
+}  // namespace hive::transport

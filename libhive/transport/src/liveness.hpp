@@ -1,0 +1,50 @@
+// When a peer is alive, late or dead, by the clock readings it is given. No timer of its own.
+#pragma once
+
+#include <hive/error.hpp>
+#include <hive/transport/connection.hpp>
+
+#include <chrono>
+#include <optional>
+
+namespace hive::transport {
+
+/// The heartbeat rules of one connection.
+class Liveness {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    Liveness(const Timing& timing, Clock::time_point now) : timing_(timing), started_(now), heard_(now), window_(now) {}
+
+    /// The peer's first packet is whole.
+    void hello_came() { hello_ = true; }
+    /// Bytes left this end.
+    void sent(Clock::time_point now) { sent_ = now; }
+    /// Bytes came. `fresh`: they begin a packet, or end one.
+    void heard(Clock::time_point now, std::size_t bytes, bool fresh);
+
+    /// This end was held up for so long: the peer is not to blame.
+    void excuse(Clock::duration late);
+
+    /// A ping is due: something was sent once (so the hello is first), but not lately.
+    [[nodiscard]] bool ping_due(Clock::time_point now) const { return sent_ && now >= *sent_ + timing_.heartbeat; }
+    /// Why the connection must end now, if it must. `inside`: a packet has begun and is not whole.
+    std::optional<Error> verdict(Clock::time_point now, bool inside);
+    /// When to look again; not later than anything can become due.
+    [[nodiscard]] Clock::time_point next_look(Clock::time_point now, bool inside) const;
+
+private:
+    [[nodiscard]] bool too_slow(Clock::time_point now);
+
+    Timing timing_;
+    Clock::time_point started_, heard_;
+    std::optional<Clock::time_point> sent_;
+    bool hello_ = false;
+    Clock::time_point window_;       ///< since when the bytes of the present packet are counted
+    std::size_t window_bytes_ = 0;
+};
+
+/// "2 s", "150 ms"
+std::string duration_text(std::chrono::milliseconds time);
+
+}  // namespace hive::transport

@@ -1,0 +1,122 @@
+// Assembling packets from a stream of bytes.
+#include "packet_reader.hpp"
+
+#include <hive/error.hpp>
+
+#include <algorithm>
+#include <cstring>
+
+namespace hive::transport {
+
+PacketReader::PacketReader() : buffer_(std::make_unique_for_overwrite<unsigned char[]>(buffer_size)) {}
+
+asio::mutable_buffer PacketReader::space()
+{
+    if (part_ == Part::body && begin_ == end_)
+        return {body_.get() + body_filled_, prefix_.body_size - body_filled_};
+    if (begin_ != 0) {
+        std::memmove(buffer_.get(), buffer_.get() + begin_, end_ - begin_);
+        end_ -= begin_;
+        begin_ = 0;
+    }
+    return {buffer_.get() + end_, buffer_size - end_};
+}
+
+void PacketReader::received(std::size_t bytes)
+{
+    if (part_ == Part::body && begin_ == end_)
+        body_filled_ += bytes;
+    else
+        end_ += bytes;
+}
+
+std::optional<protocol::Packet> PacketReader::next()
+{
+    if (part_ == Part::prefix && !take_prefix())
+        return {};
+    if (part_ == Part::header && !take_header())
+        return {};
+    if (!take_body())
+        return {};
+    part_ = Part::prefix;
+    const std::span<const std::byte> bytes(body_.get(), prefix_.body_size);
+    auto body = bytes.empty() ? Body() : Body(bytes, std::exchange(body_, nullptr));
+    return protocol::make_packet(prefix_.type, std::exchange(header_, {}), prefix_.channel, std::move(body));
+}
+
+bool PacketReader::take_prefix()
+{
+    const auto bytes = end_ - begin_;
+    if (bytes < protocol::prefix_size) {
+        // Another protocol is refused by its first bytes, it need not fill a prefix.
+        if (std::memcmp(buffer_.get() + begin_, protocol::magic.data(), std::min(bytes, protocol::magic.size())) != 0)
+            throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
+        return false;
+    }
+    prefix_ = protocol::decode_prefix(buffer_.get() + begin_, limits_);
+    require_in_place();
+    begin_ += protocol::prefix_size;
+    header_.reserve(prefix_.header_size);
+    part_ = Part::header;
+    return true;
+}
+
+void PacketReader::require_in_place()
+{
+    const bool first = std::exchange(first_, false);
+    const bool hello = prefix_.type == protocol::PacketType::hello;
+    if (first && !hello)
+        throw Error(Errc::malformed, "the first packet must be a hello, not a " + std::string(token(prefix_.type)));
+    if (!first && hello)
+        throw Error(Errc::malformed, "a second hello");
+}
+
+bool PacketReader::take_header()
+{
+    const auto bytes = std::min<std::size_t>(end_ - begin_, prefix_.header_size - header_.size());
+    header_.append(reinterpret_cast<const char*>(buffer_.get() + begin_), bytes);
+    begin_ += bytes;
+    if (header_.size() < prefix_.header_size)
+        return false;
+    begin_body();
+    return true;
+}
+
+void PacketReader::begin_body()
+{
+    part_ = Part::body;
+    body_filled_ = 0;
+    if (prefix_.body_size == 0)
+        return;
+    try {
+        // Not zero-filled: pages that the peer does not fill are never touched, so its number alone costs no memory.
+        body_ = std::make_unique_for_overwrite<std::byte[]>(prefix_.body_size);
+    } catch (const std::bad_alloc&) {
+        throw Error(Errc::too_large, "no memory for a body of " + std::to_string(prefix_.body_size) + " bytes");
+    }
+}
+
+bool PacketReader::take_body()
+{
+    const auto bytes = std::min<std::size_t>(end_ - begin_, prefix_.body_size - body_filled_);
+    if (bytes != 0)
+        std::memcpy(body_.get() + body_filled_, buffer_.get() + begin_, bytes);
+    begin_ += bytes;
+    body_filled_ += bytes;
+    return body_filled_ == prefix_.body_size;
+}
+
+std::string PacketReader::progress() const
+{
+    const auto text = [](std::size_t have, std::size_t all, const char* part) {
+        return std::to_string(have) + " of " + std::to_string(all) + " bytes of its " + part;
+    };
+    switch (part_) {
+    case Part::prefix: return text(end_ - begin_, protocol::prefix_size, "prefix");
+    case Part::header: return text(header_.size(), prefix_.header_size, "header");
+    case Part::body: break;
+    }
+    return text(body_filled_, prefix_.body_size, "body");
+}
+
+}  // namespace hive::transport

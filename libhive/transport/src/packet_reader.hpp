@@ -1,0 +1,53 @@
+// Bytes in, packets out: where the next bytes of a stream belong and when a packet is whole. No socket, no clock.
+#pragma once
+
+#include <hive/protocol/packet.hpp>
+
+#include <asio/buffer.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace hive::transport {
+
+/// Prefixes, headers and small bodies come through one small buffer, so that many small packets cost one read. The rest
+/// of a body is read straight to where it stays. The first packet must be a hello within protocol::hello_limits.
+class PacketReader {
+public:
+    PacketReader();
+
+    /// Where the next bytes go; never empty once next() has returned nothing. Inside a body: all of it that is missing.
+    asio::mutable_buffer space();
+    /// So many bytes have been put there.
+    void received(std::size_t bytes);
+    /// The next packet when it is whole. Throws Errc::malformed, version_mismatch and too_large, before allocating.
+    std::optional<protocol::Packet> next();
+    /// What holds after the first packet.
+    void open(const protocol::Limits& limits) { limits_ = limits; }
+    /// A packet has begun and is not whole. Meaningful once next() has returned nothing.
+    [[nodiscard]] bool inside() const { return part_ != Part::prefix || begin_ != end_; }
+    /// How far the packet has come: "12 of 16 bytes of its prefix".
+    [[nodiscard]] std::string progress() const;
+
+private:
+    enum class Part { prefix, header, body };
+    bool take_prefix();
+    void require_in_place();
+    bool take_header();
+    bool take_body();
+    void begin_body();
+
+    static constexpr std::size_t buffer_size = 16 * 1024;
+    std::unique_ptr<unsigned char[]> buffer_;  ///< [begin_, end_) has come and is not used yet
+    std::size_t begin_ = 0, end_ = 0;
+    protocol::Limits limits_ = protocol::hello_limits;
+    bool first_ = true;
+    Part part_ = Part::prefix;
+    protocol::Prefix prefix_;
+    std::string header_;
+    std::shared_ptr<std::byte[]> body_;
+    std::size_t body_filled_ = 0;
+};
+
+}  // namespace hive::transport

@@ -1,0 +1,53 @@
+// Packets in, gather lists out: two lanes, of which control overtakes events at packet boundaries. No socket, no clock.
+#pragma once
+
+#include <hive/protocol/packet.hpp>
+#include <hive/transport/connection.hpp>
+
+#include <asio/buffer.hpp>
+
+#include <deque>
+#include <span>
+#include <vector>
+
+namespace hive::transport {
+
+/// Holds packets until their last byte is written; copies no body.
+class PacketWriter {
+public:
+    using Written = Connection::Written;
+
+    void push(protocol::Packet packet, Written written);
+    /// What to write next: the rest of a packet that has begun, then waiting control packets, then events, until there are
+    /// 16 packets or 64 KiB. Valid until wrote() or drop(). Empty when nothing waits.
+    std::span<const asio::const_buffer> gather();
+    /// So many bytes of the gather list are written. Returns the callbacks of packets that are out, in order.
+    std::vector<Written> wrote(std::size_t bytes);
+    /// Forgets everything. Returns the callbacks of what was not wholly written.
+    std::vector<Written> drop();
+
+    [[nodiscard]] bool idle() const { return batch_.empty() && control_.empty() && events_.empty(); }
+    [[nodiscard]] std::size_t control_bytes() const { return control_bytes_; }
+    [[nodiscard]] std::size_t events() const { return event_count_; }
+
+private:
+    struct Item {
+        protocol::Packet packet;
+        protocol::PrefixBytes prefix;
+        Written written;
+        bool is_event;
+    };
+    void fill_batch();
+    void list_buffers();
+    void finish(Item& item, std::vector<Written>& callbacks);
+    void put_back();
+
+    std::deque<Item> control_, events_;
+    std::vector<Item> batch_;  ///< being written; between writes at most one packet, of which `begun_` bytes are out
+    std::size_t begun_ = 0;
+    std::vector<asio::const_buffer> buffers_;
+    std::size_t control_bytes_ = 0;  ///< of control packets not wholly written
+    std::size_t event_count_ = 0;    ///< of events not wholly written
+};
+
+}  // namespace hive::transport

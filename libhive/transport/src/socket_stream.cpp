@@ -1,0 +1,66 @@
+// Sockets as streams.
+#include "socket_stream.hpp"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace hive::transport {
+namespace {
+
+class SocketStream final : public Stream {
+public:
+    SocketStream(Socket socket, std::string peer) : socket_(std::move(socket)), peer_(std::move(peer)) {}
+
+    // One system call each, with the whole size: asio's composed operations would cut it into slices of 64 KiB.
+    void read_some(asio::mutable_buffer into, Handler handler) override { socket_.async_read_some(into, std::move(handler)); }
+    void write_some(std::span<const asio::const_buffer> from, Handler handler) override
+    {
+        socket_.async_write_some(from, std::move(handler));
+    }
+    void close() noexcept override
+    {
+        std::error_code ignored;
+        socket_.close(ignored);
+    }
+    [[nodiscard]] std::string peer() const override { return peer_; }
+
+private:
+    Socket socket_;
+    std::string peer_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer)
+{
+    return std::make_unique<SocketStream>(std::move(socket), std::move(peer));
+}
+
+Socket open_socket(asio::io_context& context, int family)
+{
+    const int descriptor = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (descriptor < 0)
+        throw Error(Errc::io, "cannot open a socket: " + os_text(errno));
+    return adopt_socket(context, family, descriptor);
+}
+
+Socket adopt_socket(asio::io_context& context, int family, int descriptor)
+{
+    Socket socket(context);
+    std::error_code error;
+    socket.assign(asio::generic::stream_protocol(family, 0), descriptor, error);
+    if (error) {
+        ::close(descriptor);
+        throw Error(Errc::io, "cannot watch a socket: " + error.message());
+    }
+    return socket;
+}
+
+void set_option(int descriptor, int level, int option, int value) noexcept
+{
+    ::setsockopt(descriptor, level, option, &value, sizeof value);
+}
+
+std::string os_text(int error) { return std::generic_category().message(error); }
+
+}  // namespace hive::transport

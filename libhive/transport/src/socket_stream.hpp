@@ -1,0 +1,27 @@
+// The Stream over any connected socket of the operating system; tcp and unix share it.
+#pragma once
+
+#include <hive/transport/stream.hpp>
+
+#include <asio/generic/stream_protocol.hpp>
+
+namespace hive::transport {
+
+using Socket = asio::generic::stream_protocol::socket;
+
+std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer);
+
+/// A new socket that children do not inherit. Throws Errc::io.
+Socket open_socket(asio::io_context& context, int family);
+/// Takes over an open descriptor; it is closed when that fails. Throws Errc::io.
+Socket adopt_socket(asio::io_context& context, int family, int descriptor);
+/// Sets an integer option, as far as the operating system knows it.
+void set_option(int descriptor, int level, int option, int value) noexcept;
+
+/// Buffers of local sockets: larger ones only push the bytes out of the cache between writer and reader.
+inline constexpr int local_socket_buffer = 256 * 1024;
+
+/// "Too many open files"
+std::string os_text(int error);
+
+}  // namespace hive::transport

@@ -1,0 +1,177 @@
+// The tcp transport: its listener, its dialer, its socket options.
+#include "accept_loop.hpp"
+#include "dial_attempt.hpp"
+#include "name_lookup.hpp"
+#include "schemes.hpp"
+
+#include <asio/ip/tcp.hpp>
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+
+namespace hive::transport {
+namespace {
+
+using Endpoint = asio::ip::tcp::endpoint;
+
+bool is_local(const Endpoint& peer)
+{
+    const auto address = peer.address();
+    if (address.is_v6() && address.to_v6().is_v4_mapped())
+        return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).is_loopback();
+    return address.is_loopback();
+}
+
+void tune(int descriptor, const Endpoint& peer)
+{
+    set_option(descriptor, IPPROTO_TCP, TCP_NODELAY, 1);
+    set_option(descriptor, SOL_SOCKET, SO_KEEPALIVE, 1);
+    set_option(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, 1);   // seconds
+    set_option(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, 1);  // seconds
+    set_option(descriptor, IPPROTO_TCP, TCP_KEEPCNT, 3);
+    // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel.
+    set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, 16 * 1024);
+    if (!is_local(peer))
+        return;  // across a network the kernel's own tuning fits bandwidth and delay
+    set_option(descriptor, SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
+    set_option(descriptor, SOL_SOCKET, SO_RCVBUF, local_socket_buffer);
+}
+
+template <class Function>
+Endpoint name_of(Function get_name, int descriptor)
+{
+    Endpoint endpoint;
+    socklen_t size = static_cast<socklen_t>(endpoint.capacity());
+    if (get_name(descriptor, reinterpret_cast<sockaddr*>(endpoint.data()), &size) != 0)
+        throw Error(Errc::io, "a socket without an address: " + os_text(errno));
+    endpoint.resize(size);
+    return endpoint;
+}
+
+std::string text_of(const Endpoint& endpoint)
+{
+    const auto host = endpoint.address().to_string();
+    return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
+}
+
+std::unique_ptr<Stream> welcome(Socket socket)
+{
+    const auto peer = name_of(::getpeername, socket.native_handle());
+    tune(socket.native_handle(), peer);
+    return make_socket_stream(std::move(socket), text_of(peer));
+}
+
+/// Where to listen. Names are looked up here and now: a module listens once, before it serves anybody.
+Endpoint listening_endpoint(asio::io_context& context, const Address& address)
+{
+    std::error_code error;
+    if (const auto number = asio::ip::make_address(address.host, error); !error)
+        return {number, address.port};
+    const auto found = asio::ip::tcp::resolver(context).resolve(address.host, "", asio::ip::resolver_base::passive, error);
+    if (error || found.empty())
+        throw Error(Errc::invalid_argument, "cannot listen on " + to_text(address) + ": the name is not known");
+    return {found.begin()->endpoint().address(), address.port};
+}
+
+Error listen_failure(const Address& address, int error)
+{
+    const auto text = "cannot listen on " + to_text(address) + ": ";
+    if (error == EADDRINUSE)
+        return {Errc::name_taken, text + "port " + std::to_string(address.port) + " is taken"};
+    return {error == EACCES ? Errc::not_permitted : Errc::io, text + os_text(error)};
+}
+
+class TcpDial final : public DialAttempt {
+public:
+    using DialAttempt::DialAttempt;
+
+private:
+    void begin() override
+    {
+        std::error_code error;
+        if (const auto number = asio::ip::make_address(address_.host, error); !error)
+            return try_all({Endpoint(number, address_.port)});
+        lookup_ = std::make_unique<NameLookup>(context_, address_.host, address_.port,
+                                               [weak = weak_from_this()](const NameLookup::Endpoints& found, const std::string& why) {
+                                                   if (const auto self = std::static_pointer_cast<TcpDial>(weak.lock()))
+                                                       self->on_found(found, why);
+                                               });
+    }
+    void cancel() noexcept override
+    {
+        lookup_.reset();
+        std::error_code ignored;
+        socket_.close(ignored);
+    }
+    void on_found(const NameLookup::Endpoints& found, const std::string& why)
+    {
+        if (answered())
+            return;
+        if (found.empty())
+            fail(Errc::unreachable, why);
+        else
+            try_all(found);
+    }
+    void try_all(NameLookup::Endpoints endpoints)
+    {
+        endpoints_ = std::move(endpoints);
+        try_next();
+    }
+    void try_next()
+    try {
+        const auto& to = endpoints_.at(next_++);
+        socket_ = open_socket(context_, to.protocol().family());
+        tune(socket_.native_handle(), to);
+        socket_.async_connect({to.data(), to.size(), IPPROTO_TCP},
+                              [self = std::static_pointer_cast<TcpDial>(shared_from_this())](std::error_code error) {
+                                  if (!self->answered())
+                                      self->on_connected(error);
+                              });
+    } catch (const Error& error) {
+        fail(Errc::unreachable, error.what());
+    }
+    void on_connected(std::error_code error)
+    try {
+        // A dial to a free port of this machine may be given that very port as its own, and meet itself.
+        if (!error && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
+            error = asio::error::connection_refused;
+        if (!error)
+            succeed(make_socket_stream(std::exchange(socket_, Socket(context_)), text_of(endpoints_[next_ - 1])));
+        else if (next_ < endpoints_.size())
+            try_next();
+        else
+            fail(Errc::unreachable, error.message());
+    } catch (const Error& lost) {
+        fail(Errc::unreachable, lost.what());
+    }
+
+    std::unique_ptr<NameLookup> lookup_;
+    NameLookup::Endpoints endpoints_;
+    std::size_t next_ = 0;
+    Socket socket_{context_};
+};
+
+}  // namespace
+
+std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection, const Timing& timing)
+{
+    const auto endpoint = listening_endpoint(context, address);
+    const int family = endpoint.protocol().family();
+    auto socket = open_socket(context, family);
+    const int descriptor = socket.native_handle();
+    set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1);  // a port whose old connections linger is free
+    if (::bind(descriptor, reinterpret_cast<const sockaddr*>(endpoint.data()), static_cast<socklen_t>(endpoint.size())) != 0
+        || ::listen(descriptor, SOMAXCONN) != 0)
+        throw listen_failure(address, errno);
+    auto bound = address;
+    bound.port = name_of(::getsockname, descriptor).port();
+    auto loop = std::make_shared<AcceptLoop>(context, family, socket.release(), welcome, std::move(on_connection), timing);
+    return std::make_unique<SocketListener>(std::move(loop), std::move(bound));
+}
+
+void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing)
+{
+    std::make_shared<TcpDial>(context, address, std::move(on_dialed), timing)->start(deadline);
+}
+
+}  // namespace hive::transport

@@ -1,0 +1,41 @@
+// The table of transports.
+#include "schemes.hpp"
+
+#include <array>
+
+namespace hive::transport {
+namespace {
+
+struct Scheme {
+    Address::Scheme scheme;
+    decltype(&listen_tcp) listen;
+    decltype(&dial_tcp) dial;
+};
+
+constexpr std::array schemes{
+    Scheme{Address::Scheme::unix_socket, listen_unix, dial_unix},
+    Scheme{Address::Scheme::tcp, listen_tcp, dial_tcp},
+    Scheme{Address::Scheme::in_process, listen_in_process, dial_in_process},
+};
+
+const Scheme& scheme_of(const Address& address)
+{
+    for (const auto& scheme : schemes)
+        if (scheme.scheme == address.scheme)
+            return scheme;
+    throw Error(Errc::invalid_argument, "an address of a scheme that does not exist");
+}
+
+}  // namespace
+
+std::unique_ptr<Listener> listen(asio::io_context& context, const Address& address, OnConnection on_connection, Timing timing)
+{
+    return scheme_of(address).listen(context, address, std::move(on_connection), timing);
+}
+
+void dial(asio::io_context& context, const Address& address, std::chrono::milliseconds deadline, OnDialed on_dialed, Timing timing)
+{
+    scheme_of(address).dial(context, address, deadline, std::move(on_dialed), timing);
+}
+
+}  // namespace hive::transport
