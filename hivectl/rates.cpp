@@ -27,8 +27,8 @@ std::int64_t produced(const hive::Json& status)
     return sum;
 }
 
-/// Also counts the call that is under way.
-std::int64_t busy(const hive::Json& status) { return count_in(status, "busy_us") + count_in(status, "busy_for_us"); }
+/// With the call that is under way.
+std::int64_t busy(const hive::Json& status) { return count_in(status, "busy_us"); }
 
 std::int64_t oldest_age(const hive::Json& status)
 {

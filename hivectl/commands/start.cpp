@@ -59,15 +59,20 @@ std::vector<std::string> arguments(const Options& options)
     return words;
 }
 
+void show_last_words(const BackgroundProcess& process)
+{
+    std::istringstream words(process.last_words(15));
+    for (std::string line; std::getline(words, line);)
+        complain("start", "  " + printable(line));
+}
+
 /// Reports a drone that ended instead of answering. Its exit code is ours when it is one of the table.
 int died(const std::string& name, BackgroundProcess& process, int status)
 {
     const std::string how = WIFSIGNALED(status) ? "was killed by signal " + std::to_string(WTERMSIG(status))
                                                 : "ended with exit code " + std::to_string(WEXITSTATUS(status));
     complain("start", name + " " + how + " before it was ready; its last words:");
-    std::istringstream words(process.last_words(15));
-    for (std::string line; std::getline(words, line);)
-        complain("start", "  " + printable(line));
+    show_last_words(process);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
     return code >= exit_code::usage && code <= exit_code::partly_done ? code : exit_code::failure;
 }
@@ -91,9 +96,10 @@ std::optional<int> await(Session& session, const std::string& name, BackgroundPr
         const bool late = std::chrono::steady_clock::now() >= end;
         if (late || !interrupt::sleep(10ms)) {
             process.end();
-            if (late)
-                complain("start", name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log ends with:\n"
-                                      + process.last_words(5));
+            if (late) {
+                complain("start", name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its last words:");
+                show_last_words(process);
+            }
             return late ? exit_code::timed_out : exit_code::interrupted;
         }
     }
@@ -103,8 +109,8 @@ std::optional<int> await(Session& session, const std::string& name, BackgroundPr
 int run(const Options& options, Session& session)
 {
     parse_settings(options.settings);  // mistakes are found before anything is started
-    hive::require_name(options.name, "drone");
     const auto program = require_program(options.kind);
+    hive::require_name(options.name, "drone");
     require_free(session, options);
     const auto log = session.home() / (options.name + ".log");
     BackgroundProcess process(program, arguments(options), {"HIVE_HOME=" + session.home().string()}, log);
