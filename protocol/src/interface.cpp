@@ -4,6 +4,7 @@
 #include <hive/name.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace hive {
 namespace {
@@ -27,13 +28,20 @@ Json to_json(const ParameterInfo& parameter)
 {
     Json object{{"name", parameter.name}, {"type", token(parameter.type)}, {"default", parameter.default_value},
                 {"unit", parameter.unit}, {"help", parameter.help}};
-    if (parameter.least)
+    if (parameter.least && std::isfinite(*parameter.least))
         object["min"] = *parameter.least;
-    if (parameter.most)
+    if (parameter.most && std::isfinite(*parameter.most))
         object["max"] = *parameter.most;
     if (!parameter.choices.empty())
         object["choices"] = parameter.choices;
     return object;
+}
+
+template <class Item>
+void require_new(const std::vector<Item>& items, const Item& item)
+{
+    if (find(items, item.name))
+        throw Error(Errc::malformed, "interface: two are called " + in_quotes(item.name));
 }
 
 std::vector<Port> ports(const Json& array)
@@ -41,7 +49,9 @@ std::vector<Port> ports(const Json& array)
     std::vector<Port> result;
     for (const auto& item : array) {
         const Fields fields(item, "port");
-        result.push_back({fields.name("name"), fields.text("type"), fields.text_or("help", "")});
+        Port port{fields.name("name"), fields.text("type"), fields.text_or("help", "")};
+        require_new(result, port);
+        result.push_back(std::move(port));
     }
     return result;
 }
@@ -57,7 +67,11 @@ ParameterType parameter_type(const std::string& text)
 std::optional<double> bound(const Json& object, const char* key)
 {
     const auto found = object.find(key);
-    return found != object.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+    if (found == object.end())
+        return std::nullopt;
+    if (!found->is_number())
+        throw Error(Errc::malformed, "parameter: \"" + std::string(key) + "\" must be a number");
+    return found->get<double>();
 }
 
 ParameterInfo parameter(const Json& object)
@@ -67,9 +81,11 @@ ParameterInfo parameter(const Json& object)
                          .default_value = object.value("default", Json()), .least = bound(object, "min"), .most = bound(object, "max"),
                          .choices = {}, .unit = fields.text_or("unit", ""), .help = fields.text_or("help", "")};
     if (fields.has("choices"))
-        for (const auto& choice : fields.array("choices"))
-            if (choice.is_string())
-                result.choices.push_back(choice.get<std::string>());
+        for (const auto& choice : fields.array("choices")) {
+            if (!choice.is_string())
+                throw Error(Errc::malformed, "parameter: every choice must be a string");
+            result.choices.push_back(choice.get<std::string>());
+        }
     return result;
 }
 
@@ -95,8 +111,11 @@ Interface interface_from_json(const Json& object)
     Interface result{.kind = fields.name("kind"), .summary = fields.text_or("summary", ""), .version = fields.text_or("version", ""),
                      .stateful = fields.flag_or("stateful", false), .inputs = ports(fields.array("inputs")),
                      .outputs = ports(fields.array("outputs")), .parameters = {}};
-    for (const auto& item : fields.array("parameters"))
-        result.parameters.push_back(parameter(item));
+    for (const auto& item : fields.array("parameters")) {
+        auto read = parameter(item);
+        require_new(result.parameters, read);
+        result.parameters.push_back(std::move(read));
+    }
     return result;
 }
 

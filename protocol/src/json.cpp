@@ -3,7 +3,7 @@
 #include <hive/json.hpp>
 #include <hive/name.hpp>
 
-#include <set>
+#include <vector>
 
 namespace hive {
 namespace {
@@ -12,36 +12,38 @@ namespace {
 /// wide value is refused before that value exists (nlohmann 3.11.2 crashes on copying or dumping a very deep one).
 class LimitedBuilder final : public nlohmann::json_sax<Json> {
 public:
-    explicit LimitedBuilder(const JsonLimits& limits) : limits_(limits), dom_(result_, false) {}
+    explicit LimitedBuilder(const JsonLimits& limits) : limits_(limits) {}
 
-    bool null() override { return dom_.null(); }
-    bool boolean(bool value) override { return dom_.boolean(value); }
-    bool number_integer(number_integer_t value) override { return dom_.number_integer(value); }
-    bool number_unsigned(number_unsigned_t value) override { return dom_.number_unsigned(value); }
+    bool null() override { return add(nullptr); }
+    bool boolean(bool value) override { return add(value); }
+    bool number_integer(number_integer_t value) override { return add(value); }
+    bool number_unsigned(number_unsigned_t value) override { return add(value); }
     bool number_float(number_float_t value, const string_t& text) override
     {
         // The lexer turns an integer of over 64 bits into a double: a number that means another one is refused.
         if (text.find_first_of(".eE") == string_t::npos)
             return refuse(Errc::malformed, "a whole number of over 64 bits");
-        return dom_.number_float(value, text);
+        return add(value);
     }
-    bool string(string_t& value) override { return fits(value) && dom_.string(value); }
-    bool binary(binary_t& value) override { return dom_.binary(value); }
-    bool start_object(std::size_t count) override { return deeper() && dom_.start_object(count); }
+    bool string(string_t& value) override { return fits(value) && add(std::move(value)); }
+    bool binary(binary_t&) override { return refuse(Errc::malformed, "a binary value"); }
+    bool start_object(std::size_t) override { return open(Json::value_t::object); }
     bool key(string_t& value) override
     {
-        auto& keys = keys_.back();
+        auto& object = *open_.back()->get_ptr<Json::object_t*>();
         if (!fits(value))
             return false;
-        if (keys.size() == limits_.keys)
+        if (object.size() == limits_.keys)
             return refuse(Errc::too_large, "more than " + std::to_string(limits_.keys) + " keys in one object");
-        if (!keys.insert(value).second)
-            return refuse(Errc::malformed, "the key " + in_quotes(value) + " twice in one object");
-        return dom_.key(value);
+        const auto [place, is_new] = object.try_emplace(std::move(value));
+        if (!is_new)
+            return refuse(Errc::malformed, "the key " + in_quotes(place->first) + " twice in one object");
+        slot_ = &place->second;
+        return true;
     }
-    bool end_object() override { return shallower() && dom_.end_object(); }
-    bool start_array(std::size_t count) override { return deeper() && dom_.start_array(count); }
-    bool end_array() override { return shallower() && dom_.end_array(); }
+    bool end_object() override { return close(); }
+    bool start_array(std::size_t) override { return open(Json::value_t::array); }
+    bool end_array() override { return close(); }
     bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& cause) override
     {
         // nlohmann's text repeats the input; only the place is told.
@@ -68,22 +70,34 @@ private:
         return value.size() <= limits_.string_bytes
             || refuse(Errc::too_large, "a string of over " + std::to_string(limits_.string_bytes) + " bytes");
     }
-    bool deeper()
+    /// Puts a value where the text has come to: the end of the open array, or the slot of the last key.
+    template <class Value>
+    bool add(Value&& value)
     {
-        keys_.emplace_back();
-        return keys_.size() <= limits_.depth
-            || refuse(Errc::too_large, "more than " + std::to_string(limits_.depth) + " levels");
+        if (!open_.empty() && open_.back()->is_array())
+            slot_ = &open_.back()->get_ptr<Json::array_t*>()->emplace_back(std::forward<Value>(value));
+        else
+            *slot_ = std::forward<Value>(value);
+        return true;
     }
-    bool shallower()
+    bool open(Json::value_t type)
     {
-        keys_.pop_back();
+        if (open_.size() == limits_.depth)
+            return refuse(Errc::too_large, "more than " + std::to_string(limits_.depth) + " levels");
+        add(type);
+        open_.push_back(slot_);
+        return true;
+    }
+    bool close()
+    {
+        open_.pop_back();
         return true;
     }
 
     const JsonLimits& limits_;
     Json result_;
-    nlohmann::detail::json_sax_dom_parser<Json> dom_;
-    std::vector<std::set<std::string>> keys_;
+    Json* slot_ = &result_;     ///< where the next value goes, unless an array is open
+    std::vector<Json*> open_;  ///< the objects and arrays around it, outermost first
     Errc code_ = Errc::malformed;
     std::string problem_;
 };
@@ -96,6 +110,8 @@ Json parse_json(std::string_view text, const JsonLimits& limits)
         throw Error(Errc::too_large, "JSON of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.bytes));
     if (text.starts_with("\xEF\xBB\xBF"))
         throw Error(Errc::malformed, "JSON with a byte order mark");
+    if (text.find('\0') != std::string_view::npos)  // to nlohmann's lexer it is the end, whatever follows
+        throw Error(Errc::malformed, "JSON with a NUL byte");
     LimitedBuilder builder(limits);
     Json::sax_parse(text.begin(), text.end(), &builder);
     return builder.take();
@@ -103,7 +119,34 @@ Json parse_json(std::string_view text, const JsonLimits& limits)
 
 std::string to_text(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-std::string in_quotes(std::string_view text) { return to_text(Json(std::string(text.substr(0, 200)))); }
+std::string in_quotes(std::string_view text)
+{
+    const std::string quoted = to_text(Json(std::string(text.substr(0, 200))));
+    std::string safe;
+    for (std::size_t i = 0; i < quoted.size(); ++i) {
+        // nlohmann escapes C0 alone; DEL and C1 (C2 80 to C2 9F in UTF-8) are orders to a terminal, too.
+        const bool c1 = quoted[i] == '\xC2' && static_cast<unsigned char>(quoted[i + 1]) < 0xA0;
+        if (quoted[i] != '\x7F' && !c1) {
+            safe += quoted[i];
+            continue;
+        }
+        constexpr std::string_view digits = "0123456789abcdef";
+        const auto code = static_cast<unsigned char>(c1 ? quoted[++i] : quoted[i]);
+        safe += "\\u00";
+        safe += {digits[code >> 4], digits[code & 15]};
+    }
+    return safe;
+}
+
+std::optional<std::int64_t> json_integer(const Json& value)
+{
+    if (!value.is_number_integer())
+        return std::nullopt;
+    if (value.is_number_unsigned() && value.get<std::uint64_t>() > static_cast<std::uint64_t>(max_json_integer))
+        return std::nullopt;
+    const auto number = value.get<std::int64_t>();
+    return number >= -max_json_integer && number <= max_json_integer ? std::optional(number) : std::nullopt;
+}
 
 Fields::Fields(const Json& object, std::string_view what) : object_(object), what_(what)
 {
@@ -153,11 +196,10 @@ std::string Fields::name_or(const char* key, std::string fallback) const
 std::int64_t Fields::integer(const char* key, std::int64_t low, std::int64_t high) const
 {
     const Json& value = field(key);
-    const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= static_cast<std::uint64_t>(max_json_integer)
-                                                 : value.is_number_integer();
-    if (!fits || value.get<std::int64_t>() < low || value.get<std::int64_t>() > high)
+    const auto number = json_integer(value);
+    if (!number || *number < low || *number > high)
         fail(key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
-    return value.get<std::int64_t>();
+    return *number;
 }
 
 std::int64_t Fields::integer_or(const char* key, std::int64_t low, std::int64_t high, std::int64_t fallback) const

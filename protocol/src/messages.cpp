@@ -1,7 +1,22 @@
 // The JSON of hello, register, request and confirmation.
+#include <hive/name.hpp>
 #include <hive/protocol/messages.hpp>
 
 namespace hive::protocol {
+namespace {
+
+/// "face" or "face.image": people see it, and it names rows of tables.
+std::string receiver_name(const Fields& fields)
+{
+    auto text = fields.text("receiver");
+    const auto dot = text.rfind('.');
+    const bool both = dot != std::string::npos && is_name(text.substr(0, dot)) && is_name(text.substr(dot + 1));
+    if (!both && !is_name(text))
+        throw Error(Errc::malformed, "register: \"receiver\" must be a name, or two joined by a point");
+    return text;
+}
+
+}  // namespace
 
 Json to_json(const Hello& hello)
 {
@@ -31,7 +46,7 @@ Registration registration_from_json(const Json& object)
     return {.id = fields.integer("id", 0, max_json_integer),
             .epoch = fields.integer("epoch", 0, max_json_integer),
             .output = fields.name("output"),
-            .receiver = fields.text("receiver"),
+            .receiver = receiver_name(fields),
             .accepts = fields.text_or("accepts", "*/*"),
             .stateful = fields.flag_or("stateful", false),
             .options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{}};

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
+#include <optional>
 
 namespace hive {
 namespace {
@@ -40,13 +40,8 @@ bool within(const ParameterInfo& parameter, double number)
 
 Json checked_integer(const ParameterInfo& parameter, const Json& value)
 {
-    std::optional<std::int64_t> number;
-    if (value.is_string())
-        number = parsed<std::int64_t>(value.get<std::string>());
-    else if (value.is_number_unsigned() ? value.get<std::uint64_t>() <= static_cast<std::uint64_t>(max_json_integer) : value.is_number_integer())
-        number = value.get<std::int64_t>();
-    if (!number || std::abs(static_cast<double>(*number)) > static_cast<double>(max_json_integer)
-        || !within(parameter, static_cast<double>(*number)))
+    const auto number = json_integer(value.is_string() ? Json(parsed<std::int64_t>(value.get<std::string>()).value_or(INT64_MIN)) : value);
+    if (!number || !within(parameter, static_cast<double>(*number)))
         refuse(parameter, value, "a whole number");
     return *number;
 }
@@ -83,7 +78,7 @@ Json checked_text(const ParameterInfo& parameter, const Json& value)
     if (text.find('\0') != std::string::npos)
         refuse(parameter, value, "a text without NUL");
     if (!parameter.choices.empty() && std::ranges::find(parameter.choices, text) == parameter.choices.end())
-        refuse(parameter, value, "one of");
+        refuse(parameter, value, "one of these");
     return text;
 }
 

@@ -28,6 +28,8 @@ endif()
 
 find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)
 
 # A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
 # sideways include does not compile.
@@ -39,15 +41,16 @@ function(hive_layer name)
   set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
 endfunction()
 
-# A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME.
+# A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
+# main.cpp and, where the wiring is longer than one file, WIRING.
 function(hive_drone name)
-  cmake_parse_arguments(PARSE_ARGV 1 drone "" "" "ALGORITHM;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 drone "" "" "ALGORITHM;LIBRARIES;WIRING")
   if(drone_ALGORITHM)
     add_library(${name}_algorithm STATIC ${drone_ALGORITHM})
     target_include_directories(${name}_algorithm PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
     target_link_libraries(${name}_algorithm PUBLIC ${drone_LIBRARIES})
   endif()
-  add_executable(hive-${name} main.cpp)
+  add_executable(hive-${name} main.cpp ${drone_WIRING})
   target_link_libraries(hive-${name} PRIVATE hive hive_vision)
   if(drone_ALGORITHM)
     target_link_libraries(hive-${name} PRIVATE ${name}_algorithm)

@@ -1,4 +1,5 @@
 // Encoding events into packets and decoding them.
+#include <hive/error.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/clock.hpp>
 

@@ -103,7 +103,7 @@ Json Application::get(const std::string& drone, const std::vector<std::string>& 
 
 std::vector<Answer> Application::get(const std::vector<std::string>& drones, const std::vector<std::string>& names)
 {
-    auto answers = core_->ask_all(drones, PacketType::get, {{"names", names}});
+    auto answers = core_->ask_all(drones, PacketType::get, Json{{"names", names}});
     for (auto& answer : answers)
         if (!answer.error)
             answer.result = Json(answer.result.at("parameters"));

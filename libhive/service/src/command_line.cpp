@@ -45,7 +45,8 @@ void start_log(const std::string& level)
 int run_drone(int argc, char** argv, const DroneProgram& program, const std::function<void(Drone&)>& body)
 {
     CLI::App app(program.summary + "\nA drone of a Hive swarm: usually started by `hivectl start " + program.kind + "`.", "hive-" + program.kind);
-    DroneSettings settings{.name = program.kind, .listen = {}};
+    DroneSettings settings;
+    settings.name = program.kind;
     std::vector<std::string> assignments;
     std::string policy, level = "info";
     bool insecure = false;

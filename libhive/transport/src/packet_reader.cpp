@@ -46,8 +46,13 @@ std::optional<protocol::Packet> PacketReader::next()
 
 bool PacketReader::take_prefix()
 {
-    if (end_ - begin_ < protocol::prefix_size)
+    const auto bytes = end_ - begin_;
+    if (bytes < protocol::prefix_size) {
+        // Another protocol is refused by its first bytes, it need not fill a prefix.
+        if (std::memcmp(buffer_.get() + begin_, protocol::magic.data(), std::min(bytes, protocol::magic.size())) != 0)
+            throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
         return false;
+    }
     prefix_ = protocol::decode_prefix(buffer_.get() + begin_, limits_);
     require_in_place();
     begin_ += protocol::prefix_size;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hive {
@@ -20,6 +21,17 @@ public:
     Body(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
         : owner_(std::move(owner)), bytes_(bytes)
     {
+    }
+    ~Body() = default;
+    Body(const Body&) = default;
+    Body& operator=(const Body&) = default;
+    /// What was moved from is empty: it must not show bytes that it no longer keeps alive.
+    Body(Body&& other) noexcept : owner_(std::move(other.owner_)), bytes_(std::exchange(other.bytes_, {})) {}
+    Body& operator=(Body&& other) noexcept
+    {
+        owner_ = std::move(other.owner_);
+        bytes_ = std::exchange(other.bytes_, {});
+        return *this;
     }
 
     [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }

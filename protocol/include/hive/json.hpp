@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -31,6 +32,8 @@ std::string in_quotes(std::string_view text);
 
 /// The largest magnitude of an integer field: 2^53, what every language's JSON can hold.
 inline constexpr std::int64_t max_json_integer = std::int64_t{1} << 53;
+/// The number, when the value is a whole one of at most that magnitude (1.0 is not).
+std::optional<std::int64_t> json_integer(const Json& value);
 
 /// Reads the fields of a JSON object that came from outside; every mistake is Errc::malformed naming the field.
 class Fields {

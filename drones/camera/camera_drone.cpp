@@ -1,0 +1,177 @@
+// The wiring: parameters to sources, pictures to events.
+#include "camera_drone.hpp"
+
+#include <hive/vision/image.hpp>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cmath>
+
+namespace camera {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// The size a picture of size `own` is sent with; a side of 0 follows the other, or stays as it is.
+cv::Size size_to_send(cv::Size own, int width, int height)
+{
+    const double ratio = static_cast<double>(own.width) / own.height;
+    if (width == 0)
+        width = height == 0 ? own.width : std::max(1, static_cast<int>(std::lround(height * ratio)));
+    if (height == 0)
+        height = width == own.width ? own.height : std::max(1, static_cast<int>(std::lround(width / ratio)));
+    return {width, height};
+}
+
+hive::Body body_of(const std::shared_ptr<const std::vector<unsigned char>>& jpeg) { return {std::as_bytes(std::span(*jpeg)), jpeg}; }
+
+cv::Mat resized(const cv::Mat& picture, cv::Size size)
+{
+    if (picture.size() == size)
+        return picture;
+    cv::Mat result;
+    cv::resize(picture, result, size, 0, 0, size.area() < picture.size().area() ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return result;
+}
+
+hive::Body encoded(const cv::Mat& picture, const std::string& encoding, int quality)
+{
+    if (encoding == "png")
+        return hive::vision::encode_png(picture);
+    return encoding == "raw" ? hive::vision::encode_raw(picture) : hive::vision::encode_jpeg(picture, quality);
+}
+
+hive::Json truth_of(const Frame& frame)
+{
+    const auto tenths = [](double value) { return std::round(value * 10) / 10; };
+    hive::Json boxes = hive::Json::array();
+    for (const cv::Rect2d& box : frame.truth)
+        boxes.push_back({{"x", tenths(box.x)}, {"y", tenths(box.y)}, {"w", tenths(box.width)}, {"h", tenths(box.height)}});
+    return boxes;
+}
+
+}  // namespace
+
+CameraDrone::CameraDrone(hive::Drone& drone)
+    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the pictures"))
+{
+    declare();
+    drone_.on_start([] {
+        cv::setNumThreads(1);  // one drone, one core
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // what matters is thrown
+    });
+    drone_.on_change([this] { apply(); });
+    drone_.main([this] { return step(); });
+}
+
+void CameraDrone::declare()
+{
+    drone_.parameter("source", source_, hive::anything(),
+                     "scene, scene:brick|noise|plain, a picture, a folder of pictures, a video, /dev/videoN, http(s):// or rtsp://");
+    drone_.parameter("width", width_, hive::between(0, 8192).in("px"), "0: follows height, or as the source has it (scene and device: 640)");
+    drone_.parameter("height", height_, hive::between(0, 8192).in("px"), "0: follows width, or as the source has it (scene and device: 480)");
+    drone_.parameter("fps", fps_, hive::between(0, 1000).in("fps"), "with pace=live; 0: as the source has it (scene and pictures: 30)");
+    drone_.parameter("encoding", encoding_, hive::one_of({"jpeg", "png", "raw"}), "JPEG files are passed on untouched");
+    drone_.parameter("quality", quality_, hive::between(1, 100).in("%"), "of JPEG");
+    drone_.parameter("loop", loop_, hive::anything(), "files begin again at their end");
+    drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next picture when all receivers ask");
+    drone_.parameter("faces", faces_, hive::between(0, 3), "in the scene");
+    drone_.parameter("noise", noise_, hive::between(0, 50), "of the scene: standard deviation in grey levels");
+    drone_.parameter("seed", seed_, hive::at_least(0), "of the scene: the same seed gives the same pictures");
+}
+
+CameraDrone::Wanted CameraDrone::wanted() const
+{
+    Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}}, fps_, pace_};
+    wanted.source.scene.faces = faces_;
+    wanted.source.scene.noise = noise_;
+    wanted.source.scene.seed = static_cast<std::uint64_t>(seed_);
+    return wanted;
+}
+
+void CameraDrone::apply()
+{
+    const Wanted now = wanted();
+    if (opened_ == now)
+        return;
+    open(now);
+    opened_ = now;
+    say("");
+}
+
+/// What can be opened without waiting is opened here, so that a mistake refuses the `set`; devices and networks are left
+/// to the capture's thread, which tries again.
+void CameraDrone::open(const Wanted& wanted)
+{
+    const SourceKind kind = source_kind(wanted.source.text);
+    if (wanted.pace == "demand" && is_live(kind))
+        throw hive::Error(hive::Errc::refused, "pace=demand is for files and the scene: a camera does not wait to be asked");
+    auto source = is_live(kind) ? nullptr : open_source(wanted.source);
+    on_demand_.reset();
+    capture_.reset();
+    if (wanted.pace == "demand")
+        on_demand_ = std::move(source);
+    else
+        capture_ = std::make_unique<Capture>([settings = wanted.source] { return open_source(settings); }, wanted.fps,
+                                             is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop,
+                                             [this] { drone_.wake(); });
+}
+
+std::chrono::microseconds CameraDrone::step() { return capture_ ? step_live() : step_on_demand(); }
+
+/// Looks twice a second even without a picture, to notice a stall.
+std::chrono::microseconds CameraDrone::step_live()
+{
+    const auto frame = capture_->take();
+    say(capture_->condition());
+    if (frame)
+        send(*frame, false);
+    return 500ms;
+}
+
+std::chrono::microseconds CameraDrone::step_on_demand()
+{
+    if (!on_demand_ || !image_.asked())
+        return 1s;
+    const auto frame = on_demand_->next();
+    if (frame) {
+        send(*frame, true);
+        return 0s;
+    }
+    on_demand_.reset();
+    say("end of source");
+    return 1s;
+}
+
+void CameraDrone::send(const Frame& frame, bool lossless)
+{
+    const cv::Size own = frame.jpeg ? hive::vision::size_of(body_of(frame.jpeg), "image/jpeg") : frame.image.size();
+    const cv::Size size = size_to_send(own, width_, height_);
+    hive::Json header{{"width", size.width}, {"height", size.height}, {"index", frame.index}, {"source", shown_source(source_)}};
+    if (frame.knows_truth)
+        header["truth"] = truth_of(frame);
+    if (encoding_ == "raw") {
+        const int channels = frame.jpeg ? 3 : frame.image.channels();
+        header["pixel_format"] = channels == 3 ? "bgr8" : "gray8";
+        header["stride"] = size.width * channels;
+    }
+    const std::function<hive::Body()> body = [&]() -> hive::Body {
+        if (frame.jpeg && encoding_ == "jpeg" && size == own)
+            return body_of(frame.jpeg);
+        const cv::Mat picture = frame.jpeg ? hive::vision::decode(body_of(frame.jpeg), "image/jpeg") : frame.image;
+        return encoded(resized(picture, size), encoding_, quality_);
+    };
+    image_.emit_captured(frame.captured, lossless, std::move(header), body, "image/" + encoding_);
+}
+
+void CameraDrone::say(const std::string& condition)
+{
+    if (condition == condition_)
+        return;
+    condition_ = condition;
+    drone_.condition(condition);
+}
+
+}  // namespace camera

@@ -1,0 +1,52 @@
+// Ties the sources to the drone's parameters and output.
+#pragma once
+
+#include "capture.hpp"
+#include "source.hpp"
+
+#include <hive/drone.hpp>
+
+#include <memory>
+#include <string>
+
+namespace camera {
+
+/// On the user thread.
+class CameraDrone {
+public:
+    explicit CameraDrone(hive::Drone& drone);
+    void run() { drone_.run(); }
+
+private:
+    /// What the parameters say; a difference to what is open means opening again.
+    struct Wanted {
+        SourceSettings source;
+        double fps = 0;
+        std::string pace = "live";
+        bool operator==(const Wanted&) const = default;
+    };
+
+    void declare();
+    [[nodiscard]] Wanted wanted() const;
+    void apply();
+    void open(const Wanted& wanted);
+    std::chrono::microseconds step();
+    std::chrono::microseconds step_live();
+    std::chrono::microseconds step_on_demand();
+    void send(const Frame& frame, bool lossless);
+    void say(const std::string& condition);
+
+    hive::Drone& drone_;
+    hive::Output image_;
+    std::string source_ = "scene", encoding_ = "jpeg", pace_ = "live";
+    int width_ = 0, height_ = 0, quality_ = 80, faces_ = 1, seed_ = 1;
+    double fps_ = 0, noise_ = 3;
+    bool loop_ = true;
+
+    std::optional<Wanted> opened_;
+    std::unique_ptr<Capture> capture_;  ///< pace=live
+    std::unique_ptr<Source> on_demand_; ///< pace=demand; gone at its end
+    std::string condition_;
+};
+
+}  // namespace camera

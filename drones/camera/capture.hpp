@@ -1,0 +1,40 @@
+// A thread that reads a source at its pace and keeps the newest picture for the drone.
+#pragma once
+
+#include "source.hpp"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace camera {
+
+/// Opens the source, and again with growing pauses when it is lost; how it goes is told by condition(). All functions are
+/// for one thread (the drone's); opening and reading happen on the capture's own.
+class Capture {
+public:
+    using Opener = std::function<std::unique_ptr<Source>()>;
+    enum class AtEnd { stop, open_again };  ///< of a file; of a camera, whose end is a loss
+
+    /// @param fps     pictures per second; 0: as the source has it, or 30 if it has no rate
+    /// @param notice  called from the capture's thread when there is news; never after the capture is destroyed
+    Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice);
+    /// Waits half a second for the thread; one that is stuck in a read is left to end by itself.
+    ~Capture();
+    Capture(const Capture&) = delete;
+    Capture& operator=(const Capture&) = delete;
+
+    /// The newest picture that was not yet taken.
+    std::optional<Frame> take();
+    /// Empty when pictures come; otherwise what is wrong: "stalled", "end of source", or why it does not open.
+    [[nodiscard]] std::string condition(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
+
+private:
+    struct Shared;  // outlives the capture if the thread is stuck
+    std::shared_ptr<Shared> shared_;
+    std::thread thread_;
+};
+
+}  // namespace camera

@@ -1,0 +1,8 @@
+// The camera drone: pictures from a scene, files, devices and network cameras, live or on demand.
+#include "camera_drone.hpp"
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"camera", "Gives pictures from a camera, files, or a synthetic scene."},
+                           [](hive::Drone& drone) { camera::CameraDrone(drone).run(); });
+}

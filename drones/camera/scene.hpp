@@ -1,0 +1,45 @@
+// The synthetic scene: moving drawn things before a wall, with sensor noise, and the truth about where they are.
+#pragma once
+
+#include "background.hpp"
+
+#include <opencv2/core/mat.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace camera {
+
+struct SceneSettings {
+    cv::Size size{640, 480};  ///< at least 64x64
+    Background background = Background::brick;
+    int faces = 1;        ///< 0 to 3
+    double noise = 3;     ///< standard deviation of the gaussian sensor noise, grey levels
+    std::uint64_t seed = 1;
+
+    bool operator==(const SceneSettings&) const = default;
+};
+
+/// One picture of the scene and what is in it.
+struct ScenePicture {
+    cv::Mat image;                   ///< BGR
+    std::vector<cv::Rect2d> truth;   ///< the boxes of the faces, wholly inside
+};
+
+/// Everything that does not move is made once; a picture depends on the settings and its index alone.
+class Scene {
+public:
+    explicit Scene(const SceneSettings& settings);
+
+    [[nodiscard]] ScenePicture picture(std::int64_t index) const;
+
+private:
+    [[nodiscard]] cv::Rect2d face_box(int face, std::int64_t index) const;
+    void add_noise(cv::Mat& image, std::int64_t index) const;
+
+    SceneSettings settings_;
+    cv::Mat background_;
+    cv::Mat brighter_, darker_;  ///< the noise, one row of bytes each: what it adds and what it takes away
+};
+
+}  // namespace camera

@@ -1,0 +1,140 @@
+// The sources that are files or drawn: scene, image, folder. Opens every kind.
+#include "source.hpp"
+
+#include "video_source.hpp"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace camera {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<unsigned char> read_file(const fs::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(file), {}};
+    if (!file)
+        throw std::runtime_error("cannot read " + path.string());
+    return bytes;
+}
+
+/// JPEG files are given as they are, for whoever passes them on; everything else is decoded here.
+Frame read_picture(const fs::path& path)
+{
+    Frame frame;
+    frame.captured = std::chrono::system_clock::now();
+    auto bytes = read_file(path);
+    if (bytes.size() >= 2 && bytes[0] == 0xFF && bytes[1] == 0xD8) {
+        frame.jpeg = std::make_shared<const std::vector<unsigned char>>(std::move(bytes));
+        return frame;
+    }
+    if (!bytes.empty())
+        frame.image = cv::imdecode(bytes, cv::IMREAD_COLOR);
+    if (frame.image.empty())
+        throw std::runtime_error(path.string() + " is not a picture, or damaged");
+    return frame;
+}
+
+class SceneSource : public Source {
+public:
+    explicit SceneSource(const SceneSettings& settings) : scene_(settings) {}
+
+    std::optional<Frame> next() override
+    {
+        Frame frame;
+        frame.captured = std::chrono::system_clock::now();
+        frame.index = index_++;
+        ScenePicture picture = scene_.picture(frame.index);
+        frame.image = std::move(picture.image);
+        frame.truth = std::move(picture.truth);
+        frame.knows_truth = true;
+        return frame;
+    }
+
+private:
+    Scene scene_;
+    std::int64_t index_ = 0;
+};
+
+/// Picture files one after the other; one file is a folder of one.
+class FileSource : public Source {
+public:
+    FileSource(std::vector<fs::path> files, bool loop) : files_(std::move(files)), loop_(loop) {}
+
+    std::optional<Frame> next() override
+    {
+        if (index_ == files_.size() && loop_)
+            index_ = 0;
+        if (index_ == files_.size())
+            return std::nullopt;
+        const std::size_t index = index_++;  // a file that cannot be read is passed over at the next call
+        Frame frame = read_picture(files_[index]);
+        frame.index = static_cast<std::int64_t>(index);
+        return frame;
+    }
+
+private:
+    std::vector<fs::path> files_;
+    bool loop_;
+    std::size_t index_ = 0;
+};
+
+std::vector<fs::path> pictures_in(const fs::path& folder)
+{
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file() && source_kind(entry.path().string()) == SourceKind::image)
+            files.push_back(entry.path());
+    if (files.empty())
+        throw std::runtime_error("no pictures in " + fs::absolute(folder).string());
+    std::ranges::sort(files);
+    return files;
+}
+
+std::unique_ptr<Source> open_scene(const SourceSettings& settings)
+{
+    SceneSettings scene = settings.scene;
+    scene.size = size_or_default(settings.size);
+    if (settings.text == "scene:noise")
+        scene.background = Background::noise;
+    else if (settings.text == "scene:plain")
+        scene.background = Background::plain;
+    else
+        scene.background = Background::brick;
+    return std::make_unique<SceneSource>(scene);
+}
+
+}  // namespace
+
+cv::Size size_or_default(cv::Size size)
+{
+    if (size.width <= 0 && size.height <= 0)
+        return {640, 480};
+    if (size.width <= 0)
+        size.width = size.height * 4 / 3;
+    if (size.height <= 0)
+        size.height = size.width * 3 / 4;
+    return size;
+}
+
+std::unique_ptr<Source> open_source(const SourceSettings& settings)
+{
+    switch (source_kind(settings.text)) {
+    case SourceKind::scene: return open_scene(settings);
+    case SourceKind::image: return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop);
+    case SourceKind::folder: return std::make_unique<FileSource>(pictures_in(settings.text), settings.loop);
+    case SourceKind::video: return open_video(settings.text, settings.loop);
+    case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps);
+    case SourceKind::url: return open_url(settings.text);
+    }
+    throw std::logic_error("a kind of source that nobody opens");
+}
+
+}  // namespace camera

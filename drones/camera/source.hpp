@@ -1,0 +1,63 @@
+// Where pictures come from: one interface over the scene, files, folders, videos, devices and network cameras.
+#pragma once
+
+#include "scene.hpp"
+
+#include <opencv2/core/mat.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace camera {
+
+/// One picture as a source gives it: pixels, or the untouched bytes of a JPEG file.
+struct Frame {
+    cv::Mat image;                                           ///< BGR or grey; empty if there is `jpeg`
+    std::shared_ptr<const std::vector<unsigned char>> jpeg;  ///< a whole JPEG file, not checked
+    std::vector<cv::Rect2d> truth;                           ///< of the scene: the boxes of its faces
+    bool knows_truth = false;
+    std::int64_t index = 0;  ///< in the source, from 0; begins again when the source is looped
+    std::chrono::system_clock::time_point captured{};
+};
+
+enum class SourceKind { scene, image, folder, video, device, url };
+
+struct SourceSettings {
+    std::string text = "scene";  ///< scene, scene:brick|noise|plain, a path, /dev/videoN, http(s):// or rtsp://
+    cv::Size size{0, 0};         ///< of the scene, and asked of a device; 0: 640 and 480. Files and URLs have their own
+    double fps = 0;              ///< asked of a device; 0: as it likes
+    bool loop = true;            ///< files begin again at their end
+    SceneSettings scene;         ///< its size and background are taken from above
+
+    bool operator==(const SourceSettings&) const = default;
+};
+
+/// For one thread at a time.
+class Source {
+public:
+    virtual ~Source() = default;
+    /// The next picture; nothing at the end. A device or a URL waits for it, at most about 2 s.
+    /// @throws std::runtime_error  saying what cannot be read
+    virtual std::optional<Frame> next() = 0;
+    /// Pictures per second that the source was made with; 0 if it has no rate of its own.
+    [[nodiscard]] virtual double fps() const { return 0; }
+};
+
+/// What kind of source a text names, without opening it (files are looked at, devices and networks are not asked).
+/// @throws std::runtime_error  if there can be none: no such file, an unknown word, a URL with a password in it
+SourceKind source_kind(const std::string& text);
+
+/// Does it have a rate of its own, which nobody can slow down or speed up?
+inline bool is_live(SourceKind kind) { return kind == SourceKind::device || kind == SourceKind::url; }
+
+/// @throws std::runtime_error  saying what is missing
+std::unique_ptr<Source> open_source(const SourceSettings& settings);
+
+/// The text as it may be shown to others: a URL without what follows a `?`.
+std::string shown_source(const std::string& text);
+
+}  // namespace camera

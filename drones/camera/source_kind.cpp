@@ -1,0 +1,93 @@
+// Tells the kinds of sources apart by their text, and refuses what can never be opened.
+#include "source.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <stdexcept>
+#include <string_view>
+
+namespace camera {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool ends_as_image(const fs::path& path)
+{
+    constexpr std::array suffixes{".jpg", ".jpeg", ".png", ".bmp", ".pgm", ".ppm"};
+    std::string suffix = path.extension().string();
+    std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return std::ranges::find(suffixes, suffix) != suffixes.end();
+}
+
+/// A password in a URL would be seen by everybody who asks for the parameters or lists the processes.
+void refuse_credentials(const std::string& url)
+{
+    const std::size_t begin = url.find("://") + 3;
+    const std::string authority = url.substr(begin, url.find_first_of("/?#", begin) - begin);
+    if (authority.find('@') != std::string::npos)
+        throw std::runtime_error("a URL with a user name or password in it is refused: everybody who can read the parameters would see it");
+    if (authority.empty())
+        throw std::runtime_error("the URL names no host");
+}
+
+bool is_url(const std::string& text)
+{
+    const std::size_t colon = text.find("://");
+    if (colon == std::string::npos)
+        return false;
+    const std::string scheme = text.substr(0, colon);
+    if (scheme != "http" && scheme != "https" && scheme != "rtsp")
+        throw std::runtime_error("URLs of " + scheme + ":// are not supported; http, https and rtsp are");
+    return true;
+}
+
+void check_scene(const std::string& text)
+{
+    constexpr std::array<std::string_view, 4> known{"scene", "scene:brick", "scene:noise", "scene:plain"};
+    if (std::ranges::find(known, text) == known.end())
+        throw std::runtime_error("there is scene:brick, scene:noise and scene:plain, but no " + text);
+}
+
+SourceKind file_kind(const std::string& text)
+{
+    const fs::path path(text);
+    std::error_code problem;
+    const fs::file_status status = fs::status(path, problem);
+    if (!fs::exists(status))
+        throw std::runtime_error("no such file: " + fs::absolute(path).string());
+    if (fs::is_directory(status))
+        return SourceKind::folder;
+    if (!fs::is_regular_file(status))
+        throw std::runtime_error(text + " is neither a file nor a folder");
+    return ends_as_image(path) ? SourceKind::image : SourceKind::video;
+}
+
+}  // namespace
+
+SourceKind source_kind(const std::string& text)
+{
+    if (text == "scene" || text.starts_with("scene:")) {
+        check_scene(text);
+        return SourceKind::scene;
+    }
+    if (text.empty())
+        throw std::runtime_error("the source is empty; try scene, a file, /dev/video0 or a URL");
+    if (is_url(text)) {
+        refuse_credentials(text);
+        return SourceKind::url;
+    }
+    if (text.starts_with("/dev/video")) {
+        if (!fs::exists(text))
+            throw std::runtime_error("no such device: " + text);
+        return SourceKind::device;
+    }
+    return file_kind(text);
+}
+
+std::string shown_source(const std::string& text)
+{
+    return text.find("://") == std::string::npos ? text : text.substr(0, text.find('?'));
+}
+
+}  // namespace camera

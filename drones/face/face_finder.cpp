@@ -1,0 +1,51 @@
+// Grey picture, cascade, boxes in a fixed order.
+#include "face_finder.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <tuple>
+
+namespace face {
+
+void FaceFinder::load(const std::string& cascade_path)
+{
+    if (!std::filesystem::exists(cascade_path))
+        throw std::runtime_error("no cascade at " + cascade_path + " (Debian: apt install opencv-data)");
+    cv::CascadeClassifier loaded;
+    bool good = false;
+    try {
+        good = loaded.load(cascade_path);
+    } catch (const cv::Exception&) {  // what is not XML at all; the sentence below says enough
+    }
+    if (!good)
+        throw std::runtime_error(cascade_path + " is not a cascade");
+    cascade_ = loaded;
+}
+
+std::vector<cv::Rect> FaceFinder::find(const cv::Mat& picture)
+{
+    cv::Mat grey = picture;
+    if (picture.channels() == 3)
+        cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    if (equalise) {
+        cv::Mat spread;
+        cv::equalizeHist(grey, spread);
+        grey = spread;
+    }
+    const cv::Size most = max_size > 0 ? cv::Size(max_size, max_size) : cv::Size();
+    std::vector<cv::Rect> faces;
+    cascade_.detectMultiScale(grey, faces, scale, min_neighbors, 0, cv::Size(min_size, min_size), most);
+    std::ranges::sort(faces, {}, [](const cv::Rect& box) { return std::tuple(box.y, box.x, box.height, box.width); });
+    return faces;
+}
+
+void FaceFinder::draw(cv::Mat& picture, const std::vector<cv::Rect>& faces)
+{
+    for (const cv::Rect& box : faces)
+        cv::rectangle(picture, box, cv::Scalar(60, 220, 60), 2, cv::LINE_AA);
+}
+
+}  // namespace face

@@ -1,0 +1,50 @@
+// Between the bodies of events and OpenCV pictures: what comes in is checked before it is decoded.
+#pragma once
+
+#include <hive/event.hpp>
+
+#include <opencv2/core/mat.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace hive::vision {
+
+/// What a picture may cost. Beyond it is Errc::too_large, found out without decoding.
+struct DecodeLimits {
+    std::int64_t pixels = 40'000'000;
+    int scans = 100;  ///< of one JPEG
+    /// Pixels times scans of one JPEG: what decoding a progressive picture costs. 16 scans of the largest picture.
+    std::int64_t pixel_scans = 640'000'000;
+};
+
+/// The media types that decode() knows; what an input that takes pictures declares.
+inline constexpr const char* image_types = "image/jpeg,image/png,image/raw";
+
+/// The picture in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what cv::imdecode
+/// gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8" or "gray8", and
+/// optionally "stride", the bytes from one row to the next). The caller owns the pixels.
+/// Only the declared type is tried. A picture that is cut short or damaged is refused, never returned in part.
+/// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes: CMYK,
+///                arithmetic, lossless, 12 bit)
+cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits = {}, const Json& header = Json::object());
+
+/// The picture of an event. If its header declares "width" and "height", a picture of more pixels is Errc::malformed.
+cv::Mat decode(const Event& event, const DecodeLimits& limits = {});
+
+/// As decode(), but the pixels of image/raw are not copied: the result is read-only and valid while `event.body` lives.
+cv::Mat view(const Event& event, const DecodeLimits& limits = {});
+
+/// The size of the picture (upright), without decoding it; the same checks and errors as before decoding.
+cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits = {}, const Json& header = Json::object());
+
+/// @param picture  8 bit, 1 or 3 (BGR) channels
+/// @param quality  1 to 100
+Body encode_jpeg(const cv::Mat& picture, int quality);
+Body encode_png(const cv::Mat& picture);
+/// The pixels themselves, not copied when they lie without gaps: do not draw on `picture` afterwards.
+Body encode_raw(const cv::Mat& picture);
+/// The header fields that image/raw needs: "width", "height", "pixel_format", "stride", as encode_raw lays them out.
+Json raw_header(const cv::Mat& picture);
+
+}  // namespace hive::vision

@@ -1,0 +1,20 @@
+// Which way up a picture was taken, as its EXIF data says.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <cstdint>
+#include <span>
+
+namespace hive::vision {
+
+/// The orientation tag (0x0112) of an APP1 segment: 1 to 8; 1 (upright) when there is none or it makes no sense.
+int exif_orientation(std::span<const std::uint8_t> app1) noexcept;
+
+/// `picture` turned and mirrored so that it stands upright.
+cv::Mat upright(const cv::Mat& picture, int orientation);
+
+/// Does the orientation exchange width and height?
+inline bool lies_on_its_side(int orientation) noexcept { return orientation >= 5; }
+
+}  // namespace hive::vision

@@ -1,0 +1,66 @@
+// image/raw in both directions. All products are made in 64 bits of numbers that were bounded first.
+#include "raw.hpp"
+
+#include <hive/error.hpp>
+
+namespace hive::vision {
+namespace {
+
+constexpr std::int64_t longest_side = 1 << 20;
+constexpr std::int64_t longest_row = std::int64_t{1} << 31;
+
+struct Layout {
+    int width, height, channels;
+    std::int64_t stride;
+};
+
+Layout layout(const Body& body, const Json& header, const DecodeLimits& limits)
+{
+    const Fields fields(header, "image/raw");
+    const std::string format = fields.text("pixel_format");
+    if (format != "bgr8" && format != "gray8")
+        throw Error(Errc::malformed, "image/raw: pixel_format is " + in_quotes(format) + ", neither bgr8 nor gray8");
+    const int channels = format == "bgr8" ? 3 : 1;
+    const std::int64_t width = fields.integer("width", 1, longest_side);
+    const std::int64_t height = fields.integer("height", 1, longest_side);
+    const std::int64_t stride = fields.integer_or("stride", width * channels, longest_row, width * channels);
+    if (width * height > limits.pixels)
+        throw Error(Errc::too_large, "image/raw: " + std::to_string(width) + "x" + std::to_string(height) + " pixels are too many");
+    if (static_cast<std::uint64_t>(stride * height) != body.size())
+        throw Error(Errc::malformed, "image/raw: the header asks for " + std::to_string(stride * height) + " bytes, the body has "
+                                         + std::to_string(body.size()));
+    return {static_cast<int>(width), static_cast<int>(height), channels, stride};
+}
+
+}  // namespace
+
+cv::Mat raw_view(const Body& body, const Json& header, const DecodeLimits& limits)
+{
+    const Layout raw = layout(body, header, limits);
+    auto* pixels = const_cast<unsigned char*>(body.data());  // cv::Mat knows no const pixels; the promise is in the header
+    return {raw.height, raw.width, CV_8UC(raw.channels), pixels, static_cast<std::size_t>(raw.stride)};
+}
+
+cv::Size raw_size(const Body& body, const Json& header, const DecodeLimits& limits)
+{
+    const Layout raw = layout(body, header, limits);
+    return {raw.width, raw.height};
+}
+
+Json raw_header(const cv::Mat& picture)
+{
+    if (picture.type() != CV_8UC3 && picture.type() != CV_8UC1)
+        throw Error(Errc::invalid_argument, "image/raw takes 8 bit pictures of 1 or 3 channels");
+    return {{"width", picture.cols}, {"height", picture.rows}, {"pixel_format", picture.channels() == 3 ? "bgr8" : "gray8"},
+            {"stride", picture.cols * picture.channels()}};
+}
+
+Body encode_raw(const cv::Mat& picture)
+{
+    raw_header(picture);  // refuses what raw pictures cannot be
+    auto owner = std::make_shared<const cv::Mat>(picture.isContinuous() ? picture : picture.clone());
+    const std::span pixels(owner->data, owner->total() * owner->elemSize());
+    return {std::as_bytes(pixels), std::move(owner)};
+}
+
+}  // namespace hive::vision

@@ -1,0 +1,147 @@
+// Many peers, few descriptors: the limits on those who have said nothing yet.
+#include "transport_world.hpp"
+
+#include <dirent.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+using namespace world;
+
+namespace {
+
+rlim_t open_descriptors()
+{
+    rlim_t count = 0;
+    DIR* folder = ::opendir("/proc/self/fd");
+    while (::readdir(folder))
+        ++count;
+    ::closedir(folder);
+    return count - 3;  // ".", ".." and the folder itself
+}
+
+void limit_descriptors(rlim_t count)
+{
+    rlimit limit{};
+    ::getrlimit(RLIMIT_NOFILE, &limit);
+    limit.rlim_cur = count;
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+std::chrono::microseconds processor_time()
+{
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    const auto time = [](const timeval& t) { return std::chrono::seconds(t.tv_sec) + std::chrono::microseconds(t.tv_usec); };
+    return time(usage.ru_utime) + time(usage.ru_stime);
+}
+
+/// In a process of its own: 0 when running out of descriptors neither spins nor lasts.
+int run_out_of_descriptors(const Address& place)
+{
+    Loop loop;
+    std::vector<std::unique_ptr<End>> ends;
+    const auto on_connection = [&](auto connection) {
+        ends.push_back(std::make_unique<End>());
+        ends.back()->start(std::move(connection));
+    };
+    const auto listener = hive::transport::listen(loop.context, place, on_connection, patient);
+    for (int i = 0; i < 10; ++i)
+        connect_raw(listener->address());  // closed by the end of the process
+    limit_descriptors(open_descriptors() + 3);
+    const auto before = processor_time();
+    loop.run_for(450ms);
+    if (processor_time() - before > 150ms)
+        return 1;
+    if (ends.size() != 3)
+        return 2;
+    limit_descriptors(1024);
+    return loop.until([&] { return ends.size() == 10; }, 2s) ? 0 : 3;
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("crowd: running out of descriptors pauses accepting, spins not, and recovers", Place, Unix, Tcp)
+{
+    Folder folder;
+    const pid_t child = ::fork();
+    if (child == 0)
+        ::_exit(run_out_of_descriptors(Place::address(folder)));
+    int status = -1;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 0);
+}
+
+TEST_CASE_TEMPLATE("crowd: at most 64 peers without a hello are inside at once", Place, Unix, Tcp, InProcess)
+{
+    Loop loop;
+    Folder folder;
+    std::vector<std::unique_ptr<End>> ends;
+    const auto on_connection = [&](auto connection) {
+        ends.push_back(std::make_unique<End>());
+        ends.back()->start(std::move(connection));
+    };
+    const auto listener = hive::transport::listen(loop.context, Place::address(folder), on_connection, patient);
+    std::vector<std::shared_ptr<Connection>> silent;
+    for (int i = 0; i < 80; ++i)
+        hive::transport::dial(loop.context, listener->address(), 5s, [&](auto connection, std::exception_ptr) { silent.push_back(connection); }, patient);
+    REQUIRE(loop.until([&] { return silent.size() == 80 && ends.size() == 64; }));
+    loop.run_for(30ms);
+    CHECK(ends.size() == 64);
+    silent[0]->start({});
+    silent[0]->send(hive::protocol::make_packet(PacketType::hello, "{}"));  // opened: its place is free
+    REQUIRE(loop.until([&] { return ends.size() == 65; }));
+    ends[1]->connection->close({Errc::stopped, "go"});
+    REQUIRE(loop.until([&] { return ends.size() == 66; }));
+    loop.run_for(30ms);
+    CHECK(ends.size() == 66);
+}
+
+TEST_CASE_TEMPLATE("crowd: a thousand silent peers cost little, and good ones beside them are served", Place, Unix, Tcp)
+{
+    Timing timing = patient;
+    timing.first_packet = 50ms;
+    Pair pair(Place::address, timing);
+    const auto before = resident_bytes();
+    // Each further connection of the pair's listener becomes its listening end; keep the good one apart.
+    const auto good = pair.listening.connection;
+    pair.listener.reset();
+    std::vector<std::unique_ptr<End>> ends;
+    const auto listener = hive::transport::listen(
+        pair.loop.context, Place::address(pair.folder),
+        [&](auto connection) {
+            ends.push_back(std::make_unique<End>());
+            ends.back()->start(std::move(connection));
+            ends.back()->send(PacketType::hello, "{}");
+        },
+        timing);
+    std::vector<int> silent;
+    for (int i = 0; i < 1000; ++i)
+        silent.push_back(connect_raw(listener->address()));
+    End late;
+    hive::transport::dial(
+        pair.loop.context, listener->address(), 5s,
+        [&](auto connection, std::exception_ptr) {
+            late.start(std::move(connection));
+            late.send(PacketType::hello, "{}");
+        },
+        patient);
+    std::size_t most = 0;
+    int answered = 0;
+    pair.listening.on_packet = [&](const Packet&) { good->send(hive::protocol::make_packet(PacketType::confirmation, "{}")); };
+    pair.dialing.on_packet = [&](const Packet&) { ++answered; };
+    REQUIRE(pair.loop.until([&] {
+        most = std::max(most, resident_bytes());
+        if (answered + 1 > static_cast<int>(pair.listening.packets.size()))
+            pair.dialing.send(PacketType::get, "{}");
+        return late.has(1);
+    }, 20s));
+    CHECK(answered > 100);
+    CHECK(pair.dialing.closed == 0);
+    if (!sanitized)
+        CHECK(most < before + 5'000'000);
+    for (const int descriptor : silent)
+        ::close(descriptor);
+}

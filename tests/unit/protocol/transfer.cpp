@@ -1,0 +1,61 @@
+// Tokens, connection options, and messages through text.
+#include <hive/error.hpp>
+#include <hive/protocol/messages.hpp>
+#include <hive/transfer.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace hive;
+using namespace std::chrono_literals;
+
+TEST_CASE("tokens: each word gives its enumerator and back")
+{
+    for (const auto value : {State::starting, State::idle, State::busy, State::halted, State::stopping})
+        CHECK_EQ(from_token<State>(token(value), "state"), value);
+    for (const auto value : {ExceptionPolicy::skip, ExceptionPolicy::halt})
+        CHECK_EQ(from_token<ExceptionPolicy>(token(value), "policy"), value);
+    CHECK_THROWS_WITH_AS(from_token<Transfer>("fast", "transfer"), "transfer must be one of sync, stream, not \"fast\"", Error);
+}
+
+TEST_CASE("options: defaults are the paper's synchronized transfer of one event at a time")
+{
+    CHECK(connection_options(Json::object()) == ConnectionOptions{});
+    CHECK_EQ(to_json(ConnectionOptions{}), Json::parse(R"({"transfer":"sync","delivery":"data","window":1})"));
+}
+
+TEST_CASE("options: every field survives the way")
+{
+    const ConnectionOptions shared{.transfer = Transfer::synchronized, .delivery = Delivery::data, .window = 64, .group = "workers",
+                                   .first_frame = true, .lease = 2500ms};
+    ConnectionOptions watching;
+    watching.transfer = Transfer::streaming;
+    watching.delivery = Delivery::notification;
+    for (const auto& options : {shared, watching})
+        CHECK(connection_options(parse_json(to_text(to_json(options)))) == options);
+}
+
+TEST_CASE("registration: every field survives the way")
+{
+    protocol::Registration registration{.id = 3, .epoch = max_json_integer, .output = "image", .receiver = "face.image",
+                                        .accepts = "image/*", .stateful = true, .options = {}};
+    registration.options.window = 4;
+    const auto read = protocol::registration_from_json(parse_json(to_text(to_json(registration))));
+    CHECK_EQ(to_json(read), to_json(registration));
+    CHECK_EQ(read.options.window, 4);
+}
+
+TEST_CASE("confirmation: every error code survives the way")
+{
+    for (int i = 0; i <= static_cast<int>(Errc::io); ++i) {
+        const protocol::Confirmation refused{.id = 1, .result = {}, .ok = false, .code = static_cast<Errc>(i), .text = "why"};
+        const auto read = protocol::confirmation_from_json(parse_json(to_text(to_json(refused))));
+        CHECK_FALSE(read.ok);
+        CHECK_EQ(read.code, refused.code);
+        CHECK_EQ(read.text, "why");
+    }
+}
+
+TEST_CASE("confirmation: no result is an empty one")
+{
+    CHECK_EQ(to_text(to_json(protocol::Confirmation{.id = 1, .result = {}, .ok = true, .code = {}, .text = {}})), R"({"id":1,"result":{}})");
+}

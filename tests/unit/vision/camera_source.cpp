@@ -1,0 +1,183 @@
+// Sources: what a text names, what is refused and why, what comes out in which order.
+#include "media.hpp"
+#include "source.hpp"
+
+#include <doctest/doctest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <string>
+
+using camera::open_source;
+using camera::source_kind;
+using camera::SourceKind;
+using camera::SourceSettings;
+
+namespace {
+
+SourceSettings once(const std::string& text)
+{
+    SourceSettings settings;
+    settings.text = text;
+    settings.loop = false;
+    return settings;
+}
+
+std::string refusal(const std::string& text)
+{
+    try {
+        open_source(once(text));
+    } catch (const std::exception& problem) {
+        return problem.what();
+    }
+    return "";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("source: the text tells the kind")
+{
+    const media::Folder folder;
+    const auto path = [&](const char* name) {
+        media::write(folder.path() / name, {1});
+        return (folder.path() / name).string();
+    };
+    CHECK(source_kind("scene") == SourceKind::scene);
+    CHECK(source_kind("scene:noise") == SourceKind::scene);
+    CHECK(source_kind("http://camera/mjpg?x=a@b") == SourceKind::url);
+    CHECK(source_kind("rtsp://[::1]:554/live") == SourceKind::url);
+    CHECK(source_kind(path("a.JPG")) == SourceKind::image);
+    CHECK(source_kind(path("a.mp4")) == SourceKind::video);
+    CHECK(source_kind(folder.path().string()) == SourceKind::folder);
+    CHECK(camera::is_live(SourceKind::device));
+    CHECK_FALSE(camera::is_live(SourceKind::video));
+}
+
+TEST_CASE("source: a refusal says what is missing")
+{
+    CHECK(contains(refusal("/nowhere/at/all.mp4"), "no such file: /nowhere/at/all.mp4"));
+    CHECK(contains(refusal("scene:sea"), "no scene:sea"));
+    CHECK(contains(refusal("/dev/video987"), "no such device: /dev/video987"));
+    CHECK(contains(refusal("ftp://host/x"), "ftp://"));
+    CHECK(contains(refusal("http:///x"), "no host"));
+    CHECK(contains(refusal(""), "empty"));
+    CHECK(contains(refusal("/dev/null"), "neither a file nor a folder"));
+    const media::Folder folder;
+    CHECK(contains(refusal(folder.path().string()), "no pictures in"));
+    media::write(folder.path() / "not.mp4", {'n', 'o'});
+    CHECK(contains(refusal((folder.path() / "not.mp4").string()), "not a video"));
+}
+
+TEST_CASE("source: a URL with a password is refused, and the refusal does not repeat it")
+{
+    for (const char* url : {"http://root:secret@camera/mjpg", "rtsp://root:secret@camera", "https://secret@camera/?a=b"}) {
+        CHECK(contains(refusal(url), "refused"));
+        CHECK_FALSE(contains(refusal(url), "secret"));
+    }
+    CHECK(camera::shown_source("http://camera/mjpg?token=secret") == "http://camera/mjpg");
+}
+
+TEST_CASE("source: a JPEG file is given as its bytes, untouched")
+{
+    const media::Folder folder;
+    const media::Bytes jpeg = media::encoded(".jpg", media::sample({40, 30}, CV_8UC3));
+    media::write(folder.path() / "a.jpg", jpeg);
+    const auto source = open_source(once((folder.path() / "a.jpg").string()));
+    const auto frame = source->next();
+    REQUIRE(frame);
+    REQUIRE(frame->jpeg);
+    CHECK(*frame->jpeg == jpeg);
+    CHECK(frame->image.empty());
+    CHECK_FALSE(source->next());
+}
+
+TEST_CASE("source: a folder gives its pictures by name, once or again and again")
+{
+    const media::Folder folder;
+    for (const int i : {3, 1, 2})
+        media::write(folder.path() / (std::to_string(i) + ".png"), media::encoded(".png", cv::Mat(4, 4, CV_8UC3, cv::Scalar::all(i))));
+    media::write(folder.path() / "notes.txt", {'x'});
+    const auto source = open_source(once(folder.path().string()));
+    for (int i = 0; i < 3; ++i) {
+        const auto frame = source->next();
+        REQUIRE(frame);
+        CHECK(frame->index == i);
+        CHECK(frame->image.at<cv::Vec3b>(0, 0)[0] == i + 1);
+        CHECK_FALSE(frame->knows_truth);
+    }
+    CHECK_FALSE(source->next());
+    SourceSettings looped = once(folder.path().string());
+    looped.loop = true;
+    const auto endless = open_source(looped);
+    for (int i = 0; i < 7; ++i)
+        CHECK(endless->next()->index == i % 3);
+}
+
+TEST_CASE("source: a damaged picture in a folder is told and passed over")
+{
+    const media::Folder folder;
+    media::write(folder.path() / "1.png", {1, 2, 3});
+    media::write(folder.path() / "2.png", media::encoded(".png", cv::Mat(4, 4, CV_8UC3, cv::Scalar::all(2))));
+    const auto source = open_source(once(folder.path().string()));
+    CHECK_THROWS_WITH(source->next(), doctest::Contains("1.png"));
+    CHECK(source->next()->index == 1);
+}
+
+TEST_CASE("source: the scene has its size, 640x480 unless told, and knows the truth")
+{
+    SourceSettings settings = once("scene:plain");
+    CHECK(open_source(settings)->next()->image.size() == cv::Size(640, 480));
+    settings.size = {320, 0};
+    const auto frame = open_source(settings)->next();
+    CHECK(frame->image.size() == cv::Size(320, 240));
+    CHECK(frame->knows_truth);
+    CHECK(frame->truth.size() == 1);
+    settings.size = {10, 10};
+    CHECK_THROWS(open_source(settings));
+}
+
+TEST_CASE("source: a video gives every picture once, or begins again")
+{
+    const media::Folder folder;
+    const std::string path = (folder.path() / "v.avi").string();
+    cv::VideoWriter writer(path, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 12, {64, 48});
+    REQUIRE(writer.isOpened());
+    for (int i = 0; i < 10; ++i)
+        writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i)));
+    writer.release();
+    const auto source = open_source(once(path));
+    CHECK(source->fps() == doctest::Approx(12));
+    std::vector<cv::Mat> pictures;
+    while (auto frame = source->next()) {
+        CHECK(frame->index == static_cast<std::int64_t>(pictures.size()));
+        pictures.push_back(frame->image);
+    }
+    REQUIRE(pictures.size() == 10);
+    for (int i = 0; i < 10; ++i)  // each keeps its own pixels
+        CHECK(cv::mean(pictures[static_cast<std::size_t>(i)])[0] == doctest::Approx(20 * i).epsilon(0.05));
+    SourceSettings looped = once(path);
+    looped.loop = true;
+    const auto endless = open_source(looped);
+    for (int i = 0; i < 25; ++i) {
+        const auto frame = endless->next();
+        REQUIRE(frame);
+        CHECK(frame->index == i % 10);
+        CHECK(media::same(frame->image, pictures[static_cast<std::size_t>(i % 10)]));
+    }
+}
+
+TEST_CASE("source: the media's videos and the GIF have as many pictures as they should")
+{
+    struct Case { const char* name; int pictures; };
+    for (const Case& video : {Case{"face_over_brick.mp4", 120}, {"head-pose-face-detection-male.gif", 62}, {"asl_thanks.mkv", 51}})
+        if (const auto path = media::shared(std::string("media/") + video.name)) {
+            const auto source = open_source(once(path->string()));
+            int count = 0;
+            while (source->next())
+                ++count;
+            CAPTURE(video.name);
+            CHECK(count == video.pictures);
+        }
+}

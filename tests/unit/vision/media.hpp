@@ -1,0 +1,43 @@
+// Pictures and files for the tests: made here, or from the folder of media that a developer may have.
+#pragma once
+
+#include <hive/body.hpp>
+
+#include <opencv2/core/mat.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace media {
+
+using Bytes = std::vector<unsigned char>;
+
+/// `$HIVE_SHARED/<name>`, or beside the source tree `../shared/<name>`; says that it skips and gives nothing if there is none.
+std::optional<std::filesystem::path> shared(const std::string& name);
+/// The files of the media folder with one of these suffixes, sorted; empty (and said) without one.
+std::vector<std::filesystem::path> pictures(const std::vector<std::string>& suffixes);
+Bytes read(const std::filesystem::path& path);
+void write(const std::filesystem::path& path, const Bytes& bytes);
+
+/// A picture with gradients, edges and grain.
+cv::Mat sample(cv::Size size, int type, int seed = 1);
+/// Encoded by OpenCV.
+Bytes encoded(const char* suffix, const cv::Mat& picture, const std::vector<int>& options = {});
+bool same(const cv::Mat& a, const cv::Mat& b);
+
+/// An empty folder that is gone with the object.
+class Folder {
+public:
+    Folder();
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+}  // namespace media

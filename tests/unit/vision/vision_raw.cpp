@@ -1,0 +1,87 @@
+// image/raw: pixels as they are, and headers that lie about them.
+#include "media.hpp"
+
+#include <doctest/doctest.h>
+#include <hive/error.hpp>
+#include <hive/vision/image.hpp>
+
+using hive::Body;
+using hive::Errc;
+using hive::Json;
+namespace vision = hive::vision;
+
+namespace {
+
+hive::Event raw_event(Json header, std::size_t bytes)
+{
+    hive::Event event;
+    event.type = "image/raw";
+    event.header = std::move(header);
+    event.body = Body(std::vector<unsigned char>(bytes, 7));
+    return event;
+}
+
+}  // namespace
+
+TEST_CASE("raw: a picture comes back exactly, grey or colour, whole or a part of another")
+{
+    for (const int type : {CV_8UC1, CV_8UC3}) {
+        const cv::Mat whole = media::sample({50, 40}, type), part = whole(cv::Rect(3, 4, 20, 10));
+        for (const cv::Mat& picture : {whole, part})
+            CHECK(media::same(vision::decode(vision::encode_raw(picture), "image/raw", {}, vision::raw_header(picture)), picture));
+    }
+}
+
+TEST_CASE("raw: view shares the pixels of the body, decode owns its own")
+{
+    const hive::Event event = raw_event({{"width", 4}, {"height", 3}, {"pixel_format", "bgr8"}}, 36);
+    CHECK(vision::view(event).data == event.body.data());
+    CHECK(vision::decode(event).data != event.body.data());
+    CHECK(media::same(vision::view(event), vision::decode(event)));
+}
+
+TEST_CASE("raw: encode_raw copies nothing when the pixels lie without gaps")
+{
+    const cv::Mat picture = media::sample({8, 8}, CV_8UC3);
+    CHECK(vision::encode_raw(picture).data() == picture.data);
+}
+
+TEST_CASE("raw: rows may be padded to a stride")
+{
+    const hive::Event event = raw_event({{"width", 5}, {"height", 4}, {"pixel_format", "gray8"}, {"stride", 8}}, 32);
+    CHECK(vision::view(event).size() == cv::Size(5, 4));
+    CHECK(vision::view(event).step == 8);
+    CHECK(vision::size_of(event.body, event.type, {}, event.header) == cv::Size(5, 4));
+}
+
+TEST_CASE("raw: a header that lies is malformed, whatever it says")
+{
+    const auto header = [](Json width, Json height, Json format, Json stride) {
+        return Json{{"width", std::move(width)}, {"height", std::move(height)}, {"pixel_format", std::move(format)}, {"stride", std::move(stride)}};
+    };
+    const std::vector<Json> lies{
+        header(4, 4, "bgr8", 12), header(5, 3, "bgr8", 15), header(4, 3, "gray8", 4), header(4, 3, "rgb8", 12), header(4, 3, 24, 12),
+        header(-4, -3, "bgr8", 12), header(0, 3, "bgr8", 12), header(4, 0, "bgr8", 12), header(4.5, 3, "bgr8", 12), header("4", 3, "bgr8", 12),
+        header(4, 3, "bgr8", 11), header(4, 3, "bgr8", -12), header(4, 3, "bgr8", 0), header(4, 3, "bgr8", 13), header(12, 3, "bgr8", 12),
+        header(1 << 30, 4, "gray8", 1 << 30), header(std::int64_t{1} << 62, 4, "gray8", 1), header(4, 3, "bgr8", std::int64_t{1} << 62),
+        header(4, 3, nullptr, 12), Json::object(), Json{{"width", 4}, {"height", 3}}, Json{{"pixel_format", "bgr8"}, {"height", 3}}};
+    for (const Json& lie : lies) {
+        CAPTURE(lie.dump());
+        try {
+            vision::view(raw_event(lie, 36));
+            FAIL_CHECK("taken although it lies");
+        } catch (const hive::Error& error) {
+            CHECK(error.code() == Errc::malformed);
+        }
+    }
+}
+
+TEST_CASE("raw: more pixels than allowed are too large")
+{
+    try {
+        vision::view(raw_event({{"width", 1 << 20}, {"height", 1 << 20}, {"pixel_format", "gray8"}}, 16));
+        FAIL("taken although too large");
+    } catch (const hive::Error& error) {
+        CHECK(error.code() == Errc::too_large);
+    }
+}

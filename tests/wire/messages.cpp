@@ -1,0 +1,42 @@
+// The headers of messages: what each says, and what is refused.
+#include "vectors.hpp"
+
+#include <hive/interface.hpp>
+#include <hive/protocol/messages.hpp>
+
+#include <map>
+
+namespace hive::wire {
+namespace {
+
+/// Reads a header and writes it again with every default filled in.
+Json normal_form(const std::string& message, const Json& header)
+{
+    using namespace hive::protocol;
+    static const std::map<std::string, std::function<Json(const Json&)>> readers{
+        {"hello", [](const Json& json) { return to_json(hello_from_json(json)); }},
+        {"register", [](const Json& json) { return to_json(registration_from_json(json)); }},
+        {"request", [](const Json& json) { return parse_json(to_text(request_from_json(json))); }},
+        {"confirmation", [](const Json& json) { return to_json(confirmation_from_json(json)); }},
+        {"interface", [](const Json& json) { return hive::to_json(interface_from_json(json)); }},
+    };
+    return readers.at(message)(header);
+}
+
+}  // namespace
+
+TEST_CASE("message vectors: each header is read with its defaults, or refused with its code")
+{
+    for (const auto& row : read_vectors("messages.jsonl", 110)) {
+        CAPTURE(row.at("name"));
+        const auto message = row.at("message").get<std::string>();
+        Json value;
+        check_outcome(row, error_of([&] { value = normal_form(message, row.at("header")); }));
+        if (row.contains("error"))
+            continue;
+        CHECK_EQ(value, row.at("value"));
+        CHECK_EQ(normal_form(message, value), value);
+    }
+}
+
+}  // namespace hive::wire
