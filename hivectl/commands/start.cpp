@@ -23,6 +23,7 @@ using namespace std::chrono_literals;
 struct Options {
     std::string kind, name, on_exception, listen, log_level;
     std::vector<std::string> settings;
+    bool insecure = false;
 };
 
 std::filesystem::path require_program(const std::string& kind)
@@ -56,6 +57,8 @@ std::vector<std::string> arguments(const Options& options)
     for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception}, {"--listen", options.listen}, {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
+    if (options.insecure)
+        words.emplace_back("--insecure");
     return words;
 }
 
@@ -130,7 +133,9 @@ Run declare(CLI::App& app, Session& session)
     app.add_option("--on-exception", options->on_exception, "when its code throws: skip the input (default), or halt until resumed")
         ->type_name("skip|halt")->check(CLI::IsMember({"skip", "halt"}));
     app.add_option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT")->type_name("ADDRESS");
-    app.add_option("--log-level", options->log_level, "how much it writes to its log")->type_name("LEVEL");
+    app.add_flag("--insecure", options->insecure, "let --listen take peers without a key: only on a network that you trust wholly");
+    app.add_option("--log-level", options->log_level, "how much it writes to its log: debug, info (default), warning, error or off")
+        ->type_name("LEVEL")->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
     return [options, &session] {
         if (options->name.empty())
             options->name = options->kind;
