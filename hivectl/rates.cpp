@@ -17,7 +17,12 @@ const hive::Json* same_run(const std::vector<hive::Answer>& earlier, const hive:
     return same ? &found->result : nullptr;
 }
 
-std::int64_t processed(const hive::Json& status) { return count_in(object_in(status, "events"), "processed"); }
+/// Events that its code has dealt with, well or not.
+std::int64_t processed(const hive::Json& status)
+{
+    const auto& events = object_in(status, "events");
+    return count_in(events, "processed") + count_in(events, "abandoned");
+}
 
 std::int64_t produced(const hive::Json& status)
 {

@@ -64,7 +64,8 @@ std::vector<std::string> arguments(const Options& options)
 
 void show_last_words(const BackgroundProcess& process)
 {
-    std::istringstream words(process.last_words(15));
+    const std::string text = process.last_words(15);
+    std::istringstream words(text.empty() ? "(nothing)" : text);
     for (std::string line; std::getline(words, line);)
         complain("start", "  " + printable(line));
 }
@@ -74,7 +75,7 @@ int died(const std::string& name, BackgroundProcess& process, int status)
 {
     const std::string how = WIFSIGNALED(status) ? "was killed by signal " + std::to_string(WTERMSIG(status))
                                                 : "ended with exit code " + std::to_string(WEXITSTATUS(status));
-    complain("start", name + " " + how + " before it was ready; its last words:");
+    complain("start", name + " " + how + " before it was ready; its log says:");
     show_last_words(process);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
     return code >= exit_code::usage && code <= exit_code::partly_done ? code : exit_code::failure;
@@ -100,7 +101,7 @@ std::optional<int> await(Session& session, const std::string& name, BackgroundPr
         if (late || !interrupt::sleep(10ms)) {
             process.end();
             if (late) {
-                complain("start", name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its last words:");
+                complain("start", name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log says:");
                 show_last_words(process);
             }
             return late ? exit_code::timed_out : exit_code::interrupted;
