@@ -23,7 +23,7 @@ struct Ellipse {
 
     [[nodiscard]] float at(float at_u, float at_v) const
     {
-        const float du = (at_u - u) / radius_u, dv = (at_v - v) / radius_v, squared = du * du + dv * dv;
+        const float du = (at_u - u) * (1 / radius_u), dv = (at_v - v) * (1 / radius_v), squared = du * du + dv * dv;
         if (squared >= (1 + soft) * (1 + soft))
             return 0;
         if (squared <= (1 - soft) * (1 - soft))
@@ -69,7 +69,7 @@ constexpr float top = -0.15F, bottom = 1.06F;  // what the head and the hair rea
 float hair_at(float u, float v)
 {
     const float hairline = v - 0.85F * (u - 0.5F) * (u - 0.5F);
-    return hair_shape.at(u, v) * (1 - smooth_step((hairline - .08F) / (.13F - .08F)));
+    return hairline >= .13F ? 0 : hair_shape.at(u, v) * (1 - smooth_step((hairline - .08F) / (.13F - .08F)));
 }
 
 float luminance_at(const std::vector<const Feature*>& features, float u, float v)
@@ -88,7 +88,8 @@ void mix(cv::Vec3b& pixel, float alpha, float hair, float luminance)
     constexpr std::array skin{.72F, .84F, 1.00F}, dark{.10F, .13F, .17F};
     for (int channel = 0; channel < 3; ++channel) {
         const float tone = luminance * skin[channel] * (1 - hair) + dark[channel] * hair;
-        pixel[channel] = cv::saturate_cast<unsigned char>(pixel[channel] * (1 - alpha) + 255 * tone * alpha);
+        const float mixed = static_cast<float>(pixel[channel]) * (1 - alpha) + 255 * tone * alpha;
+        pixel[channel] = static_cast<unsigned char>(mixed + 0.5F);  // all parts are within 0 to 1, so the sum is within 0 to 255
     }
 }
 

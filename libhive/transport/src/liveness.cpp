@@ -59,7 +59,9 @@ Liveness::Clock::time_point Liveness::next_look(Clock::time_point now, bool insi
     auto next = hello_ ? heard_ + timing_.silence : started_ + timing_.first_packet;
     if (inside && hello_)
         next = std::min(next, window_ + timing_.stall);
-    next = std::min(next, sent_ ? *sent_ + timing_.heartbeat : now + timing_.heartbeat);
+    // A ping that is overdue waits behind what the peer does not read: looking sooner would only spin.
+    const auto ping = sent_ && !ping_due(now) ? *sent_ : now;
+    next = std::min(next, ping + timing_.heartbeat);
     return std::max(next, now + std::chrono::milliseconds(1));
 }
 

@@ -78,7 +78,9 @@ TEST_CASE("liveness: the next look is at what becomes due first")
     CHECK(peer.next_look(zero, false) == zero + 500ms);
     peer.sent(zero + 1900ms);
     CHECK(peer.next_look(zero + 1900ms, false) == zero + 2s);
-    CHECK(peer.next_look(zero + 5s, false) == zero + 5s + 1ms);
+    peer.heard(zero + 4s, 1, true);
+    CHECK(peer.next_look(zero + 4s, false) == zero + 4500ms);  // the ping is overdue because the peer does not read
+    CHECK(peer.next_look(zero + 6s, false) == zero + 6s + 1ms);
 }
 
 TEST_CASE("liveness: durations read well")

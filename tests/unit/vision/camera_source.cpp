@@ -177,7 +177,7 @@ TEST_CASE("source: the media's videos and the GIF have as many pictures as they 
             int count = 0;
             while (source->next())
                 ++count;
-            CAPTURE(video.name);
+            CAPTURE(std::string(video.name));
             CHECK(count == video.pictures);
         }
 }

@@ -1,0 +1,92 @@
+// The queue between the two threads.
+#include <hive/event/mailbox.hpp>
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+namespace {
+
+Event numbered(std::int64_t sequence, bool lossless = false, std::size_t bytes = 0)
+{
+    Event event;
+    event.identity.sequence = sequence;
+    event.identity.lossless = lossless;
+    event.body = Body(std::vector<unsigned char>(bytes));
+    return event;
+}
+
+const auto past = Mailbox::Clock::time_point::min();
+
+std::int64_t next_sequence(Mailbox& mailbox)
+{
+    auto item = mailbox.pop(past);
+    return item && std::holds_alternative<Event>(*item) ? std::get<Event>(*item).identity.sequence : -1;
+}
+
+}  // namespace
+
+TEST_CASE("mailbox: commands overtake events, and events keep their order")
+{
+    Mailbox mailbox;
+    int commands = 0;
+    mailbox.push(numbered(1));
+    mailbox.push(numbered(2));
+    mailbox.push([&] { ++commands; });
+    auto first = mailbox.pop(past);
+    REQUIRE(first);
+    std::get<Mailbox::Command>(*first)();
+    CHECK(commands == 1);
+    CHECK(next_sequence(mailbox) == 1);
+    CHECK(next_sequence(mailbox) == 2);
+    CHECK_FALSE(mailbox.pop(past));
+}
+
+TEST_CASE("mailbox: a halted drone is given commands only")
+{
+    Mailbox mailbox;
+    mailbox.push(numbered(1));
+    CHECK_FALSE(mailbox.pop(past, false));
+    CHECK(mailbox.events() == 1);
+}
+
+TEST_CASE("mailbox: over its bounds the oldest event that may be lost goes")
+{
+    Mailbox mailbox;
+    mailbox.push(numbered(0, true));
+    std::size_t lost = 0;
+    for (std::size_t i = 1; i <= Mailbox::most_events + 4; ++i)
+        lost += mailbox.push(numbered(static_cast<std::int64_t>(i)));
+    CHECK(lost == 5);
+    CHECK(next_sequence(mailbox) == 0);
+    CHECK(next_sequence(mailbox) == 6);
+}
+
+TEST_CASE("mailbox: large events are bounded by their bytes")
+{
+    Mailbox mailbox;
+    std::size_t lost = 0;
+    for (int i = 0; i < 6; ++i)
+        lost += mailbox.push(numbered(i, false, Mailbox::most_bytes / 3));
+    CHECK(lost == 3);
+}
+
+TEST_CASE("mailbox: what may be lost is discarded at once, what may not stays")
+{
+    Mailbox mailbox;
+    mailbox.push(numbered(1));
+    mailbox.push(numbered(2, true));
+    mailbox.push(numbered(3));
+    CHECK(mailbox.discard_live() == 2);
+    CHECK(next_sequence(mailbox) == 2);
+}
+
+TEST_CASE("mailbox: a nudge ends a wait without an item, once")
+{
+    Mailbox mailbox;
+    mailbox.nudge();
+    CHECK_FALSE(mailbox.pop(Mailbox::Clock::time_point::max()));
+    mailbox.push(numbered(1));
+    CHECK(next_sequence(mailbox) == 1);
+}
+
+}  // namespace hive::event
