@@ -18,7 +18,7 @@ struct Entry {
 
 constexpr std::array table{
     Entry{Errc::invalid_argument, exit_code::usage, ""},
-    Entry{Errc::not_found, exit_code::not_found, "see what runs: hivectl ps"},
+    Entry{Errc::not_found, exit_code::not_found, "see the names: hivectl ps, hivectl describe NAME"},
     Entry{Errc::unreachable, exit_code::unreachable, "see what runs: hivectl ps"},
     Entry{Errc::connection_lost, exit_code::unreachable, "see whether it still runs: hivectl ps"},
     Entry{Errc::timeout, exit_code::timed_out, "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS"},

@@ -29,7 +29,7 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
 void add_common(CLI::App& app, const Verb& verb, Session& session)
 {
     app.add_flag("--json", session.json, "print JSON instead of text; one object a line where it streams");
-    app.add_option("--timeout", session.timeout_s, std::string(verb.timeout))->type_name("SECONDS")->check(CLI::Range(0.001, 1e8, "SECONDS"));
+    app.add_option("--timeout", session.timeout_s, std::string(verb.timeout))->type_name("SECONDS")->check(seconds());
 }
 
 int run(const Verb& verb, int argc, char** argv)

@@ -17,7 +17,12 @@ const hive::Json* same_run(const std::vector<hive::Answer>& earlier, const hive:
     return same ? &found->result : nullptr;
 }
 
-std::int64_t processed(const hive::Json& status) { return count_in(object_in(status, "events"), "processed"); }
+/// Events that its code has dealt with, well or not.
+std::int64_t processed(const hive::Json& status)
+{
+    const auto& events = object_in(status, "events");
+    return count_in(events, "processed") + count_in(events, "abandoned");
+}
 
 std::int64_t produced(const hive::Json& status)
 {
@@ -27,8 +32,8 @@ std::int64_t produced(const hive::Json& status)
     return sum;
 }
 
-/// Also counts the call that is under way.
-std::int64_t busy(const hive::Json& status) { return count_in(status, "busy_us") + count_in(status, "busy_for_us"); }
+/// With the call that is under way.
+std::int64_t busy(const hive::Json& status) { return count_in(status, "busy_us"); }
 
 std::int64_t oldest_age(const hive::Json& status)
 {

@@ -18,7 +18,7 @@ std::string cell(const Column& column, const hive::Json& value)
 {
     std::string text;
     if (value.is_null())
-        text = "-";
+        return column.title.empty() ? "" : "-";  // a column of marks is empty where there is none
     else if (column.format)
         text = column.format(value);
     else
@@ -35,10 +35,10 @@ std::string laid_out(const Line& line, const std::vector<std::size_t>& widths, c
     std::string text;
     for (std::size_t i = 0; i < line.cells.size(); ++i) {
         const std::string padding(widths[i] - width(line.cells[i]), ' ');
-        const bool last = i + 1 == line.cells.size();
         text += i == 0 ? "" : "  ";
-        text += right[i] ? padding + line.cells[i] : line.cells[i] + (last ? "" : padding);
+        text += right[i] ? padding + line.cells[i] : line.cells[i] + padding;
     }
+    text.erase(text.find_last_not_of(' ') + 1);
     return text + "\n";
 }
 

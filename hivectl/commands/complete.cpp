@@ -33,7 +33,7 @@ Words ends(hive::Application& application, const std::string& current, bool outp
 Words parameters(hive::Application& application, const std::string& drone, const std::string& after)
 {
     Words names;
-    for (const auto& name : application.find(drone).empty() ? Words{} : application.find(drone))
+    for (const auto& name : application.find(drone))
         for (const auto& parameter : application.describe(name).parameters)
             if (std::ranges::find(names, parameter.name + after) == names.end())
                 names.push_back(parameter.name + after);

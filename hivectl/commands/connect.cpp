@@ -65,11 +65,13 @@ Run declare(CLI::App& app, Session& session)
     auto* stream = app.add_flag("--stream", options->stream, "send every event, not only the newest when the receiver is ready; what it cannot keep up with is dropped and counted");
     app.add_option("--window", options->window, "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
         ->type_name("N")->check(CLI::Range(1, 64))->excludes(stream);
-    app.add_flag("--notify", options->notify, "send headers without bodies");
-    app.add_flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest");
-    app.add_option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")->type_name("NAME");
+    auto* notify = app.add_flag("--notify", options->notify, "send headers without bodies");
+    app.add_flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
+        ->excludes(stream)->excludes(notify);
+    app.add_option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")
+        ->type_name("NAME")->excludes(stream)->excludes(notify);
     app.add_option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
-        ->type_name("SECONDS")->check(CLI::Range(0.001, 1e6, "SECONDS"));
+        ->type_name("SECONDS")->check(seconds());
     app.add_flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
     return [options, &session] { return run(*options, session); };
 }
@@ -87,7 +89,7 @@ Verb connect_verb()
                        "when an end restarts.",
             .examples = "hivectl connect camera face\n"
                         "hivectl connect camera.image face.image --window 2\n"
-                        "hivectl connect camera 'face-*' --share  divide the pictures among all of them",
+                        "hivectl connect camera 'face-*' --share  divide the work",
             .operands = {Operand::sender, Operand::receiver},
             .declare = declare};
 }

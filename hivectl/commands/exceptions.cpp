@@ -22,7 +22,7 @@ struct Options {
     std::string policy;
 };
 
-const std::vector<Column> columns{{"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"}, {"TEXT", "text"}};
+const std::vector<Column> columns{{"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"}, {"INPUT", "input"}, {"SOURCE", "source"}, {"SEQ", "seq"}, {"TEXT", "text"}};
 
 int show_last(const std::vector<std::string>& drones, Session& session)
 {

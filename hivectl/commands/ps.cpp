@@ -8,6 +8,7 @@
 #include "../verbs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hivectl {
 namespace {
@@ -36,9 +37,10 @@ Row row_of(const hive::Answer& answer)
 {
     const auto& status = answer.result;
     const auto uptime = count_in(status, "uptime_us");
-    const auto busy = count_in(status, "busy_us") + count_in(status, "busy_for_us");
+    const auto busy = count_in(status, "busy_us");
+    const double percent = std::min(100.0, 100.0 * static_cast<double>(busy) / static_cast<double>(std::max<std::int64_t>(1, uptime)));
     Row row{{"name", answer.drone}, {"kind", text_in(status, "kind")}, {"state", text_in(status, "state")}, {"pid", count_in(status, "pid")},
-            {"uptime_us", uptime}, {"busy_percent", uptime > 0 ? hive::Json(std::min(100.0, 100.0 * static_cast<double>(busy) / static_cast<double>(uptime))) : hive::Json()},
+            {"uptime_us", uptime}, {"busy_percent", std::round(percent * 10) / 10},
             {"note", note(status)}, {"condition", text_in(status, "condition")}};
     return row.add("last_exception", status.value("last_exception", hive::Json()));
 }

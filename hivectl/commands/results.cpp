@@ -27,9 +27,10 @@ hive::CollectOptions collecting(const Options& options)
     hive::CollectOptions result;
     result.ordered = options.ordered;
     result.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
-    if (options.sync || options.window > 0)
-        result.connection.transfer = hive::Transfer::synchronized;
-    result.connection.window = std::max(1, options.window);
+    if (options.sync)
+        result.connection.window = 1;
+    else if (options.window > 0)
+        result.connection.window = options.window;
     return result;
 }
 
@@ -91,8 +92,9 @@ Run declare(CLI::App& app, Session& session)
     app.add_option("-n", options->count, "end after this many")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
     app.add_flag("--ordered", options->ordered, "in the order of capture, however many drones share the work");
     app.add_flag("--notify", options->notify, "ask for headers only; the drone need not make the bodies");
-    app.add_flag("--sync", options->sync, "ask for each result when the last one is printed, instead of taking all of them");
-    app.add_option("--window", options->window, "as --sync, asking for this many ahead")->type_name("N")->check(CLI::Range(1, 64));
+    auto* sync = app.add_flag("--sync", options->sync, "the newest result each time one has been printed; those in between are skipped");
+    app.add_option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+        ->type_name("N")->check(CLI::Range(1, 64))->excludes(sync);
     return [options, &session] { return run(*options, session); };
 }
 

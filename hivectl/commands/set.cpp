@@ -8,7 +8,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-#include <algorithm>
+#include <set>
 
 namespace hivectl {
 namespace {
@@ -25,13 +25,17 @@ int set_one(const Options& options, const hive::Json& settings, Session& session
     return exit_code::done;
 }
 
-/// One refusal means that nothing has changed anywhere; anything else that failed says nothing about the others.
-int exit_code_after(const std::vector<hive::Answer>& answers, const Outcome& outcome)
+/// Of a set on many that failed: those that only stood back refuse, so the code is that of the cause. When all refuse,
+/// it is certain that nothing has changed.
+int exit_code_of_failure(const std::vector<hive::Answer>& answers)
 {
-    const bool refused = std::ranges::any_of(answers, [](const auto& answer) { return answer.error && exit_code_of(answer.error->code()) == exit_code::refused; });
-    if (refused)
+    std::set<int> causes;
+    for (const auto& answer : answers)
+        if (answer.error && exit_code_of(answer.error->code()) != exit_code::refused)
+            causes.insert(exit_code_of(answer.error->code()));
+    if (causes.empty())
         complain("set", "nothing has changed on any of them");
-    return refused ? exit_code::refused : outcome.exit_code();
+    return causes.empty() ? exit_code::refused : causes.size() == 1 ? *causes.begin() : exit_code::failure;
 }
 
 int set_many(const Options& options, const hive::Json& settings, Session& session)
@@ -41,13 +45,11 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
     Outcome outcome("set");
     for (const auto& answer : answers)
         answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
-    const int code = exit_code_after(answers, outcome);
-    if (code != exit_code::done && code != exit_code::partly_done)
-        return code;
+    if (outcome.exit_code() != exit_code::done)
+        return exit_code_of_failure(answers);
     for (const auto& answer : answers)
-        if (!answer.error)
-            write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n" : settings_text(answer.drone, answer.result));
-    return code;
+        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n" : settings_text(answer.drone, answer.result));
+    return exit_code::done;
 }
 
 Run declare(CLI::App& app, Session& session)

@@ -23,7 +23,7 @@ struct Options {
 hive::Event next_event(const hive::Endpoint& output, Session& session)
 {
     hive::CollectOptions options;
-    options.connection.transfer = hive::Transfer::synchronized;
+    options.connection.window = 1;
     options.connection.first_frame = true;
     const auto collector = session.application().collect({output}, options);
     const auto event = collector->next(session.timeout());

@@ -23,6 +23,7 @@ using namespace std::chrono_literals;
 struct Options {
     std::string kind, name, on_exception, listen, log_level;
     std::vector<std::string> settings;
+    bool insecure = false;
 };
 
 std::filesystem::path require_program(const std::string& kind)
@@ -56,7 +57,17 @@ std::vector<std::string> arguments(const Options& options)
     for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception}, {"--listen", options.listen}, {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
+    if (options.insecure)
+        words.emplace_back("--insecure");
     return words;
+}
+
+void show_last_words(const BackgroundProcess& process)
+{
+    const std::string text = process.last_words(15);
+    std::istringstream words(text.empty() ? "(nothing)" : text);
+    for (std::string line; std::getline(words, line);)
+        complain("start", "  " + printable(line));
 }
 
 /// Reports a drone that ended instead of answering. Its exit code is ours when it is one of the table.
@@ -64,10 +75,8 @@ int died(const std::string& name, BackgroundProcess& process, int status)
 {
     const std::string how = WIFSIGNALED(status) ? "was killed by signal " + std::to_string(WTERMSIG(status))
                                                 : "ended with exit code " + std::to_string(WEXITSTATUS(status));
-    complain("start", name + " " + how + " before it was ready; its last words:");
-    std::istringstream words(process.last_words(15));
-    for (std::string line; std::getline(words, line);)
-        complain("start", "  " + printable(line));
+    complain("start", name + " " + how + " before it was ready; its log says:");
+    show_last_words(process);
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
     return code >= exit_code::usage && code <= exit_code::partly_done ? code : exit_code::failure;
 }
@@ -91,9 +100,10 @@ std::optional<int> await(Session& session, const std::string& name, BackgroundPr
         const bool late = std::chrono::steady_clock::now() >= end;
         if (late || !interrupt::sleep(10ms)) {
             process.end();
-            if (late)
-                complain("start", name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log ends with:\n"
-                                      + process.last_words(5));
+            if (late) {
+                complain("start", name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log says:");
+                show_last_words(process);
+            }
             return late ? exit_code::timed_out : exit_code::interrupted;
         }
     }
@@ -103,8 +113,8 @@ std::optional<int> await(Session& session, const std::string& name, BackgroundPr
 int run(const Options& options, Session& session)
 {
     parse_settings(options.settings);  // mistakes are found before anything is started
-    hive::require_name(options.name, "drone");
     const auto program = require_program(options.kind);
+    hive::require_name(options.name, "drone");
     require_free(session, options);
     const auto log = session.home() / (options.name + ".log");
     BackgroundProcess process(program, arguments(options), {"HIVE_HOME=" + session.home().string()}, log);
@@ -124,7 +134,9 @@ Run declare(CLI::App& app, Session& session)
     app.add_option("--on-exception", options->on_exception, "when its code throws: skip the input (default), or halt until resumed")
         ->type_name("skip|halt")->check(CLI::IsMember({"skip", "halt"}));
     app.add_option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT")->type_name("ADDRESS");
-    app.add_option("--log-level", options->log_level, "how much it writes to its log")->type_name("LEVEL");
+    app.add_flag("--insecure", options->insecure, "let --listen take peers without a key: only on a network that you trust wholly");
+    app.add_option("--log-level", options->log_level, "how much it writes to its log: debug, info (default), warning, error or off")
+        ->type_name("LEVEL")->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
     return [options, &session] {
         if (options->name.empty())
             options->name = options->kind;

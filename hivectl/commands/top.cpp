@@ -52,7 +52,7 @@ Run declare(CLI::App& app, Session& session)
 {
     auto options = std::make_shared<Options>();
     app.add_flag("--once", options->once, "print one table after one interval");
-    app.add_option("--interval", options->interval_s, "time between two looks (default 1)")->type_name("SECONDS")->check(CLI::Range(0.05, 3600.0, "SECONDS"));
+    app.add_option("--interval", options->interval_s, "time between two looks (default 1)")->type_name("SECONDS")->check(seconds(0.05, 3600));
     return [options, &session] { return run(*options, session); };
 }
 

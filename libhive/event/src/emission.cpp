@@ -58,8 +58,8 @@ Json event_header(const Event& event, int attempt)
     return json;
 }
 
-Emission::Emission(Event event)
-    : event_(std::move(event)), header_(std::make_shared<const std::string>(to_text(event_header(event_, event_.identity.attempt))))
+Emission::Emission(Event event, bool complete)
+    : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(to_text(event_header(event_, event_.identity.attempt))))
 {
     constexpr std::size_t attempt_digits = 32;  // what a later attempt number adds
     if (header_->size() + attempt_digits > protocol::Limits{}.header)

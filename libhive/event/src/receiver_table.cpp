@@ -46,7 +46,7 @@ ReceiverTable::Decisions ReceiverTable::add(Id id, std::string name, std::int64_
                 offer_receiver(id, receiver, event, decisions);
             else
                 offer_group(options.group, groups_[options.group], event, now, decisions);
-    } else if (options.first_frame && newest_) {
+    } else if (options.first_frame && newest_ && newest_->serves(options.delivery)) {
         offer_receiver(id, receiver, newest_, decisions);
     }
     if (!options.group.empty())
@@ -144,13 +144,15 @@ ReceiverTable::Decisions ReceiverTable::written(Id id, std::size_t size, Clock::
 ReceiverTable::Decisions ReceiverTable::offer(EmissionPtr event, bool hold, Clock::time_point now)
 {
     Decisions decisions;
-    if (hold && event->lossless() && !wanted())
+    const bool whole = event->serves(Delivery::data);
+    if (hold && whole && event->lossless() && !wanted())
         held_.push_back(event);
     for (auto& [id, receiver] : receivers_)
-        if (receiver.options.group.empty())
+        if (receiver.options.group.empty() && event->serves(receiver.options.delivery))
             offer_receiver(id, receiver, event, decisions);
     for (auto& [name, group] : groups_)
-        offer_group(name, group, event, now, decisions);
+        if (whole)
+            offer_group(name, group, event, now, decisions);
     newest_ = std::move(event);
     return decisions;
 }

@@ -12,6 +12,12 @@ ParameterInfo describe(const std::string& name, ParameterType type, const Constr
             .choices = constraint.choices, .unit = constraint.unit, .help = help};
 }
 
+/// Makes the body only when somebody receives bodies.
+std::function<std::optional<Body>()> if_wanted(const Output& output, const std::function<Body()>& body)
+{
+    return [&] { return output.wanted() ? std::optional(body()) : std::nullopt; };
+}
+
 }  // namespace
 
 void Drone::parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help)
@@ -63,18 +69,18 @@ bool Output::asked() const { return core_->asked(index_); }
 
 void Output::emit(Json header, Body body, std::string type) const
 {
-    core_->emit(index_, std::nullopt, std::move(header), [&] { return std::move(body); }, std::move(type));
+    core_->emit(index_, std::nullopt, std::move(header), [&] { return std::optional(std::move(body)); }, std::move(type));
 }
 
 void Output::emit(Json header, const std::function<Body()>& body, std::string type) const
 {
-    core_->emit(index_, std::nullopt, std::move(header), [&] { return wanted() ? body() : Body(); }, std::move(type));
+    core_->emit(index_, std::nullopt, std::move(header), if_wanted(*this, body), std::move(type));
 }
 
 void Output::emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body, std::string type) const
 {
     const auto captured_us = event::microseconds(captured.time_since_epoch());
-    core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), [&] { return wanted() ? body() : Body(); },
+    core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), if_wanted(*this, body),
                 std::move(type));
 }
 

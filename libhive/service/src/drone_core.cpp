@@ -229,7 +229,7 @@ Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us,
             .monotonic_us = event::steady_us() - (event::wall_us() - captured_us), .lossless = lossless, .hops = {}};
 }
 
-void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<Body()>& body, std::string type)
+void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type)
 {
     Slot& slot = *outputs_[output];
     const Port& port = interface.outputs[output];
@@ -254,11 +254,13 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
     event.output = port.name;
     event.type = type.empty() ? port.type.substr(0, port.type.find(',')) : std::move(type);
     event.header = std::move(header);
-    event.body = body();
+    auto made = body();
+    const bool complete = made.has_value();
+    event.body = std::move(made).value_or(Body());
     event.size = event.body.size();
     if (event.size > protocol::Limits{}.body)
         throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.size) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
-    auto emission = std::make_shared<const event::Emission>(std::move(event));
+    auto emission = std::make_shared<const event::Emission>(std::move(event), complete);
     {
         std::unique_lock lock(handover_mutex_);
         handover_less_.wait(lock, [&] { return slot.handover < most_handover; });

@@ -48,7 +48,8 @@ public:
     // for Output and Drone
     [[nodiscard]] bool wanted(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
-    void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<Body()>& body, std::string type);
+    /// @param body  gives nothing when nobody wants it
+    void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type);
     void wake() { mailbox_.nudge(); }
     void condition(const std::string& text);
     void report(Errc code, const std::string& text, const Event* cause);

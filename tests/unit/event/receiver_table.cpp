@@ -195,6 +195,20 @@ TEST_CASE("receiver table: first_frame begins with the newest event that there i
     CHECK(sequences(table.add(2, "early", epoch, options, start)) == Sequences{2});
 }
 
+TEST_CASE("receiver table: an event whose body nobody wanted goes to notifications only")
+{
+    ReceiverTable table;
+    table.add(1, "face", epoch, window(1), start);
+    table.add(2, "top", epoch, streaming(Delivery::notification), start);
+    const auto bodiless = std::make_shared<const Emission>(emission(1)->event(), false);
+    const auto decisions = table.offer(bodiless, false, start);
+    REQUIRE(decisions.sends.size() == 1);
+    CHECK(decisions.sends[0].receiver == 2);
+    auto late = window(1);
+    late.first_frame = true;
+    CHECK(table.add(3, "snap", epoch, late, start).sends.empty());
+}
+
 TEST_CASE("receiver table: a removed receiver gets nothing, and nobody else notices")
 {
     ReceiverTable table;

@@ -3,6 +3,7 @@
 
 #include <hive/event.hpp>
 #include <hive/protocol/packet.hpp>
+#include <hive/transfer.hpp>
 
 #include <memory>
 #include <string>
@@ -13,17 +14,21 @@ namespace hive::event {
 /// thread only.
 class Emission {
 public:
+    /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header
     /// Throws Errc::too_large when the header does not fit a packet.
-    explicit Emission(Event event);
+    explicit Emission(Event event, bool complete = true);
 
     [[nodiscard]] const Event& event() const noexcept { return event_; }
     [[nodiscard]] bool lossless() const noexcept { return event_.identity.lossless; }
     [[nodiscard]] std::size_t size() const noexcept { return event_.body.size(); }
+    /// May it go to a receiver of this kind?
+    [[nodiscard]] bool serves(Delivery delivery) const noexcept { return complete_ || delivery == Delivery::notification; }
     /// The packet that carries it. @param attempt  of shared work, from 1; 0: what the event inherited.
     [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel, int attempt) const;
 
 private:
     Event event_;
+    bool complete_;
     std::shared_ptr<const std::string> header_;
     mutable std::shared_ptr<const std::string> first_attempt_;  // made on first use
 };
