@@ -105,7 +105,7 @@ TEST_CASE("hostile header: a registration with a wrong field is answered and reg
         CAPTURE(each);
         CHECK(raw::error_of(peer.ask(raw::register_, registration(each), 1)) == "malformed");
     }
-    for (const auto& output : peer.ask(raw::status).at("result").at("outputs"))
+    for (const Json outputs = peer.ask(raw::status).at("result").at("outputs"); const auto& output : outputs)
         CHECK(output.at("receivers") == Json::array());
     CHECK(raw::error_of(peer.ask(raw::register_, registration(Json::object()), 1)) == "");
 }

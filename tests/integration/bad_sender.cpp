@@ -71,7 +71,7 @@ public:
     Json from_camera() const
     {
         auto doctor = prey.meet("doctor");
-        for (const auto& row : doctor.ask(raw::status).at("result").at("inputs"))
+        for (const Json inputs = doctor.ask(raw::status).at("result").at("inputs"); const auto& row : inputs)
             if (row.at("from") == "cam.image")
                 return row;
         return nullptr;
@@ -175,7 +175,7 @@ TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connect
     CHECK(raw::error_of(liar.ask(raw::deregister, Json::object(), pair.channel)) == "not_found");
     const auto received = [&] {
         auto doctor = pair.prey.meet("doctor");
-        for (const auto& row : doctor.ask(raw::status).at("result").at("inputs"))
+        for (const Json inputs = doctor.ask(raw::status).at("result").at("inputs"); const auto& row : inputs)
             if (row.at("from") == "liar.image")
                 return row.at("received").get<int>();
         return -1;
@@ -249,7 +249,7 @@ TEST_CASE("hostile sender: hivectl lives through a drone that answers nonsense, 
             peers.push_back(std::move(*peer));
         }
     });
-    const auto get = prey.swarm().hivectl({"--timeout", "1", "get", "liar"}, within(5000));
+    const auto get = prey.swarm().hivectl({"get", "liar", "--timeout", "1"}, within(5000));
     over = true;
     liar.join();
     CHECK(get.exit_code != 0);
@@ -269,7 +269,7 @@ TEST_CASE("hostile sender: hivectl lives through a drone that answers nonsense, 
                 }
             }
         });
-        const auto finished = prey.swarm().hivectl({"--timeout", "1", "get", "liar", "scale"}, within(6000));
+        const auto finished = prey.swarm().hivectl({"get", "liar", "scale", "--timeout", "1"}, within(6000));
         nonsense.join();
         CAPTURE(answer);
         CAPTURE(finished.err);
