@@ -99,8 +99,9 @@ public:
     void arm();
 
 private:
-    struct Dialing {
-        std::vector<OnLink> waiting;
+    struct Waiting {  ///< for a link that is being made
+        Clock::time_point deadline;
+        OnLink on_link;
     };
     LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
@@ -112,6 +113,7 @@ private:
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();
+    void expire_dialing(Clock::time_point now);
     void leave();
     void close_links();
     Outlet& outlet(const std::string& name);
@@ -132,7 +134,7 @@ private:
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
     std::set<LinkPtr> links_;
     std::map<std::string, LinkPtr> dialed_;
-    std::map<std::string, Dialing> dialing_;
+    std::map<std::string, std::vector<Waiting>> dialing_;
     std::thread thread_;
 };
 
