@@ -53,7 +53,9 @@ void Door::shut()
 
 Module::Module(Options options) : options_(std::move(options)) {}
 
-Module::~Module()
+Module::~Module() { end(); }
+
+void Module::end()
 {
     if (thread_.joinable()) {
         leave();

@@ -56,7 +56,7 @@ public:
     using OnLink = std::function<void(const LinkPtr&, const Error&)>;
 
     explicit Module(Options options);
-    ~Module();  ///< ends the network thread; any thread but that one
+    ~Module();  ///< calls end()
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
@@ -67,6 +67,8 @@ public:
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
     /// Starts the network thread.
     void start();
+    /// Leaves everywhere and ends the network thread; any thread but that one. What is posted later is dropped.
+    void end();
 
     // --- any thread ---
     void post(std::function<void()> task) { door_->post(std::move(task)); }
