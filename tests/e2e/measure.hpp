@@ -1,0 +1,45 @@
+// Numbers from several measurements, and from the events that a collector hands out.
+#pragma once
+
+#include <swarm.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace hive::test {
+
+template <class Number>
+Number median(std::vector<Number> values)
+{
+    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+    return values[values.size() / 2];
+}
+
+/// The median of the wall time of a whole command, which must succeed every time.
+inline double median_ms(const Swarm& swarm, const std::vector<std::string>& words, int times)
+{
+    std::vector<double> took;
+    for (int i = 0; i < times; ++i) {
+        const auto finished = swarm.hivectl(words);
+        if (finished.exit_code != 0)
+            throw std::runtime_error("hivectl " + words[0] + " exited with " + std::to_string(finished.exit_code) + ": " + finished.err);
+        took.push_back(static_cast<double>(finished.took.count()) / 1000);
+    }
+    return median(std::move(took));
+}
+
+/// Events a second of something that gives `batch` events a period: exact, whatever the phase in which it is begun.
+inline double rate(Collector& collector, int batch, int periods, Milliseconds patience = Milliseconds(5000))
+{
+    const auto take = [&](int count) {
+        for (int i = 0; i < count; ++i)
+            if (!collector.next(patient(patience)))
+                throw std::runtime_error("no event came any more");
+        return Clock::now();
+    };
+    const auto begin = take(1);
+    const auto end = take(batch * periods);
+    return batch * periods / std::chrono::duration<double>(end - begin).count();
+}
+
+}  // namespace hive::test

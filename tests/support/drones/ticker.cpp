@@ -1,0 +1,73 @@
+// A source for tests: numbered bodies with a checksum, live or on demand, that cost next to nothing to make.
+#include <hive/drone.hpp>
+
+#include <cmath>
+#include <numeric>
+
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+std::vector<unsigned char> bytes_of(std::int64_t index, int size)
+{
+    std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
+    std::iota(bytes.begin(), bytes.end(), static_cast<unsigned char>(index));
+    return bytes;
+}
+
+class Ticker {
+public:
+    explicit Ticker(hive::Drone& drone) : drone_(drone), tick_(drone.output("tick", "application/octet-stream", "the bytes; the header has index and sum"))
+    {
+        drone.parameter("fps", fps_, hive::between(0.1, 100'000).in("fps"), "with pace=live");
+        drone.parameter("bytes", bytes_, hive::between(0, 16 << 20).in("B"), "of one body");
+        drone.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next one when all receivers ask");
+        drone.parameter("count", count_, hive::at_least(0), "how many in all; 0: no end");
+        drone.on_change([this] { begin_ = Clock::now(), made_since_ = 0; });
+        drone.main([this] { return step(); });
+    }
+
+private:
+    std::chrono::microseconds step()
+    {
+        if (count_ > 0 && made_ >= count_) {
+            drone_.condition("end of source");
+            return 1s;
+        }
+        if (pace_ == "demand")
+            return tick_.asked() ? (emit(true), 0us) : 1s;
+        const auto due = begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(static_cast<double>(made_since_) / fps_));
+        if (Clock::now() >= due) {
+            ++made_since_;
+            emit(false);
+            return 0us;
+        }
+        return std::chrono::ceil<std::chrono::microseconds>(due - Clock::now());
+    }
+
+    void emit(bool lossless)
+    {
+        auto body = bytes_of(++made_, bytes_);
+        const auto sum = std::accumulate(body.begin(), body.end(), std::int64_t{0});
+        tick_.emit_captured(std::chrono::system_clock::now(), lossless, {{"index", made_}, {"sum", sum}}, [&] { return hive::Body(std::move(body)); });
+    }
+
+    hive::Drone& drone_;
+    hive::Output tick_;
+    double fps_ = 30;
+    int bytes_ = 1000, count_ = 0;
+    std::string pace_ = "live";
+    Clock::time_point begin_ = Clock::now();
+    std::int64_t made_ = 0, made_since_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"ticker", "Emits numbered bytes, for tests."}, [](hive::Drone& drone) {
+        Ticker ticker(drone);
+        drone.run();
+    });
+}

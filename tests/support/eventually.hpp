@@ -1,0 +1,38 @@
+// Waiting for a state instead of for a time.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace hive::test {
+
+using Milliseconds = std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+/// How much slower everything is under a sanitizer: multiply deadlines, skip what measures.
+constexpr bool sanitized()
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return true;
+#else
+    return false;
+#endif
+}
+
+/// A deadline that only guards against hanging: longer under a sanitizer.
+constexpr Milliseconds patient(Milliseconds time) { return sanitized() ? 6 * time : time; }
+
+/// Asks again and again, a few milliseconds apart, until it is true; false when the patience is over.
+template <class Condition>
+bool eventually(Condition condition, Milliseconds patience = Milliseconds(5000))
+{
+    const auto end = Clock::now() + patient(patience);
+    while (!condition()) {
+        if (Clock::now() >= end)
+            return false;
+        std::this_thread::sleep_for(Milliseconds(3));
+    }
+    return true;
+}
+
+}  // namespace hive::test

@@ -1,0 +1,155 @@
+// Fork, exec and a descriptor that says when the child has ended.
+#include "process.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <poll.h>
+#include <stdexcept>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+
+namespace hive::test {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<char*> pointers(const std::vector<std::string>& texts)
+{
+    std::vector<char*> result;
+    for (const auto& text : texts)
+        result.push_back(const_cast<char*>(text.c_str()));
+    result.push_back(nullptr);
+    return result;
+}
+
+std::vector<std::string> environment_with(std::vector<std::string> extra)
+{
+    const auto name_of = [](const std::string& variable) { return variable.substr(0, variable.find('=')); };
+    const std::size_t replaced = extra.size();
+    for (char** variable = environ; *variable; ++variable) {
+        bool known = false;
+        for (std::size_t i = 0; i < replaced; ++i)
+            known = known || name_of(extra[i]) == name_of(*variable);
+        if (!known)
+            extra.emplace_back(*variable);
+    }
+    return extra;
+}
+
+int open_log(const fs::path& file)
+{
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+    if (descriptor < 0)
+        throw std::runtime_error("cannot open " + file.string() + ": " + std::strerror(errno));
+    return descriptor;
+}
+
+/// Only what may be called between fork and exec of a process with threads.
+[[noreturn]] void become(char* const* words, char* const* environment, int out, int err)
+{
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    ::dup2(null, STDIN_FILENO);
+    ::dup2(out, STDOUT_FILENO);
+    ::dup2(err, STDERR_FILENO);
+    ::execve(words[0], words, environment);
+    ::_exit(127);
+}
+
+}  // namespace
+
+Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const fs::path& log)
+    : Process(words, environment, log, log)
+{
+}
+
+Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const fs::path& out, const fs::path& err)
+{
+    const auto variables = environment_with(environment);
+    const auto word_pointers = pointers(words), variable_pointers = pointers(variables);
+    const int out_file = open_log(out), err_file = open_log(err);
+    pid_ = ::fork();
+    if (pid_ == 0)
+        become(word_pointers.data(), variable_pointers.data(), out_file, err_file);
+    ::close(out_file);
+    ::close(err_file);
+    if (pid_ < 0)
+        throw std::runtime_error(std::string("cannot fork: ") + std::strerror(errno));
+    watch_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
+}
+
+Process::~Process()
+{
+    kill();
+    if (watch_ >= 0)
+        ::close(watch_);
+}
+
+Process::Process(Process&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)), watch_(std::exchange(other.watch_, -1)), exit_code_(std::exchange(other.exit_code_, std::nullopt))
+{
+}
+
+Process& Process::operator=(Process&& other) noexcept
+{
+    std::swap(pid_, other.pid_);
+    std::swap(watch_, other.watch_);
+    std::swap(exit_code_, other.exit_code_);
+    return *this;
+}
+
+void Process::signal(int number) const
+{
+    if (pid_ > 0 && !exit_code_)
+        ::kill(pid_, number);  // not reaped yet, so the id is still its own
+}
+
+std::optional<int> Process::wait(Milliseconds patience)
+{
+    if (pid_ <= 0 || exit_code_)
+        return exit_code_;
+    pollfd ended{watch_, POLLIN, 0};
+    const auto end = Clock::now() + patience;
+    for (auto left = patience; ::poll(&ended, 1, static_cast<int>(left.count())) < 0 && errno == EINTR;)
+        left = std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(end - Clock::now()));
+    int status = 0;
+    if (::waitpid(pid_, &status, WNOHANG) == pid_)
+        exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+    return exit_code_;
+}
+
+void Process::kill()
+{
+    signal(SIGKILL);
+    while (pid_ > 0 && !wait(Milliseconds(1000)))
+        signal(SIGKILL);
+}
+
+std::size_t resident_bytes(pid_t pid)
+{
+    std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
+    std::size_t all = 0, resident = 0;
+    file >> all >> resident;
+    return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::size_t open_descriptors(pid_t pid)
+{
+    const fs::directory_iterator all("/proc/" + std::to_string(pid) + "/fd");
+    return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+std::string text_of(const fs::path& file)
+{
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace hive::test

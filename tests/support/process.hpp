@@ -1,0 +1,48 @@
+// Child processes that never outlive the test that started them.
+#pragma once
+
+#include "eventually.hpp"
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive::test {
+
+/// A child process; ended (SIGKILL, by its id) when this is destroyed. Start it on the test's main thread: it is also
+/// killed when the thread that started it ends.
+class Process {
+public:
+    /// Starts `words` with extra environment `NAME=value`; stdout and stderr are appended to `log`.
+    Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const std::filesystem::path& log);
+    /// As above with stderr in a file of its own.
+    Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const std::filesystem::path& out,
+            const std::filesystem::path& err);
+    ~Process();
+    Process(Process&& other) noexcept;
+    Process& operator=(Process&& other) noexcept;
+
+    [[nodiscard]] pid_t pid() const noexcept { return pid_; }
+    void signal(int number) const;
+    /// The exit code (128 + signal when it was killed), if it ends in time.
+    std::optional<int> wait(Milliseconds patience);
+    /// SIGKILL; returns when it is gone.
+    void kill();
+
+private:
+    pid_t pid_ = -1;
+    int watch_ = -1;  ///< readable when the process has ended
+    std::optional<int> exit_code_;
+};
+
+/// Resident memory of a process, bytes.
+std::size_t resident_bytes(pid_t pid);
+/// Open descriptors of a process.
+std::size_t open_descriptors(pid_t pid);
+/// What a file holds; empty when there is none.
+std::string text_of(const std::filesystem::path& file);
+
+}  // namespace hive::test
