@@ -86,6 +86,7 @@ double bare_rate(const fs::path& clip, int loops, double seconds)
     std::vector<fs::path> logs;
     for (int i = 0; i < loops; ++i) {
         logs.push_back(clip.parent_path() / ("loop-" + std::to_string(i)));
+        fs::remove(logs.back());  // a log is added to
         children.emplace_back(std::vector<std::string>{"/proc/self/exe", "--loop", clip.string(), std::to_string(seconds)}, std::vector<std::string>{}, logs.back());
     }
     double sum = 0;
