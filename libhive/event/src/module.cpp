@@ -94,7 +94,7 @@ void Module::leave()
 void Module::close_links()
 {
     signals_.cancel();
-    timer_.cancel();
+    timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
     for (const auto& link : std::set(links_))
         link->close(Error(Errc::stopped, options_.self.name + " is ending"));
     if (links_.empty() && dialing_.empty())

@@ -1,0 +1,150 @@
+// Connections: refused with a reason when they cannot be, repaired without a word when an end is killed, forgotten by stop.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::int64_t processed(hive::Application& application, const std::string& drone) { return application.status(drone).at("events").at("processed"); }
+
+/// From the start of a program until the drone behind the connection has worked on events again.
+Milliseconds back_after(Clock::time_point begin, hive::Application& application)
+{
+    const auto before = processed(application, "worker");
+    REQUIRE(eventually([&] { return processed(application, "worker") > before + 1; }, 10'000ms));
+    return std::chrono::duration_cast<Milliseconds>(Clock::now() - begin);
+}
+
+}  // namespace
+
+TEST_CASE("connect: types that do not fit are refused with exit code 6 and both types named")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source");
+    const auto face = swarm.drone("face", "face");
+    const auto refused = swarm.hivectl({"connect", "source", "face"});
+    CHECK(refused.exit_code == 6);
+    CHECK(has(refused.err, "application/octet-stream"));
+    CHECK(has(refused.err, "image/jpeg"));
+    CHECK(swarm.hivectl_done({"edges", "--json"}) == "[]\n");
+}
+
+TEST_CASE("connect: an unknown drone is exit code 3 with the nearest name, an unknown port with the nearest port")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "camera-left");
+    const auto worker = swarm.drone("sleeper", "worker");
+    const auto no_sender = swarm.hivectl({"connect", "camera-lift", "worker"});
+    CHECK(no_sender.exit_code == 3);
+    CHECK(has(no_sender.err, "camera-left"));
+    const auto no_receiver = swarm.hivectl({"connect", "camera-left", "wroker"});
+    CHECK(no_receiver.exit_code == 3);
+    CHECK(has(no_receiver.err, "did you mean worker"));
+    const auto no_port = swarm.hivectl({"connect", "camera-left.tock", "worker"});
+    CHECK(no_port.exit_code == 3);
+    CHECK(has(no_port.err, "did you mean tick"));
+}
+
+TEST_CASE("connect: a drone that keeps state is refused in a group with exit code 5, and taken alone")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto counter = swarm.drone("counter", "counter");
+    const auto shared = swarm.hivectl({"connect", "source", "counter", "--share"});
+    CHECK(shared.exit_code == 5);
+    CHECK(has(shared.err, "keeps state"));
+    CHECK(swarm.hivectl_done({"connect", "source", "counter"}) == "source.tick -> counter.tick\n");
+    const auto line = Json::parse(swarm.hivectl_done({"results", "counter", "-n", "1"}));
+    CHECK(line.at("header").at("count") >= 1);
+}
+
+TEST_CASE("restart: a source that was killed and started again gives events again within 1 s, with no command")
+{
+    const Swarm swarm;
+    auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"set", "source", "bytes=77"});
+    swarm.hivectl_done({"connect", "source", "worker"});
+    auto application = swarm.application();
+    for (int round = 0; round < 3; ++round) {
+        REQUIRE(eventually([&] { return processed(application, "worker") > 0; }));
+        source.kill();
+        const auto begin = Clock::now();
+        source = swarm.drone("ticker", "source");
+        const auto took = back_after(begin, application);
+        MESSAGE("events again after ", took.count(), " ms");
+        CHECK(took <= patient(1000ms));
+    }
+    CHECK(application.get("source", {"bytes", "fps"}) == Json{{"bytes", 77}, {"fps", 100.0}});
+}
+
+TEST_CASE("restart: a receiver that was killed and started again has its connections and parameters again within 1 s; stop forgets them")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    auto worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"set", "worker", "work_ms=3"});
+    swarm.hivectl_done({"connect", "source", "worker", "--window", "2"});
+    auto application = swarm.application();
+    for (int round = 0; round < 3; ++round) {
+        REQUIRE(eventually([&] { return processed(application, "worker") > 0; }));
+        worker.kill();
+        const auto begin = Clock::now();
+        worker = swarm.drone("sleeper", "worker");
+        const auto took = back_after(begin, application);
+        MESSAGE("events again after ", took.count(), " ms");
+        CHECK(took <= patient(1000ms));
+    }
+    CHECK(application.get("worker", {"work_ms"}) == Json{{"work_ms", 3}});
+    CHECK(application.status("worker").at("inputs").at(0).at("window") == 2);
+
+    swarm.hivectl_done({"stop", "worker"});
+    worker = swarm.drone("sleeper", "worker");
+    CHECK(application.get("worker", {"work_ms"}) == Json{{"work_ms", 0}});
+    CHECK(application.status("worker").at("inputs").empty());
+    CHECK(swarm.hivectl_done({"edges", "--json"}) == "[]\n");
+}
+
+TEST_CASE("restart: a source killed while nobody starts it is waited for, and said to be waited for")
+{
+    const Swarm swarm;
+    auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "source", "worker"});
+    source.kill();
+    auto application = swarm.application();
+    const auto state = [&] { return application.status("worker").at("inputs").at(0).at("state").get<std::string>(); };
+    // A dead peer on one machine is noticed within 50 ms.
+    const auto begin = Clock::now();
+    REQUIRE(eventually([&] { return state() == "waiting"; }));
+    CHECK(Clock::now() - begin <= patient(200ms));
+    const auto edges = Json::parse(swarm.hivectl_done({"edges", "--json"}));
+    REQUIRE(edges.size() == 1);
+    CHECK(edges[0].at("state") == "waiting");
+    CHECK_FALSE(edges[0].at("error").get<std::string>().empty());
+}
+
+TEST_CASE("chain of custody: what a source on demand gave while nobody collected is not lost, and the results begin with the first")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=200"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"worker", ""}, {.window = 4, .group = {}, .lease = {}});
+    REQUIRE(eventually([&] { return processed(application, "worker") > 0; }));
+    const auto collector = application.collect({{"worker", "result"}}, {.ordered = true});
+    for (int i = 1; i <= 200; ++i) {
+        const auto event = collector->next(patient(5000ms));
+        REQUIRE(event);
+        REQUIRE(event->identity.sequence == i);
+    }
+    CHECK_FALSE(collector->next(200ms));
+    CHECK(collector->counts().missing == 0);
+    CHECK(collector->counts().duplicates == 0);
+}
