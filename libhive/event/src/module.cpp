@@ -19,6 +19,8 @@ namespace {
 constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
+constexpr std::size_t most_registrations = 64;  ///< of one peer
+constexpr std::size_t most_requests = 32;       ///< of one peer, under way
 
 std::vector<std::string> names_of(const std::list<Outlet>& outlets)
 {
@@ -266,18 +268,33 @@ Outlet& Module::outlet(const std::string& name)
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)
 {
-    const auto registration = protocol::registration_from_json(header);
-    if (packet.channel == 0)
-        throw Error(Errc::malformed, "register: channel 0 is no channel");
+    const auto id = Fields(header, "register").integer("id", 0, max_json_integer);
     try {
+        const auto registration = protocol::registration_from_json(header);
+        require_free(link, packet.channel);
         Outlet& sender = outlet(registration.output);
-        const Json result{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}};
+        sender.require_fit(registration);
+        // The confirmation leaves before the first event.
+        link.answer(id, Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
         sender.add(link.shared_from_this(), packet.channel, registration);
-        link.answer(registration.id, result);
     } catch (const Error& error) {
-        link.answer(registration.id, error);
+        link.answer(id, error);
     }
     arm();
+}
+
+void Module::require_free(const Link& link, std::uint16_t channel) const
+{
+    if (channel == 0)
+        throw Error(Errc::invalid_argument, "register: channel 0 is no channel");
+    std::size_t registrations = 0;
+    for (const auto& outlet : outlets_) {
+        if (outlet.has(link, channel))
+            throw Error(Errc::invalid_argument, "register: channel " + std::to_string(channel) + " is in use");
+        registrations += outlet.receivers(link);
+    }
+    if (registrations >= most_registrations)
+        throw Error(Errc::refused, options_.self.name + " takes " + std::to_string(most_registrations) + " registrations of one peer");
 }
 
 void Module::on_deregister(Link& link, const protocol::Packet& packet, const Json& header)
@@ -298,16 +315,25 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
     const auto handler = handlers_.find(packet.type);
     if (handler == handlers_.end())
         return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not know the request " + std::string(protocol::token(packet.type))));
-    auto answer = [door = door_, weak = link.weak_from_this(), id](const Outcome& outcome) {
-        door->post([weak, id, outcome] {
-            if (const auto to = weak.lock(); to && to->open())
-                to->answer(id, outcome);
-        });
+    if (link.under_way >= most_requests)
+        return link.answer(id, Error(Errc::refused, std::to_string(most_requests) + " requests of yours are under way; wait for an answer"));
+    ++link.under_way;
+    const auto send = [weak = link.weak_from_this(), id](const Outcome& outcome) {
+        const auto to = weak.lock();
+        if (!to || !to->open())
+            return;
+        --to->under_way;
+        to->answer(id, outcome);
+    };
+    const auto answer = [door = door_, send, network = std::this_thread::get_id()](const Outcome& outcome) {
+        if (std::this_thread::get_id() == network)
+            return send(outcome);
+        door->post([send, outcome] { send(outcome); });
     };
     try {
         handler->second({link.peer().name, header, packet.body, answer});
     } catch (const Error& error) {
-        link.answer(id, error);
+        send(error);
     }
 }
 

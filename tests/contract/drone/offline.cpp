@@ -52,6 +52,7 @@ std::vector<std::vector<std::string>> table_under(const std::string& heading)
 std::string written(double number)
 {
     std::ostringstream text;
+    text.precision(15);
     text << number;
     return text.str();
 }

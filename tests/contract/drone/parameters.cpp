@@ -16,6 +16,7 @@ Json get_all(raw::Peer& peer) { return peer.ask(raw::get).at("result").at("param
 std::string written(double number)
 {
     std::ostringstream text;
+    text.precision(15);
     text << number;
     return text.str();
 }

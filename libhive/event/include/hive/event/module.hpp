@@ -110,6 +110,7 @@ private:
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
+    void require_free(const Link& link, std::uint16_t channel) const;
     void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
     void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
     void on_closed(Link& link, const Error& reason);
