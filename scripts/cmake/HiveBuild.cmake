@@ -47,6 +47,9 @@ function(hive_layer name)
   set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
 endfunction()
 
+# What a user runs: hivectl and every drone; the tests are not among it.
+add_custom_target(programs)
+
 # A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
 # main.cpp and, where the wiring is longer than one file, WIRING.
 function(hive_drone name)
@@ -62,5 +65,6 @@ function(hive_drone name)
     target_link_libraries(hive-${name} PRIVATE ${name}_algorithm)
   endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
+  add_dependencies(programs hive-${name})
   install(TARGETS hive-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
