@@ -126,7 +126,7 @@ TEST_CASE("hostile header: a request for a billion gets one event at a time, and
     CHECK_FALSE(peer.next_of(raw::event, Milliseconds(300)));
     const Json rows = peer.ask(raw::status).at("result").at("outputs").at(0).at("receivers");
     REQUIRE(rows.size() == 1);
-    CHECK(rows[0].at("delivered").get<int>() + rows[0].at("in_flight").get<int>() == 2);
+    CHECK(rows[0].at("delivered") == 2);
 }
 
 TEST_CASE("hostile header: a request with a wrong field ends the connection")

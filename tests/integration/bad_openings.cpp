@@ -85,7 +85,6 @@ TEST_CASE("hostile client: whatever opens a connection wrongly is closed at once
     CHECK(witness.lost() == 0);
     CHECK_FALSE(witness.cut_off());
     CHECK(prey.log().find("version 2") != std::string::npos);
-    MESSAGE(prey.log());
 }
 
 TEST_CASE("hostile client: one that says nothing, or not all of its hello, is closed after two seconds")

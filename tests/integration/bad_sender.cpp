@@ -3,7 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
 #include <functional>
+#include <unistd.h>
 
 using namespace hostile;
 
@@ -15,6 +17,23 @@ Json event_header(Json changed = Json::object())
     json.update(changed);
     return json;
 }
+
+/// Holds the name of a drone as a living drone does, so that hivectl looks for it.
+class Claim {
+public:
+    explicit Claim(const std::filesystem::path& lock) : descriptor_(::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600))
+    {
+        struct flock whole{};
+        whole.l_type = F_WRLCK;
+        REQUIRE(::fcntl(descriptor_, F_OFD_SETLK, &whole) == 0);
+    }
+    ~Claim() { ::close(descriptor_); }
+    Claim(const Claim&) = delete;
+    Claim& operator=(const Claim&) = delete;
+
+private:
+    int descriptor_;
+};
 
 /// A face drone that receives a stream from a real camera and is told to receive from a liar too.
 class Pair {
@@ -212,6 +231,7 @@ TEST_CASE("hostile sender: hivectl lives through a drone that answers nonsense, 
 {
     const Prey prey = Prey::face();
     raw::Listener listener(prey.swarm().home() / "liar.sock");
+    const Claim claim(prey.swarm().home() / "liar.lock");
     const std::vector<std::string> answers{R"({"id":ID,"result":{"parameters":7}})", R"({"id":ID,"result":{}})", R"({"id":ID,"result":7})", R"({"id":ID})",
                                            R"({"id":ID,"error":{"code":"\u001b[31mno","text":"\u001b[2Jbad\u0007"}})", R"({"id":ID,"error":7})", "nonsense"};
     std::atomic<bool> over = false;

@@ -148,14 +148,15 @@ TEST_CASE("drone: requests with a wrong field are malformed, and the connection 
     const subject::Home home;
     const auto process = home.start();
     auto peer = home.meet();
-    const std::vector<std::pair<int, Json>> wrong{
+    std::vector<std::pair<int, Json>> wrong{
         {raw::set, Json::object()}, {raw::set, {{"parameters", 1}}}, {raw::set, {{"parameters", Json::array()}}},
         {raw::set, {{"parameters", Json::object()}, {"check_only", "yes"}}}, {raw::set, {{"parameters", Json::object()}, {"deadline_ms", -1}}},
         {raw::get, {{"names", "all"}}}, {raw::get, {{"names", {1}}}},
         {raw::connect, Json::object()}, {raw::connect, {{"from", "camera"}, {"input", "image"}}},
-        {raw::connect, {{"from", {{"drone", "../x"}, {"output", "o"}}}, {"input", "image"}}},
         {raw::disconnect, Json::object()}, {raw::put, Json::object()}, {raw::put, {{"input", 1}, {"type", "a/b"}}},
         {raw::halt, {{"policy", "never"}}}, {raw::register_, Json::object()}, {raw::register_, {{"epoch", -1}, {"output", "x"}, {"receiver", "r"}}}};
+    for (const auto& input : subject::description().at("inputs"))
+        wrong.emplace_back(raw::connect, Json{{"from", {{"drone", "../x"}, {"output", "o"}}}, {"input", input.at("name")}});
     for (const auto& [type, fields] : wrong) {
         CAPTURE(type);
         CAPTURE(fields);

@@ -34,7 +34,7 @@ std::size_t threads(pid_t pid)
 
 }  // namespace
 
-TEST_CASE("drone: one that has nothing to do uses less than 2 % of a core")
+TEST_CASE("drone: one that has nothing to do uses less than 2 % of a core; a source, which goes on capturing, less than 5 %")
 {
     const subject::Home home;
     const auto process = home.start();
@@ -47,7 +47,8 @@ TEST_CASE("drone: one that has nothing to do uses less than 2 % of a core")
     const auto used = processor_time(process.pid()) - before;
     const auto passed = std::chrono::duration_cast<Milliseconds>(hive::test::Clock::now() - begin);
     MESSAGE("used " << used.count() << " ms of " << passed.count());
-    CHECK(used.count() * 100 < passed.count() * (hive::test::sanitized() ? 6 : 2));
+    const int percent = subject::description().at("inputs").empty() ? 5 : 2;
+    CHECK(used.count() * 100 < passed.count() * percent * (hive::test::sanitized() ? 10 : 1));
 }
 
 TEST_CASE("drone: descriptors and threads do not grow over 100 peers that come and go")

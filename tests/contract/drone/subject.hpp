@@ -3,7 +3,7 @@
 
 #include "raw_peer.hpp"
 
-#include "../../support/swarm.hpp"
+#include <swarm.hpp>
 
 #include <string>
 #include <vector>
