@@ -31,6 +31,11 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
 
+# Sources of one target are compiled a few at a time: most of the time goes into the headers of json and CLI11.
+function(hive_batches target size)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
+endfunction()
+
 # A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
 # sideways include does not compile.
 function(hive_layer name)
@@ -38,6 +43,7 @@ function(hive_layer name)
   add_library(${name} OBJECT ${layer_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
   target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
+  hive_batches(${name} 5)
   set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
 endfunction()
 

@@ -128,6 +128,8 @@ void Intake::on_packet(const protocol::Packet& packet)
 {
     if (stopped_)
         return;
+    if (spec_.options.transfer == Transfer::synchronized && arrived_ >= asked_)
+        throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
     Event event = event_from_packet(packet);
     ++received_;
     age_us_ = wall_us() - event.identity.captured_us;

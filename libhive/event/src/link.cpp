@@ -93,7 +93,10 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
     } else {
         confirmation.result = std::get<Json>(outcome);
     }
-    connection_->send(protocol::make_packet(PacketType::confirmation, to_text(protocol::to_json(confirmation))));
+    auto text = to_text(protocol::to_json(confirmation));
+    if (const auto most = protocol::Limits{}.header; text.size() > most)
+        return answer(id, Error(Errc::too_large, "the answer has " + std::to_string(text.size()) + " bytes, " + std::to_string(most) + " is the most"));
+    connection_->send(protocol::make_packet(PacketType::confirmation, std::move(text)));
 }
 
 bool Link::expire(Clock::time_point now)

@@ -19,9 +19,11 @@ std::size_t Mailbox::push(Event event)
     bytes_ += event.body.size();
     events_.push_back(std::move(event));
     while (events_.size() > most_events || (events_.size() > 2 && bytes_ > most_bytes)) {
-        const auto oldest = std::ranges::find_if(events_, [](const Event& e) { return !e.identity.lossless; });
-        if (oldest == events_.end())
+        auto oldest = std::ranges::find_if(events_, [](const Event& e) { return !e.identity.lossless; });
+        if (oldest == events_.end() && events_.size() <= most_lossless_events && bytes_ <= most_lossless_bytes)
             break;
+        if (oldest == events_.end())
+            oldest = events_.begin();
         bytes_ -= oldest->body.size();
         lost.push_back(std::move(*oldest));
         events_.erase(oldest);

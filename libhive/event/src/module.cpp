@@ -19,6 +19,8 @@ namespace {
 constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
+constexpr std::size_t most_registrations = 64;  ///< of one peer
+constexpr std::size_t most_requests = 32;       ///< of one peer, under way
 
 std::vector<std::string> names_of(const std::list<Outlet>& outlets)
 {
@@ -53,7 +55,9 @@ void Door::shut()
 
 Module::Module(Options options) : options_(std::move(options)) {}
 
-Module::~Module()
+Module::~Module() { end(); }
+
+void Module::end()
 {
     if (thread_.joinable()) {
         leave();
@@ -196,9 +200,10 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
     const auto key = to_text(address);
     if (const auto found = dialed_.find(key); found != dialed_.end())
         return on_link(found->second, Error(Errc::failed, ""));
-    auto& dialing = dialing_[key];
-    dialing.waiting.push_back(std::move(on_link));
-    if (dialing.waiting.size() > 1)
+    auto& waiting = dialing_[key];
+    waiting.push_back({deadline, std::move(on_link)});
+    arm();
+    if (waiting.size() > 1)
         return;
     const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()), std::chrono::milliseconds(1));
     transport::dial(
@@ -221,8 +226,8 @@ void Module::dialed(const std::string& key, const LinkPtr& link, const Error& er
     if (link)
         dialed_[key] = link;
     if (!node.empty())
-        for (const auto& on_link : node.mapped().waiting)
-            on_link(link, error);
+        for (const auto& waiting : node.mapped())
+            waiting.on_link(link, error);
 }
 
 void Module::request(const transport::Address& address, PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome)
@@ -263,18 +268,33 @@ Outlet& Module::outlet(const std::string& name)
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)
 {
-    const auto registration = protocol::registration_from_json(header);
-    if (packet.channel == 0)
-        throw Error(Errc::malformed, "register: channel 0 is no channel");
+    const auto id = Fields(header, "register").integer("id", 0, max_json_integer);
     try {
+        const auto registration = protocol::registration_from_json(header);
+        require_free(link, packet.channel);
         Outlet& sender = outlet(registration.output);
-        const Json result{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}};
+        sender.require_fit(registration);
+        // The confirmation leaves before the first event.
+        link.answer(id, Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
         sender.add(link.shared_from_this(), packet.channel, registration);
-        link.answer(registration.id, result);
     } catch (const Error& error) {
-        link.answer(registration.id, error);
+        link.answer(id, error);
     }
     arm();
+}
+
+void Module::require_free(const Link& link, std::uint16_t channel) const
+{
+    if (channel == 0)
+        throw Error(Errc::invalid_argument, "register: channel 0 is no channel");
+    std::size_t registrations = 0;
+    for (const auto& outlet : outlets_) {
+        if (outlet.has(link, channel))
+            throw Error(Errc::invalid_argument, "register: channel " + std::to_string(channel) + " is in use");
+        registrations += outlet.receivers(link);
+    }
+    if (registrations >= most_registrations)
+        throw Error(Errc::refused, options_.self.name + " takes " + std::to_string(most_registrations) + " registrations of one peer");
 }
 
 void Module::on_deregister(Link& link, const protocol::Packet& packet, const Json& header)
@@ -295,16 +315,25 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
     const auto handler = handlers_.find(packet.type);
     if (handler == handlers_.end())
         return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not know the request " + std::string(protocol::token(packet.type))));
-    auto answer = [door = door_, weak = link.weak_from_this(), id](const Outcome& outcome) {
-        door->post([weak, id, outcome] {
-            if (const auto to = weak.lock(); to && to->open())
-                to->answer(id, outcome);
-        });
+    if (link.under_way >= most_requests)
+        return link.answer(id, Error(Errc::refused, std::to_string(most_requests) + " requests of yours are under way; wait for an answer"));
+    ++link.under_way;
+    const auto send = [weak = link.weak_from_this(), id](const Outcome& outcome) {
+        const auto to = weak.lock();
+        if (!to || !to->open())
+            return;
+        --to->under_way;
+        to->answer(id, outcome);
+    };
+    const auto answer = [door = door_, send, network = std::this_thread::get_id()](const Outcome& outcome) {
+        if (std::this_thread::get_id() == network)
+            return send(outcome);
+        door->post([send, outcome] { send(outcome); });
     };
     try {
         handler->second({link.peer().name, header, packet.body, answer});
     } catch (const Error& error) {
-        link.answer(id, error);
+        send(error);
     }
 }
 
@@ -353,7 +382,7 @@ void Module::arm()
 {
     if (armed_)
         return;
-    const bool needed = std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
+    const bool needed = !dialing_.empty() || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
         || std::ranges::any_of(outlets_, &Outlet::leasing);
     if (!needed)
         return;
@@ -366,11 +395,29 @@ void Module::arm()
     });
 }
 
+/// A peer that accepts and says nothing must not keep anybody beyond its own deadline.
+void Module::expire_dialing(Clock::time_point now)
+{
+    std::vector<Waiting> late;
+    for (auto& [key, waiting] : dialing_)
+        for (auto it = waiting.begin(); it != waiting.end();)
+            if (it->deadline <= now) {
+                late.push_back(std::move(*it));
+                it = waiting.erase(it);
+            } else {
+                ++it;
+            }
+    std::erase_if(dialing_, [](const auto& row) { return row.second.empty(); });
+    for (const auto& waiting : late)
+        waiting.on_link(nullptr, Error(Errc::timeout, "no sign of life within the time allowed"));
+}
+
 void Module::tick()
 {
     const auto now = Clock::now();
     for (const auto& link : std::set(links_))
         link->expire(now);
+    expire_dialing(now);
     for (auto& outlet : outlets_)
         if (outlet.leasing())
             outlet.tick();

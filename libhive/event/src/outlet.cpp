@@ -2,6 +2,8 @@
 #include <hive/event/outlet.hpp>
 
 #include <cstdlib>
+#include <iterator>
+#include <limits>
 
 namespace hive::event {
 
@@ -19,14 +21,21 @@ Outlet::Outlet(Port port, PacketType carrier, std::function<void()> on_change, s
 {
 }
 
-void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration)
+void Outlet::require_fit(const protocol::Registration& registration) const
 {
     if (!types_fit(port_.type, registration.accepts))
         throw Error(Errc::type_mismatch, "output " + port_.name + " is " + port_.type + ", but " + registration.receiver + " takes " + registration.accepts);
     if (registration.stateful && !registration.options.group.empty())
         throw Error(Errc::refused, registration.receiver + " keeps state between events, so it must see every one: it cannot share");
-    if (ids_.contains({link.get(), channel}))
-        throw Error(Errc::malformed, "channel " + std::to_string(channel) + " is registered already");
+}
+
+std::size_t Outlet::receivers(const Link& link) const
+{
+    return static_cast<std::size_t>(std::distance(ids_.lower_bound({&link, 0}), ids_.upper_bound({&link, std::numeric_limits<std::uint16_t>::max()})));
+}
+
+void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration)
+{
     const auto id = ++next_id_;
     ids_[{link.get(), channel}] = id;
     places_[id] = {link, channel};
@@ -79,7 +88,7 @@ void Outlet::execute(const ReceiverTable::Decisions& decisions)
             continue;
         const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
         // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
-        place->second.link->connection().send(send.event->packet(type, place->second.channel, send.attempt),
+        place->second.link->connection().send(send.event->packet(type, place->second.channel, send.share),
                                               [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
                                                   if (!alive.expired() && written)
                                                       execute(table_.written(id, event->size(), Clock::now()));
@@ -101,10 +110,16 @@ void Outlet::refresh()
         on_change_();
 }
 
-Json Outlet::status() const
+Json Outlet::status(std::size_t& most_receivers) const
 {
+    std::size_t left_out = 0;
     Json receivers = Json::array();
     for (const auto& row : table_.rows()) {
+        if (most_receivers == 0) {
+            ++left_out;
+            continue;
+        }
+        --most_receivers;
         Json json = to_json(row.options);
         json["receiver"] = row.receiver;
         json["produced"] = row.counts.produced;
@@ -115,7 +130,10 @@ Json Outlet::status() const
         json["in_flight"] = row.counts.in_flight;
         receivers.push_back(std::move(json));
     }
-    return {{"name", port_.name}, {"type", port_.type}, {"produced", produced_}, {"last_emitted_us", last_emitted_us_}, {"receivers", receivers}};
+    Json status{{"name", port_.name}, {"type", port_.type}, {"produced", produced_}, {"last_emitted_us", last_emitted_us_}, {"receivers", receivers}};
+    if (left_out > 0)
+        status["receivers_left_out"] = left_out;
+    return status;
 }
 
 }  // namespace hive::event

@@ -16,6 +16,8 @@ using protocol::PacketType;
 
 namespace {
 
+/// So that a status with all its rows fits into one header.
+constexpr std::size_t most_receivers_listed = 128;
 /// A drone told to stop ends within this, whatever its code does.
 constexpr auto last_grace = std::chrono::seconds(2);
 
@@ -58,8 +60,11 @@ void DroneCore::on_get(const Incoming& incoming)
     const Fields fields(incoming.header, "get");
     std::vector<std::string> names;
     if (fields.has("names"))
-        for (const auto& name : fields.array("names"))
-            names.push_back(name.is_string() ? name.get<std::string>() : "");
+        for (const auto& name : fields.array("names")) {
+            if (!name.is_string())
+                throw Error(Errc::malformed, "get: \"names\" must be an array of texts");
+            names.push_back(name.get<std::string>());
+        }
     incoming.answer(Json{{"parameters", parameters.values(names)}});
 }
 
@@ -286,8 +291,9 @@ void DroneCore::remember()
 Json DroneCore::status()
 {
     Json outputs = Json::array(), inputs = Json::array();
+    std::size_t rows = most_receivers_listed;
     for (const auto& outlet : module_->outlets())
-        outputs.push_back(outlet.status());
+        outputs.push_back(outlet.status(rows));
     Board board;
     {
         const std::lock_guard lock(board_mutex_);
@@ -300,7 +306,7 @@ Json DroneCore::status()
     }
     const bool busy = board.state == State::busy;
     const auto busy_for = busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
-    return {{"name", settings_.name},
+    Json json{{"name", settings_.name},
             {"kind", interface.kind},
             {"pid", ::getpid()},
             {"epoch", epoch_},
@@ -320,8 +326,10 @@ Json DroneCore::status()
               {"discarded", board.discarded},
               {"dropped", board.dropped}}},
             {"outputs", outputs},
-            {"inputs", inputs},
-            {"last_exception", board.last_exception}};
+            {"inputs", inputs}};
+    if (!board.last_exception.is_null())
+        json["last_exception"] = board.last_exception;
+    return json;
 }
 
 }  // namespace hive

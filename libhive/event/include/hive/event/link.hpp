@@ -37,6 +37,7 @@ public:
 
     /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends (Errc::connection_lost).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel = 0);
+    /// Confirms a request. An answer that no peer would take (over the limit of a header) becomes Errc::too_large.
     void answer(std::int64_t id, const Outcome& outcome);
     /// Fails the requests whose deadline has passed; true while others are pending.
     bool expire(Clock::time_point now);
@@ -46,6 +47,8 @@ public:
     std::uint16_t claim_channel(ChannelSink sink);
     void release_channel(std::uint16_t channel);
     void close(const Error& reason) { connection_->close(reason); }
+
+    std::size_t under_way = 0;  ///< requests of the peer that this module has not answered; kept by the module
 
 private:
     struct Pending {

@@ -21,6 +21,9 @@ public:
 
     static constexpr std::size_t most_events = 1024;
     static constexpr std::size_t most_bytes = 64u << 20;  ///< beyond two events
+    /// Bounds of the events that may not be lost: no sender that keeps to its credit comes near.
+    static constexpr std::size_t most_lossless_events = 4096;
+    static constexpr std::size_t most_lossless_bytes = 512u << 20;
 
     void push(Command command);
     /// Over the bounds the oldest event that may be lost goes; returns how many did.

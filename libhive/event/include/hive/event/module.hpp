@@ -56,7 +56,7 @@ public:
     using OnLink = std::function<void(const LinkPtr&, const Error&)>;
 
     explicit Module(Options options);
-    ~Module();  ///< ends the network thread; any thread but that one
+    ~Module();  ///< calls end()
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
@@ -67,6 +67,8 @@ public:
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
     /// Starts the network thread.
     void start();
+    /// Leaves everywhere and ends the network thread; any thread but that one. What is posted later is dropped.
+    void end();
 
     // --- any thread ---
     void post(std::function<void()> task) { door_->post(std::move(task)); }
@@ -99,19 +101,22 @@ public:
     void arm();
 
 private:
-    struct Dialing {
-        std::vector<OnLink> waiting;
+    struct Waiting {  ///< for a link that is being made
+        Clock::time_point deadline;
+        OnLink on_link;
     };
     LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
+    void require_free(const Link& link, std::uint16_t channel) const;
     void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
     void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();
+    void expire_dialing(Clock::time_point now);
     void leave();
     void close_links();
     Outlet& outlet(const std::string& name);
@@ -132,7 +137,7 @@ private:
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
     std::set<LinkPtr> links_;
     std::map<std::string, LinkPtr> dialed_;
-    std::map<std::string, Dialing> dialing_;
+    std::map<std::string, std::vector<Waiting>> dialing_;
     std::thread thread_;
 };
 

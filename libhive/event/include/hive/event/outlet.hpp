@@ -23,6 +23,11 @@ public:
     [[nodiscard]] const Port& port() const noexcept { return port_; }
     [[nodiscard]] protocol::PacketType carrier() const noexcept { return carrier_; }
     /// Throws Errc::type_mismatch or Errc::refused.
+    void require_fit(const protocol::Registration& registration) const;
+    [[nodiscard]] bool has(const Link& link, std::uint16_t channel) const { return ids_.contains({&link, channel}); }
+    /// How many registrations of this peer there are.
+    [[nodiscard]] std::size_t receivers(const Link& link) const;
+    /// One that fits, on a channel that is free.
     void add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration);
     void request(const Link& link, std::uint16_t channel, const protocol::Request& request);
     /// @return false when there is no such receiver
@@ -36,7 +41,8 @@ public:
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
     [[nodiscard]] bool leasing() const { return table_.leasing(); }
     /// As in `status` (SPEC.md, section 6.4).
-    [[nodiscard]] Json status() const;
+    /// @param most_receivers  rows to list at most; counts them down, and says how many are left out
+    [[nodiscard]] Json status(std::size_t& most_receivers) const;
 
 private:
     using Key = std::pair<const Link*, std::uint16_t>;

@@ -1,0 +1,84 @@
+// Bad events at the inputs: refused or reported, and the drone lives on.
+#include "subject.hpp"
+
+#include <doctest/doctest.h>
+
+using subject::Json;
+using subject::within;
+
+namespace {
+
+raw::Peer with_exceptions(const subject::Home& home)
+{
+    auto peer = home.meet();
+    const Json registration{{"epoch", 1}, {"output", "exceptions"}, {"receiver", "raw"}, {"options", {{"transfer", "stream"}}}};
+    REQUIRE(raw::error_of(peer.ask(raw::register_, registration, 9)) == "");
+    return peer;
+}
+
+}  // namespace
+
+TEST_CASE("drone: an event of a type that the input does not take is refused with both types; an unknown input is not found")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    CHECK(raw::error_of(peer.ask(raw::put, {{"input", "no-such-input"}, {"type", "image/jpeg"}}, 0, "x")) == "not_found");
+    for (const auto& input : subject::description().at("inputs")) {
+        if (input.at("type").get<std::string>().find("*/*") != std::string::npos)
+            continue;
+        const Json answer = peer.ask(raw::put, {{"input", input.at("name")}, {"type", "application/x-nothing"}}, 0, "x");
+        CHECK(raw::error_of(answer) == "type_mismatch");
+        CHECK(raw::text_of(answer).find("application/x-nothing") != std::string::npos);
+        CHECK(raw::text_of(answer).find(input.at("type").get<std::string>()) != std::string::npos);
+    }
+    CHECK(peer.ask(raw::status).at("result").at("events").at("received") == 0);
+}
+
+TEST_CASE("drone: garbage put to a picture input gives one exception each, with the input's identity, and no result; the drone lives on")
+{
+    const std::vector<std::pair<std::string, std::string>> garbage{
+        {"image/jpeg", ""}, {"image/jpeg", "x"}, {"image/jpeg", std::string(100'000, '\xFF')}, {"image/jpeg", "\xFF\xD8\xFF\xD9"},
+        {"image/png", "\x89PNG\r\n\x1A\n"}, {"image/raw", std::string(1000, 'r')}};
+    for (const auto& input : subject::picture_inputs()) {
+        const subject::Home home;
+        const auto process = home.start();
+        auto peer = with_exceptions(home);
+        for (const auto& [type, body] : garbage) {
+            CAPTURE(type);
+            CAPTURE(body.size());
+            std::optional<raw::Packet> exception;
+            REQUIRE(peer.send(raw::packet(raw::put, 0, Json{{"id", 4000 + body.size()}, {"input", input}, {"type", type}}.dump(), body)));
+            REQUIRE((exception = peer.next_of(raw::exception, within(2000))));
+            const Json header = exception->json();
+            CHECK(exception->channel == 9);
+            CHECK(exception->body.empty());
+            CHECK(header.at("sender") == "subject");
+            CHECK(header.at("output") == "exceptions");
+            CHECK(header.at("source") == "raw");
+            CHECK(header.at("header").at("code") == "malformed");
+            CHECK(header.at("header").at("policy") == "skip");
+            CHECK(header.at("header").at("input") == input);
+        }
+        const Json status = peer.ask(raw::status).at("result");
+        CHECK(status.at("events").at("abandoned") == garbage.size());
+        CHECK(status.at("last_exception").at("code") == "malformed");
+        for (const auto& output : status.at("outputs"))
+            if (output.at("name") != "exceptions")
+                CHECK(output.at("produced") == 0);
+    }
+}
+
+TEST_CASE("drone: with the policy halt the first exception halts it")
+{
+    for (const auto& input : subject::picture_inputs()) {
+        const subject::Home home;
+        const auto process = home.start({"--on-exception", "halt"});
+        auto peer = with_exceptions(home);
+        REQUIRE(peer.send(raw::packet(raw::put, 0, Json{{"id", 4000}, {"input", input}, {"type", "image/jpeg"}}.dump(), "garbage")));
+        const auto exception = peer.next_of(raw::exception, within(2000));
+        REQUIRE(exception);
+        CHECK(exception->json().at("header").at("policy") == "halt");
+        CHECK(hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "halted"; }, within(1000)));
+    }
+}

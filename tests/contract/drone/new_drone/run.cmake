@@ -1,0 +1,46 @@
+# Makes a drone with scripts/new-drone in a copy of the tree, builds it, and has it pass the drone contract suite; then the refusals.
+string(RANDOM LENGTH 8 word)
+set(copy $ENV{TMPDIR})
+if(NOT copy)
+  set(copy /tmp)
+endif()
+set(copy ${copy}/hive-new-drone-${word})
+file(MAKE_DIRECTORY ${copy})
+
+function(end text)
+  file(REMOVE_RECURSE ${copy})
+  message(FATAL_ERROR "${text}")
+endfunction()
+
+function(must)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output TIMEOUT 300)
+  if(code)
+    end("${ARGN}: ${code}\n${output}")
+  endif()
+endfunction()
+
+file(COPY ${SOURCE}/scripts ${SOURCE}/drones DESTINATION ${copy})
+must(${copy}/scripts/new-drone soft-glass)
+
+file(SHA256 ${copy}/drones/CMakeLists.txt before)
+foreach(name soft-glass camera Main main class ../x a..b -x "a b" "" std x_y)
+  execute_process(COMMAND ${copy}/scripts/new-drone ${name} RESULT_VARIABLE code ERROR_VARIABLE output OUTPUT_QUIET)
+  if(NOT code EQUAL 2 OR NOT output MATCHES "^new-drone: ")
+    end("new-drone ${name} was not refused: ${code} ${output}")
+  endif()
+endforeach()
+file(SHA256 ${copy}/drones/CMakeLists.txt after)
+file(GLOB left ${copy}/drones/.new-*)
+if(left OR NOT before STREQUAL after)
+  end("a refused new-drone has left something: ${left}")
+endif()
+
+file(COPY_FILE ${SOURCE}/tests/contract/drone/new_drone/project.cmake ${copy}/CMakeLists.txt)
+must(${CMAKE_COMMAND} -S ${copy} -B ${copy}/build -G ${GENERATOR} -D HIVE_COPY=${copy} -D HIVE_LIBRARIES=${LIBHIVE}
+  -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -D CMAKE_BUILD_TYPE=${TYPE} -D HIVE_SANITIZE=${SANITIZE}
+  "-DCMAKE_CXX_FLAGS_DEBUG=${FLAGS}" -D CMAKE_CXX_FLAGS=-Werror)
+must(${CMAKE_COMMAND} --build ${copy}/build --target hive-soft-glass)
+set(ENV{HIVE_CONTRACT_PROGRAM} ${copy}/build/bin/hive-soft-glass)
+set(ENV{HIVE_CONTRACT_FOLDER} ${copy}/drones/soft-glass)
+must(${SUITE})
+file(REMOVE_RECURSE ${copy})

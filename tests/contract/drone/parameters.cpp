@@ -1,0 +1,167 @@
+// Parameters over the wire: read, set, refused, all together or not at all.
+#include "subject.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <sstream>
+
+using subject::Json;
+using subject::Milliseconds;
+
+namespace {
+
+Json get_all(raw::Peer& peer) { return peer.ask(raw::get).at("result").at("parameters"); }
+
+std::string written(double number)
+{
+    std::ostringstream text;
+    text.precision(15);
+    text << number;
+    return text.str();
+}
+
+/// Values that the parameter cannot take.
+std::vector<Json> refused_values(const Json& parameter)
+{
+    const std::string type = parameter.at("type");
+    std::vector<Json> values{nullptr, Json::array(), Json::object()};
+    if (parameter.contains("min"))
+        values.insert(values.end(), {parameter["min"].get<double>() - 1, written(parameter["min"].get<double>() - 1)});
+    if (parameter.contains("max"))
+        values.insert(values.end(), {parameter["max"].get<double>() + 1, written(parameter["max"].get<double>() + 1)});
+    if (type == "integer")
+        values.insert(values.end(), {1.5, "1.0", "0x10", "", " 1", "1e3", 9007199254740993, true});
+    if (type == "number")
+        values.insert(values.end(), {"nan", "inf", "", "1,5", true});
+    if (type == "flag")
+        values.insert(values.end(), {"maybe", 1, ""});
+    if (type == "text")
+        values.insert(values.end(), {1, true, std::string("a\0b", 3)});
+    if (parameter.contains("choices"))
+        values.push_back("no such choice");
+    return values;
+}
+
+/// Another value that it can take, if that is known.
+Json other_value(const Json& parameter)
+{
+    if (parameter.at("type") == "flag")
+        return !parameter.at("default").get<bool>();
+    for (const auto& choice : parameter.value("choices", Json::array()))
+        if (choice != parameter.at("default"))
+            return choice;
+    if (parameter.contains("min") && parameter.contains("max") && parameter.at("type") == "integer")
+        return parameter["default"] == parameter["max"] ? parameter["min"].get<std::int64_t>() : parameter["max"].get<std::int64_t>();
+    return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("drone: the default of each parameter is what get answers, and can be set, as JSON and as a shell writes it")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    for (const auto& parameter : subject::description().at("parameters")) {
+        CAPTURE(parameter);
+        const std::string name = parameter.at("name");
+        const Json answer = peer.ask(raw::get, {{"names", {name}}});
+        REQUIRE(raw::error_of(answer) == "");
+        CHECK(answer.at("result").at("parameters") == Json{{name, parameter.at("default")}});
+        const std::string text = parameter["default"].is_string() ? parameter["default"].get<std::string>() : parameter["default"].dump();
+        for (const Json& value : {parameter.at("default"), Json(text)}) {
+            const Json set = peer.ask(raw::set, {{"parameters", {{name, value}}}});
+            REQUIRE(raw::text_of(set) == "");
+            CHECK(set.at("result").at("parameters") == Json{{name, parameter.at("default")}});
+        }
+    }
+    CHECK(get_all(peer).size() == subject::description().at("parameters").size());
+}
+
+TEST_CASE("drone: a value out of range is refused with the range in the text, and nothing has changed")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    const Json before = get_all(peer);
+    for (const auto& parameter : subject::description().at("parameters"))
+        for (const Json& value : refused_values(parameter)) {
+            CAPTURE(parameter);
+            CAPTURE(value);
+            const Json answer = peer.ask(raw::set, {{"parameters", {{parameter.at("name"), value}}}});
+            CHECK(raw::error_of(answer) == "refused");
+            const std::string text = raw::text_of(answer);
+            CAPTURE(text);
+            for (const char* end : {"min", "max"})
+                if (parameter.contains(end))
+                    CHECK(text.find(written(parameter[end])) != std::string::npos);
+            for (const auto& choice : parameter.value("choices", Json::array()))
+                CHECK(text.find(choice.get<std::string>()) != std::string::npos);
+        }
+    CHECK(get_all(peer) == before);
+}
+
+TEST_CASE("drone: an unknown parameter is not found, and the nearest is named")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    for (const auto& parameter : subject::description().at("parameters")) {
+        const std::string name = parameter.at("name"), wrong = name + "x";
+        for (const Json& answer : {peer.ask(raw::get, {{"names", {wrong}}}), peer.ask(raw::set, {{"parameters", {{wrong, parameter.at("default")}}}})}) {
+            CHECK(raw::error_of(answer) == "not_found");
+            CHECK(raw::text_of(answer).find("mean " + name + "?") != std::string::npos);
+        }
+    }
+}
+
+TEST_CASE("drone: of several parameters in one set either all change or none")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    const Json before = get_all(peer);
+    for (const auto& good : subject::description().at("parameters")) {
+        const Json value = other_value(good);
+        if (value.is_null())
+            continue;
+        CAPTURE(good);
+        for (const auto& bad : subject::description().at("parameters"))
+            if (bad != good) {
+                const Json both{{good.at("name"), value}, {bad.at("name"), Json::array()}};
+                CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", both}})) == "refused");
+            }
+        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), value}, {"no-such-parameter", 1}}}})) == "not_found");
+        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}, {"check_only", true}})) == "");
+        CHECK(get_all(peer) == before);
+        const Json set = peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}});
+        CHECK(raw::text_of(set) == "");
+        CHECK(get_all(peer).at(good.at("name")) == value);
+        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), good.at("default")}}}})) == "");
+    }
+    CHECK(get_all(peer) == before);
+}
+
+TEST_CASE("drone: requests with a wrong field are malformed, and the connection goes on")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    const std::vector<std::pair<int, Json>> wrong{
+        {raw::set, Json::object()}, {raw::set, {{"parameters", 1}}}, {raw::set, {{"parameters", Json::array()}}},
+        {raw::set, {{"parameters", Json::object()}, {"check_only", "yes"}}}, {raw::set, {{"parameters", Json::object()}, {"deadline_ms", -1}}},
+        {raw::get, {{"names", "all"}}}, {raw::get, {{"names", {1}}}},
+        {raw::connect, Json::object()}, {raw::connect, {{"from", "camera"}, {"input", "image"}}},
+        {raw::connect, {{"from", {{"drone", "../x"}, {"output", "o"}}}, {"input", "image"}}},
+        {raw::disconnect, Json::object()}, {raw::put, Json::object()}, {raw::put, {{"input", 1}, {"type", "a/b"}}},
+        {raw::halt, {{"policy", "never"}}}, {raw::register_, Json::object()}, {raw::register_, {{"epoch", -1}, {"output", "x"}, {"receiver", "r"}}}};
+    for (const auto& [type, fields] : wrong) {
+        CAPTURE(type);
+        CAPTURE(fields);
+        const Json answer = peer.ask(type, fields, type == raw::register_ ? 1 : 0, {}, Milliseconds(3000));
+        CHECK(raw::error_of(answer) == "malformed");
+        if (peer.ended())
+            peer = home.meet();
+    }
+}

@@ -1,0 +1,65 @@
+// What a drone uses when nobody asks anything of it, and after many came and went.
+#include "subject.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <sstream>
+#include <unistd.h>
+
+using subject::Milliseconds;
+using subject::within;
+
+namespace {
+
+/// User and system time of a process so far.
+Milliseconds processor_time(pid_t pid)
+{
+    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    std::istringstream fields(text.substr(text.rfind(')') + 2));
+    std::string skipped;
+    for (int i = 0; i < 11; ++i)
+        fields >> skipped;
+    long user = 0, system = 0;
+    fields >> user >> system;
+    return Milliseconds((user + system) * 1000 / ::sysconf(_SC_CLK_TCK));
+}
+
+std::size_t threads(pid_t pid)
+{
+    const auto tasks = std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task");
+    return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
+}
+
+}  // namespace
+
+TEST_CASE("drone: one that has nothing to do uses less than 2 % of a core")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    REQUIRE(raw::error_of(peer.ask(raw::halt)) == "");
+    peer.next(Milliseconds(500));  // the start is over
+    const auto before = processor_time(process.pid());
+    const auto begin = hive::test::Clock::now();
+    peer.next(Milliseconds(5000));
+    const auto used = processor_time(process.pid()) - before;
+    const auto passed = std::chrono::duration_cast<Milliseconds>(hive::test::Clock::now() - begin);
+    MESSAGE("used " << used.count() << " ms of " << passed.count());
+    CHECK(used.count() * 100 < passed.count() * (hive::test::sanitized() ? 6 : 2));
+}
+
+TEST_CASE("drone: descriptors and threads do not grow over 100 peers that come and go")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    for (int i = 0; i < 5; ++i)
+        home.meet().ask(raw::status);
+    hive::test::eventually([&] { return false; }, Milliseconds(300));  // the last of them is gone
+    const auto descriptors = hive::test::open_descriptors(process.pid()), tasks = threads(process.pid());
+    for (int i = 0; i < 100; ++i)
+        REQUIRE(raw::error_of(home.meet().ask(i % 2 ? raw::status : raw::describe)) == "");
+    CHECK(hive::test::eventually([&] { return hive::test::open_descriptors(process.pid()) <= descriptors; }, within(2000)));
+    CHECK(threads(process.pid()) <= tasks);
+}

@@ -1,0 +1,262 @@
+// A drone that is none: face is connected to it, and it sends what no sender may send.
+#include "prey.hpp"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+
+using namespace hostile;
+
+namespace {
+
+Json event_header(Json changed = Json::object())
+{
+    Json json{{"sender", "liar"}, {"kind", "camera"}, {"output", "image"}, {"type", "image/jpeg"}, {"source", "liar"}, {"epoch", 1}, {"seq", 1}};
+    json.update(changed);
+    return json;
+}
+
+/// A face drone that receives a stream from a real camera and is told to receive from a liar too.
+class Pair {
+public:
+    explicit Pair(const Json& options = Json::object())
+    {
+        tell({{"from", {{"drone", "cam"}, {"output", "image"}}}, {"input", "image"}, {"options", {{"transfer", "stream"}}}});
+        REQUIRE(raw::error_of(asker_.next_of(raw::confirmation, within(3000)).value().json()) == "");
+        tell({{"from", {{"drone", "liar"}, {"output", "image"}}}, {"input", "image"}, {"options", options}});
+        (void)serve();
+        REQUIRE(raw::error_of(asker_.next_of(raw::confirmation, within(3000)).value().json()) == "");
+    }
+
+    /// The face drone's next connection to the liar, past its registration. The one before ends.
+    raw::Peer& serve()
+    {
+        peer_.reset();
+        auto peer = listener_.accept(within(3000));
+        REQUIRE(peer);
+        peer->send(raw::hello_packet("liar", "camera"));
+        REQUIRE(peer->next_of(raw::hello, within(1000)));
+        const auto registration = peer->next_of(raw::register_, within(1000));
+        REQUIRE(registration);
+        channel = registration->channel;
+        epoch = registration->json().at("epoch");
+        const Json result{{"type", "image/jpeg"}, {"kind", "camera"}, {"epoch", 1}};
+        peer->send(raw::packet(raw::confirmation, 0, Json{{"id", registration->json().at("id")}, {"result", result}}.dump()));
+        peer_.emplace(std::move(*peer));
+        return *peer_;
+    }
+
+    std::string event(const Json& header, const std::string& body = "x", int type = raw::event) const { return raw::packet(type, channel, header.dump(), body); }
+
+    /// What face says of its connection to the camera.
+    Json from_camera() const
+    {
+        auto doctor = prey.meet("doctor");
+        for (const auto& row : doctor.ask(raw::status).at("result").at("inputs"))
+            if (row.at("from") == "cam.image")
+                return row;
+        return nullptr;
+    }
+    /// What the camera says of it.
+    Json to_face() const
+    {
+        auto doctor = raw::Peer::meet(prey.swarm().home() / "cam.sock", "doctor");
+        return doctor.ask(raw::status).at("result").at("outputs").at(0).at("receivers").at(0);
+    }
+    /// Did the other connection go on without a break or a loss?
+    void check_camera() const
+    {
+        const auto before = to_face().at("delivered").get<int>();
+        CHECK(hive::test::eventually([&] { return to_face().at("delivered").get<int>() > before + 1; }, within(3000)));
+        CHECK(to_face().at("dropped") == 0);
+        CHECK(to_face().at("skipped") == 0);
+        CHECK(from_camera().at("state") == "connected");
+        CHECK(from_camera().at("dropped") == 0);
+        CHECK(from_camera().at("received").get<int>() >= before);
+    }
+
+    Prey prey = Prey::face();
+    int channel = 0;
+    std::int64_t epoch = 0;
+
+private:
+    void tell(const Json& connect)
+    {
+        Json fields = connect;
+        fields["id"] = ++id_;
+        REQUIRE(asker_.send(raw::packet(raw::connect, 0, fields.dump())));
+    }
+
+    hive::test::Process camera_ = prey.swarm().drone("camera", "cam", {"width=160", "height=120", "fps=10", "noise=0"});
+    raw::Listener listener_{prey.swarm().home() / "liar.sock"};
+    std::optional<raw::Peer> peer_;
+    raw::Peer asker_ = prey.meet("asker");
+    int id_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("hostile sender: an event that breaks the rules ends its connection, which is made again; the other connection loses nothing")
+{
+    Pair pair;
+    Json hops = Json::array();
+    for (int i = 0; i < 17; ++i)
+        hops.push_back({{"drone", "d"}, {"wait_us", 1}, {"work_us", 1}});
+    std::vector<Json> wrong{
+        {{"sender", "../x"}}, {{"sender", 1}}, {{"kind", ""}}, {{"output", nullptr}}, {{"type", 1}}, {{"source", "a b"}}, {{"epoch", -1}}, {{"seq", -1}}, {{"seq", 1.5}},
+        {{"seq", 9007199254740993}}, {{"time_us", "now"}}, {{"lossless", 1}}, {{"attempt", 1001}}, {{"attempt", -1}}, {{"part", -1}}, {{"hops", 1}}, {{"hops", hops}},
+        {{"hops", {{{"drone", "/"}, {"wait_us", 0}}}}}, {{"hops", {1}}}, {{"hops", {{{"drone", "d"}, {"wait_us", -1}}}}}, {{"size", -1}}, {{"header", "text"}}, {{"header", nullptr}}};
+    for (const auto& each : wrong) {
+        CAPTURE(each);
+        auto& liar = pair.serve();
+        liar.send(pair.event(event_header(each)));
+        CHECK(liar.closed_within(within(500)));
+    }
+    for (const char* field : {"sender", "kind", "output", "type", "source", "epoch", "seq"}) {
+        CAPTURE(field);
+        Json header = event_header();
+        header.erase(field);
+        auto& liar = pair.serve();
+        liar.send(pair.event(header));
+        CHECK(liar.closed_within(within(500)));
+    }
+    const std::vector<std::pair<const char*, std::function<std::string()>>> packets{
+        {"no header", [&] { return raw::packet(raw::event, pair.channel, ""); }},
+        {"an array", [&] { return raw::packet(raw::event, pair.channel, "[]"); }},
+        {"not UTF-8", [&] { return raw::packet(raw::event, pair.channel, "{\"sender\":\"\xFF\"}"); }},
+        {"a header over the limit", [&] { return raw::prefix(raw::event, pair.channel, 65537, 0); }},
+        {"a body over the limit", [&] { return raw::prefix(raw::event, pair.channel, 2, 67108865); }},
+        {"an unknown packet type", [] { return raw::packet(77, 0, "{}"); }},
+        {"a second hello", [] { return raw::hello_packet("liar", "camera"); }},
+        {"more events than were asked for", [&] { return pair.event(event_header({{"seq", 2}})) + pair.event(event_header({{"seq", 3}})); }},
+        {"garbage", [] { return std::string(100, 'g'); }}};
+    for (const auto& [what, bytes] : packets) {
+        CAPTURE(what);
+        auto& liar = pair.serve();
+        liar.send(bytes());
+        CHECK(liar.closed_within(within(500)));
+    }
+    CHECK(pair.prey.well());
+    pair.check_camera();
+}
+
+TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connection goes on")
+{
+    Pair pair;
+    auto& liar = pair.serve();
+    const int wrong_channel = pair.channel + 1;
+    const std::vector<std::string> odd{
+        raw::packet(raw::event, wrong_channel, event_header().dump(), "x"), raw::packet(raw::event, 0, event_header().dump(), "x"),
+        raw::packet(raw::event, wrong_channel, "not JSON, and nobody looks", "x"), raw::packet(raw::notification, wrong_channel, "{}"),
+        raw::packet(raw::exception, wrong_channel, "{}"), raw::packet(raw::confirmation, 0, R"({"id":123456,"result":{}})"),
+        raw::packet(raw::confirmation, 0, R"({"id":123457,"error":{"code":"no-such-code"}})"), raw::packet(raw::request, pair.channel, R"({"epoch":1,"id":2})"),
+        raw::packet(raw::ping, 7, ""), raw::packet(raw::pong, 0, "")};
+    for (const auto& bytes : odd)
+        REQUIRE(liar.send(bytes));
+    CHECK(raw::error_of(liar.ask(raw::deregister, Json::object(), pair.channel)) == "not_found");
+    const auto received = [&] {
+        auto doctor = pair.prey.meet("doctor");
+        for (const auto& row : doctor.ask(raw::status).at("result").at("inputs"))
+            if (row.at("from") == "liar.image")
+                return row.at("received").get<int>();
+        return -1;
+    };
+    CHECK(received() == 0);
+    REQUIRE(liar.send(pair.event(event_header({{"colour", "red"}, {"size", 999}}))));  // the twin: on its channel it is taken
+    CHECK(hive::test::eventually([&] { return received() == 1; }, within(1000)));
+    const auto request = liar.next_of(raw::request, within(2000));  // dealt with (as an exception), and the next one asked for
+    REQUIRE(request);
+    CHECK(request->json().at("id") == 2);
+    CHECK(request->json().at("epoch") == pair.epoch);
+    pair.check_camera();
+}
+
+TEST_CASE("hostile sender: a storm of events that may not be lost costs no memory: beyond its credit the sender is cut off")
+{
+    Pair pair;
+    REQUIRE(pair.prey.well());
+    const auto memory = hive::test::resident_bytes(pair.prey.pid());
+    auto& liar = pair.serve();
+    const std::string body(100'000, 's');
+    for (int i = 1; i <= 500 && liar.send(pair.event(event_header({{"seq", i}, {"lossless", true}}), body), within(1000)); ++i) {
+    }
+    CHECK(liar.closed_within(within(1000)));
+    if (!hive::test::sanitized())
+        CHECK(hive::test::resident_bytes(pair.prey.pid()) < memory + (12u << 20));
+    CHECK(pair.prey.well());
+    pair.check_camera();
+}
+
+TEST_CASE("hostile sender: a storm over a stream is bounded by the queue, control is answered all the time")
+{
+    Pair pair(Json{{"transfer", "stream"}});
+    REQUIRE(pair.prey.well());
+    const auto memory = hive::test::resident_bytes(pair.prey.pid());
+    auto& liar = pair.serve();
+    auto clock = pair.prey.meet("clock");
+    const std::string body(1'000'000, 's');
+    Milliseconds slowest{};
+    for (int i = 1; i <= 300; ++i) {
+        REQUIRE(liar.send(pair.event(event_header({{"seq", i}, {"type", "image/png"}}), body), within(5000)));
+        if (i % 10 == 0)
+            slowest = std::max(slowest, slowest_answer(clock, 1));
+    }
+    MESSAGE("slowest answer " << slowest.count() << " ms");
+    CHECK(slowest < within(100));
+    if (!hive::test::sanitized())
+        CHECK(hive::test::resident_bytes(pair.prey.pid()) < memory + (80u << 20));
+    CHECK(hive::test::eventually([&] { return pair.prey.well(); }, within(2000)));
+}
+
+TEST_CASE("hostile sender: hivectl lives through a drone that answers nonsense, and an application serves no requests")
+{
+    const Prey prey = Prey::face();
+    raw::Listener listener(prey.swarm().home() / "liar.sock");
+    const std::vector<std::string> answers{R"({"id":ID,"result":{"parameters":7}})", R"({"id":ID,"result":{}})", R"({"id":ID,"result":7})", R"({"id":ID})",
+                                           R"({"id":ID,"error":{"code":"\u001b[31mno","text":"\u001b[2Jbad\u0007"}})", R"({"id":ID,"error":7})", "nonsense"};
+    std::atomic<bool> over = false;
+    std::string to_application;
+    std::thread liar([&] {
+        std::vector<raw::Peer> peers;
+        while (!over) {
+            auto peer = listener.accept(Milliseconds(50));
+            if (!peer)
+                continue;
+            peer->send(raw::hello_packet("liar", "camera"));
+            if (!peer->next_of(raw::hello, Milliseconds(500)))
+                continue;  // somebody who only looked whether anybody is there
+            to_application = raw::error_of(peer->ask(raw::describe, Json::object(), 0, {}, Milliseconds(2000)));
+            peers.push_back(std::move(*peer));
+        }
+    });
+    const auto get = prey.swarm().hivectl({"--timeout", "1", "get", "liar"}, within(5000));
+    over = true;
+    liar.join();
+    CHECK(get.exit_code != 0);
+    CHECK(get.exit_code != 137);
+    CHECK(to_application == "unsupported");
+    for (const auto& answer : answers) {
+        std::thread nonsense([&] {
+            for (auto peer = listener.accept(within(3000)); peer; peer = listener.accept(Milliseconds(500))) {
+                peer->send(raw::hello_packet("liar", "camera"));
+                while (const auto packet = peer->next(Milliseconds(700))) {
+                    if (packet->type == raw::hello)
+                        continue;
+                    std::string text = answer;
+                    if (const auto at = text.find("ID"); at != std::string::npos)
+                        text.replace(at, 2, packet->json().value("id", Json(0)).dump());
+                    peer->send(raw::packet(raw::confirmation, 0, text));
+                }
+            }
+        });
+        const auto finished = prey.swarm().hivectl({"--timeout", "1", "get", "liar", "scale"}, within(6000));
+        nonsense.join();
+        CAPTURE(answer);
+        CAPTURE(finished.err);
+        CHECK(finished.exit_code > 0);
+        CHECK(finished.exit_code < 128);
+        CHECK(finished.err.find('\x1b') == std::string::npos);
+        CHECK(finished.out.find('\x1b') == std::string::npos);
+    }
+    CHECK(prey.well());
+}
