@@ -1,4 +1,4 @@
-// The one table from error codes to exit codes and advice.
+// What to do about an error at a shell, and the exit code of a verb with several subjects.
 #include "exit_code.hpp"
 
 #include "output.hpp"
@@ -12,29 +12,28 @@ using hive::Errc;
 
 struct Entry {
     Errc code;
-    int exit;
     std::string_view advice;  ///< what to do at a shell; empty when only the text can tell
 };
 
 constexpr std::array table{
-    Entry{Errc::invalid_argument, exit_code::usage, ""},
-    Entry{Errc::not_found, exit_code::not_found, "see the names: hivectl ps, hivectl describe NAME"},
-    Entry{Errc::unreachable, exit_code::unreachable, "see what runs: hivectl ps"},
-    Entry{Errc::connection_lost, exit_code::unreachable, "see whether it still runs: hivectl ps"},
-    Entry{Errc::timeout, exit_code::timed_out, "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS"},
-    Entry{Errc::refused, exit_code::refused, ""},
-    Entry{Errc::type_mismatch, exit_code::type_mismatch, "see the ports: hivectl describe NAME"},
-    Entry{Errc::halted, exit_code::halted, "let it go on: hivectl resume NAME"},
-    Entry{Errc::name_taken, exit_code::failure, "choose another name: --as NAME, or stop the holder: hivectl stop NAME"},
-    Entry{Errc::not_permitted, exit_code::refused, "use the account that started the drone"},
-    Entry{Errc::too_large, exit_code::refused, "send less"},
-    Entry{Errc::malformed, exit_code::failure, ""},
-    Entry{Errc::version_mismatch, exit_code::failure, "use a hivectl and drones of the same version"},
-    Entry{Errc::unsupported, exit_code::refused, "use a hivectl and drones of the same version"},
-    Entry{Errc::failed, exit_code::failure, "see its exceptions: hivectl exceptions NAME"},
-    Entry{Errc::abandoned, exit_code::failure, "see the exceptions: hivectl exceptions"},
-    Entry{Errc::stopped, exit_code::unreachable, "start it again: hivectl start KIND"},
-    Entry{Errc::io, exit_code::failure, ""},
+    Entry{Errc::invalid_argument, ""},
+    Entry{Errc::not_found, "see the names: hivectl ps, hivectl describe NAME"},
+    Entry{Errc::unreachable, "see what runs: hivectl ps"},
+    Entry{Errc::connection_lost, "see whether it still runs: hivectl ps"},
+    Entry{Errc::timeout, "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS"},
+    Entry{Errc::refused, ""},
+    Entry{Errc::type_mismatch, "see the ports: hivectl describe NAME"},
+    Entry{Errc::halted, "let it go on: hivectl resume NAME"},
+    Entry{Errc::name_taken, "choose another name: --as NAME, or stop the holder: hivectl stop NAME"},
+    Entry{Errc::not_permitted, "use the account that started the drone"},
+    Entry{Errc::too_large, "send less"},
+    Entry{Errc::malformed, ""},
+    Entry{Errc::version_mismatch, "use a hivectl and drones of the same version"},
+    Entry{Errc::unsupported, "use a hivectl and drones of the same version"},
+    Entry{Errc::failed, "see its exceptions: hivectl exceptions NAME"},
+    Entry{Errc::abandoned, "see the exceptions: hivectl exceptions"},
+    Entry{Errc::stopped, "start it again: hivectl start KIND"},
+    Entry{Errc::io, ""},
 };
 
 constexpr bool in_order()
@@ -51,7 +50,7 @@ const Entry& entry(Errc code) noexcept { return table[static_cast<std::size_t>(c
 
 }  // namespace
 
-int exit_code_of(Errc code) noexcept { return entry(code).exit; }
+int exit_code_of(Errc code) noexcept { return hive::info(code).exit_code; }
 
 std::string explained(const hive::Error& error)
 {

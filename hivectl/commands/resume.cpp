@@ -1,39 +1,8 @@
 // hivectl resume: lets halted drones go on.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
+#include "../each_drone.hpp"
 #include "../verbs.hpp"
 
 namespace hivectl {
-namespace {
-
-int run(const std::vector<std::string>& names, Session& session)
-{
-    auto& application = session.application();
-    Outcome outcome("resume");
-    for (const auto& name : drones_named(application, names)) {
-        try {
-            application.resume(name);
-            outcome.done();
-            write_out(session.json ? Row{{"resumed", name}}.json() + "\n" : name + "\n");
-        } catch (const hive::Error& error) {
-            outcome.failed(name, error);
-        }
-    }
-    return outcome.exit_code();
-}
-
-Run declare(CLI::App& app, Session& session)
-{
-    auto names = std::make_shared<std::vector<std::string>>();
-    app.add_option("NAME", *names, "drones, or globs such as 'face-*'")->required();
-    return [names, &session] { return run(*names, session); };
-}
-
-}  // namespace
 
 Verb resume_verb()
 {
@@ -45,7 +14,7 @@ Verb resume_verb()
             .examples = "hivectl resume face\n"
                         "hivectl resume 'face-*'",
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = [](CLI::App& app, Session& session) { return for_each_drone(app, session, "resume", "resumed", &hive::Application::resume); }};
 }
 
 }  // namespace hivectl

@@ -31,6 +31,11 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
 
+# Sources of one target are compiled a few at a time: most of the time goes into the headers of json and CLI11.
+function(hive_batches target size)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
+endfunction()
+
 # A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
 # sideways include does not compile.
 function(hive_layer name)
@@ -38,8 +43,12 @@ function(hive_layer name)
   add_library(${name} OBJECT ${layer_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
   target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
+  hive_batches(${name} 5)
   set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
 endfunction()
+
+# What a user runs: hivectl and every drone; the tests are not among it.
+add_custom_target(programs)
 
 # A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
 # main.cpp and, where the wiring is longer than one file, WIRING.
@@ -56,5 +65,6 @@ function(hive_drone name)
     target_link_libraries(hive-${name} PRIVATE ${name}_algorithm)
   endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
+  add_dependencies(programs hive-${name})
   install(TARGETS hive-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()

@@ -5,7 +5,7 @@
 // Each round measures, one after the other: one bare loop (decode, detect, draw, encode), two bare loops at the same time,
 // one worker in a swarm, two workers in a swarm; all on the same clip of 640x480 JPEGs at scale 1.05, OpenCV's own threads
 // off. Results of the swarm are collected in order; a lost or doubled one ends the benchmark with exit code 1.
-#include "support/swarm.hpp"
+#include "swarm.hpp"
 
 #include "scene.hpp"
 
@@ -86,6 +86,7 @@ double bare_rate(const fs::path& clip, int loops, double seconds)
     std::vector<fs::path> logs;
     for (int i = 0; i < loops; ++i) {
         logs.push_back(clip.parent_path() / ("loop-" + std::to_string(i)));
+        fs::remove(logs.back());  // a log is added to
         children.emplace_back(std::vector<std::string>{"/proc/self/exe", "--loop", clip.string(), std::to_string(seconds)}, std::vector<std::string>{}, logs.back());
     }
     double sum = 0;

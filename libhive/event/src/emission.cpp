@@ -25,6 +25,8 @@ Identity identity_from(const Fields& fields)
     identity.captured_us = fields.integer_or("time_us", 0, max_json_integer, 0);
     identity.monotonic_us = fields.integer_or("mono_us", 0, max_json_integer, 0);
     identity.lossless = fields.flag_or("lossless", false);
+    identity.group = fields.name_or("group", "");
+    identity.turn = fields.integer_or("turn", 0, max_json_integer, 0);
     identity.attempt = static_cast<int>(fields.integer_or("attempt", 0, 1000, 0));
     identity.part = static_cast<int>(fields.integer_or("part", 0, 1 << 30, 0));
     if (fields.has("hops"))
@@ -38,9 +40,7 @@ Identity identity_from(const Fields& fields)
     return identity;
 }
 
-}  // namespace
-
-Json event_header(const Event& event, int attempt)
+Json header_of(const Event& event, const Share& share)
 {
     const Identity& identity = event.identity;
     Json json{{"sender", event.sender},   {"kind", event.kind},          {"output", event.output}, {"type", event.type},
@@ -48,8 +48,11 @@ Json event_header(const Event& event, int attempt)
               {"mono_us", identity.monotonic_us}, {"size", event.body.size()}, {"header", event.header}};
     if (identity.lossless)
         json["lossless"] = true;
-    if (attempt > 0)
-        json["attempt"] = attempt;
+    if (!share.group.empty()) {
+        json["group"] = share.group;
+        json["turn"] = share.turn;
+        json["attempt"] = share.attempt;
+    }
     if (identity.part > 0)
         json["part"] = identity.part;
     const std::size_t first = identity.hops.size() > most_hops ? identity.hops.size() - most_hops : 0;
@@ -58,21 +61,20 @@ Json event_header(const Event& event, int attempt)
     return json;
 }
 
+}  // namespace
+
 Emission::Emission(Event event, bool complete)
-    : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(to_text(event_header(event_, event_.identity.attempt))))
+    : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(to_text(header_of(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt}))))
 {
-    constexpr std::size_t attempt_digits = 32;  // what a later attempt number adds
-    if (header_->size() + attempt_digits > protocol::Limits{}.header)
+    constexpr std::size_t share_bytes = 128;  // what sharing adds
+    if (header_->size() + share_bytes > protocol::Limits{}.header)
         throw Error(Errc::too_large, "the header of an event is " + std::to_string(header_->size()) + " bytes, limit "
                         + std::to_string(protocol::Limits{}.header) + ": put large data into the body");
 }
 
-protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel, int attempt) const
+protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel, const Share& share) const
 {
-    const auto encoded = [&] { return std::make_shared<const std::string>(to_text(event_header(event_, attempt))); };
-    if (attempt == 1 && !first_attempt_)
-        first_attempt_ = encoded();
-    auto header = attempt == 0 ? header_ : attempt == 1 ? first_attempt_ : encoded();
+    auto header = share.group.empty() ? header_ : std::make_shared<const std::string>(to_text(header_of(event_, share)));
     return {type, channel, std::move(header), type == protocol::PacketType::notification ? Body() : event_.body};
 }
 

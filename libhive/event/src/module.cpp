@@ -55,7 +55,9 @@ void Door::shut()
 
 Module::Module(Options options) : options_(std::move(options)) {}
 
-Module::~Module()
+Module::~Module() { end(); }
+
+void Module::end()
 {
     if (thread_.joinable()) {
         leave();
@@ -198,9 +200,10 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
     const auto key = to_text(address);
     if (const auto found = dialed_.find(key); found != dialed_.end())
         return on_link(found->second, Error(Errc::failed, ""));
-    auto& dialing = dialing_[key];
-    dialing.waiting.push_back(std::move(on_link));
-    if (dialing.waiting.size() > 1)
+    auto& waiting = dialing_[key];
+    waiting.push_back({deadline, std::move(on_link)});
+    arm();
+    if (waiting.size() > 1)
         return;
     const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()), std::chrono::milliseconds(1));
     transport::dial(
@@ -223,8 +226,8 @@ void Module::dialed(const std::string& key, const LinkPtr& link, const Error& er
     if (link)
         dialed_[key] = link;
     if (!node.empty())
-        for (const auto& on_link : node.mapped().waiting)
-            on_link(link, error);
+        for (const auto& waiting : node.mapped())
+            waiting.on_link(link, error);
 }
 
 void Module::request(const transport::Address& address, PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome)
@@ -379,7 +382,7 @@ void Module::arm()
 {
     if (armed_)
         return;
-    const bool needed = std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
+    const bool needed = !dialing_.empty() || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
         || std::ranges::any_of(outlets_, &Outlet::leasing);
     if (!needed)
         return;
@@ -392,11 +395,29 @@ void Module::arm()
     });
 }
 
+/// A peer that accepts and says nothing must not keep anybody beyond its own deadline.
+void Module::expire_dialing(Clock::time_point now)
+{
+    std::vector<Waiting> late;
+    for (auto& [key, waiting] : dialing_)
+        for (auto it = waiting.begin(); it != waiting.end();)
+            if (it->deadline <= now) {
+                late.push_back(std::move(*it));
+                it = waiting.erase(it);
+            } else {
+                ++it;
+            }
+    std::erase_if(dialing_, [](const auto& row) { return row.second.empty(); });
+    for (const auto& waiting : late)
+        waiting.on_link(nullptr, Error(Errc::timeout, "no sign of life within the time allowed"));
+}
+
 void Module::tick()
 {
     const auto now = Clock::now();
     for (const auto& link : std::set(links_))
         link->expire(now);
+    expire_dialing(now);
     for (auto& outlet : outlets_)
         if (outlet.leasing())
             outlet.tick();

@@ -88,7 +88,7 @@ void Outlet::execute(const ReceiverTable::Decisions& decisions)
             continue;
         const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
         // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
-        place->second.link->connection().send(send.event->packet(type, place->second.channel, send.attempt),
+        place->second.link->connection().send(send.event->packet(type, place->second.channel, send.share),
                                               [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
                                                   if (!alive.expired() && written)
                                                       execute(table_.written(id, event->size(), Clock::now()));

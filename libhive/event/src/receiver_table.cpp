@@ -199,7 +199,7 @@ void ReceiverTable::pump(Id id, Receiver& receiver, Decisions& decisions)
         ++receiver.sent;
         ++receiver.lane_events;
         receiver.lane_bytes += event->size();
-        decisions.sends.push_back({id, std::move(event), receiver.options.delivery, 0});
+        decisions.sends.push_back({id, std::move(event), receiver.options.delivery, {}});
     }
 }
 
@@ -213,7 +213,7 @@ void ReceiverTable::offer_group(const std::string& name, Group& group, const Emi
         ++group.counts.skipped;
         --group.counts.in_flight;
     }
-    group.waiting.push_back({event, 0});
+    group.waiting.push_back({event});
     pump_group(name, now, decisions);
 }
 
@@ -241,7 +241,8 @@ void ReceiverTable::pump_group(const std::string& name, Clock::time_point now, D
             return;
         Job job = std::move(group.waiting.front());
         group.waiting.pop_front();
-        ++job.attempt;
+        if (++job.attempt == 1)
+            job.turn = ++group.turns;
         if (member->leases.empty())
             member->head_since = now;
         ++member->sent;
@@ -249,7 +250,7 @@ void ReceiverTable::pump_group(const std::string& name, Clock::time_point now, D
         member->lane_bytes += job.event->size();
         ++member->counts.produced;
         ++member->counts.in_flight;
-        decisions.sends.push_back({id, job.event, Delivery::data, job.attempt});
+        decisions.sends.push_back({id, job.event, Delivery::data, {name, job.turn, job.attempt}});
         member->leases.push_back({std::move(job)});
     }
 }

@@ -14,6 +14,21 @@ std::string name_of(const Application::Options& options)
     return options.name.empty() ? "app-" + std::to_string(::getpid()) : require_name(options.name, "application");
 }
 
+/// A drone is often called after its kind: "face", "face-2".
+std::string start_command(const std::string& drone)
+{
+    const auto dash = drone.rfind('-');
+    const bool numbered = dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
+    return "hivectl start " + (numbered ? drone.substr(0, dash) + " --as " + drone : drone);
+}
+
+/// The error of a drone, saying whose it is.
+Error named(const std::string& drone, const Error& error)
+{
+    const std::string text = error.what();
+    return {error.code(), text.starts_with(drone) ? text : drone + ": " + text};
+}
+
 }  // namespace
 
 Application::Core::Core(Application::Options options)
@@ -38,7 +53,7 @@ void Application::Core::require_running(const std::string& drone) const
         return;
     require_name(drone, "drone");
     const auto near = nearest(drone, running());
-    throw Error(Errc::not_found, drone + " is not running; " + (near.empty() ? "start it: hivectl start " + drone : "did you mean " + near + "?"));
+    throw Error(Errc::not_found, drone + " is not running; " + (near.empty() ? "start it: " + start_command(drone) : "did you mean " + near + "?"));
 }
 
 std::future<event::Outcome> Application::Core::send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
@@ -59,7 +74,7 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
     for (std::size_t i = 0; i < drones.size(); ++i) {
         const auto outcome = futures[i].get();
         if (const auto* error = std::get_if<Error>(&outcome))
-            answers.push_back({drones[i], {}, Error(error->code(), drones[i] + ": " + error->what())});
+            answers.push_back({drones[i], {}, named(drones[i], *error)});
         else
             answers.push_back({drones[i], std::get<Json>(outcome), std::nullopt});
     }
@@ -76,7 +91,7 @@ Json Application::Core::ask(const std::string& drone, protocol::PacketType type,
     require_running(drone);
     const auto outcome = send(drone, type, header, body).get();
     if (const auto* error = std::get_if<Error>(&outcome))
-        throw Error(error->code(), drone + ": " + error->what());
+        throw named(drone, *error);
     return std::get<Json>(outcome);
 }
 

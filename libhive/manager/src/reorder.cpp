@@ -7,9 +7,13 @@ namespace hive {
 
 void Reorder::push(Event event, TimePoint now)
 {
-    Line& line = lines_[{event.identity.source, event.identity.epoch}];
+    if (event.identity.group.empty() && !event.identity.lossless) {
+        ready_.push_back(std::move(event));  // live and not shared: its gaps are skips, nothing is to be waited for
+        return;
+    }
+    Line& line = lines_[key_of(event.identity)];
     line.lossless = event.identity.lossless;
-    const auto sequence = event.identity.sequence;
+    const auto sequence = number_of(event.identity);
     if (line.expected == 0) {
         line.expected = line.lossless && sequence <= first_window ? 1 : sequence;
         line.stuck_since = now;
@@ -21,8 +25,8 @@ void Reorder::push(Event event, TimePoint now)
 
 void Reorder::fail(const Identity& identity, TimePoint now)
 {
-    Line& line = lines_[{identity.source, identity.epoch}];
-    if (identity.sequence >= line.expected && line.failed.insert(identity.sequence).second)
+    Line& line = lines_[key_of(identity)];
+    if (number_of(identity) >= line.expected && line.failed.insert(number_of(identity)).second)
         ++failed_;
     advance(line, now);
 }

@@ -1,4 +1,5 @@
-// Puts the results of several workers back into the order of the captures. Pure logic: no clock of its own.
+// Puts the results of several workers back into the order of the captures: of shared work by its turns, which have no gaps even
+// when the source skips; of a source on demand by its sequence. Pure logic: no clock of its own.
 #pragma once
 
 #include <hive/event.hpp>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 namespace hive {
@@ -37,7 +39,7 @@ public:
     [[nodiscard]] std::int64_t failed() const noexcept { return failed_; }
 
 private:
-    struct Line {  ///< one source in one epoch
+    struct Line {  ///< one source in one epoch, one group
         std::int64_t expected = 0;  ///< 0: nothing has come yet
         bool begun = false;         ///< something was handed out
         bool lossless = false;
@@ -49,7 +51,11 @@ private:
     [[nodiscard]] std::chrono::milliseconds patience_of(const Line& line) const;
 
     std::chrono::milliseconds patience_;
-    std::map<std::pair<std::string, std::int64_t>, Line> lines_;
+    using Key = std::tuple<std::string, std::int64_t, std::string>;
+    static Key key_of(const Identity& identity) { return {identity.source, identity.epoch, identity.group}; }
+    static std::int64_t number_of(const Identity& identity) { return identity.group.empty() ? identity.sequence : identity.turn; }
+
+    std::map<Key, Line> lines_;
     std::deque<Event> ready_;
     std::int64_t missing_ = 0, failed_ = 0;
 };

@@ -45,7 +45,7 @@ void DroneCore::run()
     started_ = Clock::now();
     prepare();
     loop();
-    module_.reset();
+    module_->end();  // not reset(): what still runs on the network thread uses module_
     log("ended");
 }
 

@@ -97,6 +97,7 @@ private:
     void on_set(const event::Incoming& incoming);
     void on_get(const event::Incoming& incoming);
     void on_put(const event::Incoming& incoming);
+    bool set_policy(const event::Incoming& incoming);
     void on_halt(const event::Incoming& incoming);
     void on_resume(const event::Incoming& incoming);
     void end(bool forget);

@@ -218,18 +218,26 @@ void DroneCore::on_disconnect(const Incoming& incoming)
     incoming.answer(Json{{"removed", removed}});
 }
 
+/// A halt or resume that names a policy sets it, and does nothing else.
+bool DroneCore::set_policy(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "policy");
+    if (!fields.has("policy"))
+        return false;
+    const auto policy = from_token<ExceptionPolicy>(fields.text("policy"), "policy");
+    {
+        const std::lock_guard lock(board_mutex_);
+        board_.policy = policy;
+    }
+    remember();
+    incoming.answer(Json::object());
+    return true;
+}
+
 void DroneCore::on_halt(const Incoming& incoming)
 {
-    const Fields fields(incoming.header, "halt");
-    if (fields.has("policy")) {
-        const auto policy = from_token<ExceptionPolicy>(fields.text("policy"), "policy");
-        {
-            const std::lock_guard lock(board_mutex_);
-            board_.policy = policy;
-        }
-        remember();
-        return incoming.answer(Json::object());
-    }
+    if (set_policy(incoming))
+        return;
     halted_ = true;
     module_->halt(true);
     {
@@ -243,6 +251,8 @@ void DroneCore::on_halt(const Incoming& incoming)
 
 void DroneCore::on_resume(const Incoming& incoming)
 {
+    if (set_policy(incoming))
+        return;
     mailbox_.push([this, answer = incoming.answer] {
         const auto old = mailbox_.discard_live();  // resume continues with the newest
         halted_ = false;

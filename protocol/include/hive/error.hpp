@@ -35,6 +35,7 @@ struct ErrorInfo {
     std::string_view token;     ///< as written on the wire and in --json output
     std::string_view sentence;  ///< what happened
     std::string_view advice;    ///< what the caller can do
+    int exit_code;              ///< of a program that ends with it
 };
 
 /// The row of a code.

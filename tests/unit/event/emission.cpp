@@ -18,7 +18,7 @@ TEST_CASE("emission: what is sent is what arrives")
     event.identity.hops = {{"face", 10, 20}};
     event.header = {{"faces", {1, 2}}};
     const Emission sent(event);
-    const Event back = event_from_packet(sent.packet(PacketType::event, 9, 0));
+    const Event back = event_from_packet(sent.packet(PacketType::event, 9));
     CHECK(back.identity.source == "camera");
     CHECK(back.identity.sequence == 42);
     CHECK(back.identity.lossless);
@@ -34,21 +34,25 @@ TEST_CASE("emission: what is sent is what arrives")
 TEST_CASE("emission: the header is encoded once for all receivers")
 {
     const auto sent = emission(1);
-    CHECK(sent->packet(PacketType::event, 1, 0).header == sent->packet(PacketType::event, 2, 0).header);
-    CHECK(sent->packet(PacketType::event, 1, 1).header == sent->packet(PacketType::event, 2, 1).header);
+    CHECK(sent->packet(PacketType::event, 1).header == sent->packet(PacketType::event, 2).header);
 }
 
 TEST_CASE("emission: a notification has the size of the body and no body")
 {
-    const auto packet = emission(1)->packet(PacketType::notification, 1, 0);
+    const auto packet = emission(1)->packet(PacketType::notification, 1);
     CHECK(packet.body.empty());
     CHECK(event_from_packet(packet).size == 10);
 }
 
-TEST_CASE("emission: the attempt of shared work travels in the header")
+TEST_CASE("emission: group, turn and attempt of shared work travel in the header, and on to the results")
 {
-    CHECK(event_from_packet(emission(1)->packet(PacketType::event, 1, 3)).identity.attempt == 3);
-    CHECK(event_from_packet(emission(1)->packet(PacketType::event, 1, 0)).identity.attempt == 0);
+    const Event shared = event_from_packet(emission(1)->packet(PacketType::event, 1, {"workers", 17, 3}));
+    CHECK(shared.identity.group == "workers");
+    CHECK(shared.identity.turn == 17);
+    CHECK(shared.identity.attempt == 3);
+    const Event result = event_from_packet(Emission(shared).packet(PacketType::event, 1));
+    CHECK(result.identity.turn == 17);
+    CHECK(event_from_packet(emission(1)->packet(PacketType::event, 1)).identity.attempt == 0);
 }
 
 TEST_CASE("emission: a header over the limit is refused where it is made")

@@ -23,7 +23,8 @@ struct Workers {
         std::map<ReceiverTable::Id, Sequences> result;
         for (const auto& send : decisions.sends) {
             result[send.receiver].push_back(send.event->event().identity.sequence);
-            last_attempt = send.attempt;
+            last_attempt = send.share.attempt;
+            last_turn = send.share.turn;
             for (const auto& [id, more] : got(table.written(send.receiver, send.event->size(), now)))
                 result[id].insert(result[id].end(), more.begin(), more.end());
         }
@@ -44,6 +45,7 @@ struct Workers {
     Clock::time_point now = start;
     Sequences failed;
     int last_attempt = 0;
+    std::int64_t last_turn = 0;
 };
 
 using Got = std::map<ReceiverTable::Id, Sequences>;
@@ -81,6 +83,7 @@ TEST_CASE("group: a live source keeps the newest for the next free member")
     workers.offer(2, false);
     workers.offer(3, false);
     CHECK(workers.done(1, 1) == Got{{1, {3}}});
+    CHECK(workers.last_turn == 2);  // turns have no gap where events were skipped
     CHECK(workers.group().skipped == 1);
     CHECK(balanced(workers.group()));
 }
@@ -93,6 +96,7 @@ TEST_CASE("group: the work of a member that is gone goes to another as the next 
     workers.done(2, 1);
     CHECK(workers.got(workers.table.remove(1, false, workers.now)) == Got{{2, {1}}});
     CHECK(workers.last_attempt == 2);
+    CHECK(workers.last_turn == 1);
 }
 
 TEST_CASE("group: without leases the work of a member that is gone is lost")

@@ -27,9 +27,11 @@ struct Identity {
     std::int64_t captured_us = 0;   ///< wall clock, microseconds since 1970
     std::int64_t monotonic_us = 0;  ///< the source machine's steady clock at the same moment
     bool lossless = false;          ///< from a source that produces on demand: nobody on the way may skip it
-    int attempt = 0;                ///< shared work: the number of this attempt, from 1; otherwise 0
+    std::string group = {};              ///< shared work: the group that shares it; otherwise empty
+    std::int64_t turn = 0;          ///< shared work: counts the events of the group, from 1 without gaps
+    int attempt = 0;                ///< shared work: the number of this attempt, from 1
     int part = 0;                   ///< numbers the events that one drone emits on one output for one input, from 0
-    std::vector<Hop> hops;
+    std::vector<Hop> hops = {};
 };
 
 /// Cheap to copy: the body is shared.

@@ -10,6 +10,13 @@
 
 namespace hive::event {
 
+/// What shared work adds to an event.
+struct Share {
+    std::string group;  ///< empty: not shared
+    std::int64_t turn = 0;
+    int attempt = 0;
+};
+
 /// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then for the network
 /// thread only.
 class Emission {
@@ -23,20 +30,17 @@ public:
     [[nodiscard]] std::size_t size() const noexcept { return event_.body.size(); }
     /// May it go to a receiver of this kind?
     [[nodiscard]] bool serves(Delivery delivery) const noexcept { return complete_ || delivery == Delivery::notification; }
-    /// The packet that carries it. @param attempt  of shared work, from 1; 0: what the event inherited.
-    [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel, int attempt) const;
+    /// The packet that carries it; the header is the same for all, but for an event that is shared work.
+    [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel, const Share& share = {}) const;
 
 private:
     Event event_;
     bool complete_;
     std::shared_ptr<const std::string> header_;
-    mutable std::shared_ptr<const std::string> first_attempt_;  // made on first use
 };
 
 using EmissionPtr = std::shared_ptr<const Emission>;
 
-/// The header of an event as JSON (SPEC.md, section 5).
-Json event_header(const Event& event, int attempt);
 /// The event in a packet of type event, notification or exception. Throws Errc::malformed.
 Event event_from_packet(const protocol::Packet& packet);
 

@@ -56,7 +56,7 @@ public:
     using OnLink = std::function<void(const LinkPtr&, const Error&)>;
 
     explicit Module(Options options);
-    ~Module();  ///< ends the network thread; any thread but that one
+    ~Module();  ///< calls end()
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
@@ -67,6 +67,8 @@ public:
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
     /// Starts the network thread.
     void start();
+    /// Leaves everywhere and ends the network thread; any thread but that one. What is posted later is dropped.
+    void end();
 
     // --- any thread ---
     void post(std::function<void()> task) { door_->post(std::move(task)); }
@@ -99,8 +101,9 @@ public:
     void arm();
 
 private:
-    struct Dialing {
-        std::vector<OnLink> waiting;
+    struct Waiting {  ///< for a link that is being made
+        Clock::time_point deadline;
+        OnLink on_link;
     };
     LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
@@ -113,6 +116,7 @@ private:
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();
+    void expire_dialing(Clock::time_point now);
     void leave();
     void close_links();
     Outlet& outlet(const std::string& name);
@@ -133,7 +137,7 @@ private:
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
     std::set<LinkPtr> links_;
     std::map<std::string, LinkPtr> dialed_;
-    std::map<std::string, Dialing> dialing_;
+    std::map<std::string, std::vector<Waiting>> dialing_;
     std::thread thread_;
 };
 

@@ -38,7 +38,7 @@ public:
         Id receiver;
         EmissionPtr event;
         Delivery delivery;
-        int attempt;  ///< 0 outside groups
+        Share share;  ///< empty outside groups
     };
     /// What a call decided: what to send now, and which shared events are given up.
     struct Decisions {
@@ -86,7 +86,8 @@ public:
 private:
     struct Job {
         EmissionPtr event;
-        int attempt = 0;  ///< attempts made so far
+        std::int64_t turn = 0;  ///< given when it first goes out
+        int attempt = 0;        ///< attempts made so far
     };
     struct Lease {
         Job job;  ///< without event: it was taken back, the number alone is awaited
@@ -123,6 +124,7 @@ private:
     struct Group {
         std::deque<Job> waiting;  ///< taken back first, then new ones
         int members = 0;
+        std::int64_t turns = 0;
         WorkTimes times;
         Counts counts;
     };

@@ -1,0 +1,33 @@
+// One action on each of some drones, counted for the exit code.
+#include "each_drone.hpp"
+
+#include "command_line.hpp"
+#include "exit_code.hpp"
+#include "output.hpp"
+#include "session.hpp"
+#include "table.hpp"
+#include "targets.hpp"
+
+namespace hivectl {
+
+Run for_each_drone(CLI::App& app, Session& session, std::string_view verb, std::string_view done, void (hive::Application::*action)(const std::string&))
+{
+    auto names = std::make_shared<std::vector<std::string>>();
+    app.add_option("NAME", *names, "drones, or globs such as 'face-*'")->required();
+    return [names, &session, verb, done, action] {
+        auto& application = session.application();
+        Outcome outcome(verb);
+        for (const auto& name : drones_named(application, *names)) {
+            try {
+                (application.*action)(name);
+                outcome.done();
+                write_out(session.json ? Row{{std::string(done), name}}.json() + "\n" : name + "\n");
+            } catch (const hive::Error& error) {
+                outcome.failed(name, error);
+            }
+        }
+        return outcome.exit_code();
+    };
+}
+
+}  // namespace hivectl

@@ -1,0 +1,141 @@
+// Many workers share one source: the rate grows with their number, and no event is lost or answered twice, whoever is killed.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::string worker_name(int number) { return "worker-" + std::to_string(number); }
+
+std::vector<hive::Endpoint> results_of(int workers)
+{
+    std::vector<hive::Endpoint> ends;
+    for (int i = 1; i <= workers; ++i)
+        ends.push_back({worker_name(i), "result"});
+    return ends;
+}
+
+/// Events a second that `workers` drones, which sleep 50 ms over each, get done together.
+double shared_rate(int workers)
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    std::vector<Process> drones;
+    for (int i = 1; i <= workers; ++i)
+        drones.push_back(swarm.drone("sleeper", worker_name(i), {"work_ms=50"}));
+    auto application = swarm.application();
+    const auto collector = application.collect(results_of(workers));
+    swarm.hivectl_done({"connect", "source", "worker-*", "--share", "--window", "2"});
+    rate(*collector, workers, 6);  // until all are at work
+    return rate(*collector, workers, 50);
+}
+
+/// A source on demand and four workers that share it; one of them is killed every 500 ms, started and connected again.
+class KilledWorkers {
+public:
+    KilledWorkers(int events, const std::vector<std::string>& environment)
+        : source_(swarm_.drone("ticker", "source", {"pace=demand", "count=" + std::to_string(events)}, {}, environment))
+    {
+        for (int i = 1; i <= 4; ++i)
+            workers_.push_back(swarm_.drone("sleeper", worker_name(i), {sanitized() ? "work_ms=20" : "work_ms=12"}));
+    }
+
+    hive::Application& application() { return application_; }
+    void connect(int number)
+    {
+        hive::ConnectionOptions options;
+        options.group = "workers";
+        application_.connect({"source", "tick"}, {worker_name(number), "image"}, options);
+    }
+    void connect_all()
+    {
+        for (int i = 1; i <= 4; ++i)
+            connect(i);
+    }
+    /// To be called between events.
+    void kill_when_due()
+    {
+        if (Clock::now() < due_)
+            return;
+        const int victim = kills_++ % 4 + 1;
+        workers_[static_cast<std::size_t>(victim - 1)].kill();
+        workers_[static_cast<std::size_t>(victim - 1)] = swarm_.drone("sleeper", worker_name(victim));
+        connect(victim);
+        due_ = Clock::now() + 500ms;
+    }
+    [[nodiscard]] int kills() const { return kills_; }
+    [[nodiscard]] std::int64_t given() { return application_.status("source").at("outputs").at(0).at("produced"); }
+
+private:
+    Swarm swarm_;
+    Process source_;
+    std::vector<Process> workers_;
+    hive::Application application_{swarm_.application()};
+    Clock::time_point due_ = Clock::now() + 500ms;
+    int kills_ = 0;
+};
+
+constexpr int killed_events = sanitized() ? 600 : 2000;
+
+}  // namespace
+
+TEST_CASE("sharing: 1, 2, 4, 8, 16 workers that sleep 50 ms get done at least 0.97 times their number of one")
+{
+    if (sanitized())
+        return;  // a measurement
+    const double one = shared_rate(1);
+    MESSAGE("1 worker: ", one, " events/s");
+    CHECK(one > 0.97 * 20);
+    for (const int workers : {2, 4, 8, 16}) {
+        const double many = shared_rate(workers);
+        MESSAGE(workers, " workers: ", many, " events/s, ", many / one, " times one");
+        CHECK(many >= 0.97 * workers * one);
+    }
+}
+
+TEST_CASE("kill: every event of a source on demand gives exactly one result, in order, while a sharing worker is killed every 500 ms")
+{
+    KilledWorkers swarm(killed_events, {});
+    const auto collector = swarm.application().collect(results_of(4), {.ordered = true});
+    swarm.connect_all();
+    for (std::int64_t expected = 1; expected <= killed_events; ++expected) {
+        swarm.kill_when_due();
+        const auto event = collector->next(patient(10'000ms));
+        REQUIRE_MESSAGE(event, "no result ", expected, " came; the source gave ", swarm.given());
+        REQUIRE(event->identity.sequence == expected);
+        REQUIRE(event->header.at("seq") == expected);
+    }
+    CHECK_FALSE(collector->next(500ms));
+    const auto counts = collector->counts();
+    MESSAGE(killed_events, " results in order, ", swarm.kills(), " kills, ", counts.duplicates, " second answers refused");
+    CHECK(swarm.kills() >= 5);
+    CHECK(counts.received == killed_events);
+    CHECK(counts.missing == 0);
+    CHECK(counts.failed == 0);
+    CHECK(swarm.given() == killed_events);
+}
+
+TEST_CASE("kill: without leases the same kills lose events")
+{
+    KilledWorkers swarm(killed_events, {"HIVE_TEST_NO_LEASES=1"});
+    const auto collector = swarm.application().collect(results_of(4));
+    swarm.connect_all();
+    std::set<std::int64_t> seen;
+    for (auto quiet_since = Clock::now(); Clock::now() - quiet_since < patient(1500ms);) {
+        swarm.kill_when_due();
+        if (const auto event = collector->next(20ms)) {
+            seen.insert(event->identity.sequence);
+            quiet_since = Clock::now();
+        }
+    }
+    const auto lost = killed_events - static_cast<int>(seen.size());
+    MESSAGE(lost, " of ", killed_events, " events lost by ", swarm.kills(), " kills");
+    CHECK(swarm.kills() >= 5);
+    CHECK(swarm.given() == killed_events);
+    CHECK(lost > 0);
+}

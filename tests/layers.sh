@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Refuses includes that skip a layer or bring a library where it does not belong. Usage: tests/layers.sh SOURCE_DIR
+set -euo pipefail
+cd "$1"
+failures=0
+
+# refuse WHAT PATTERN PLACES...: no file in the places may include what matches.
+refuse() {
+    local what=$1 pattern=$2
+    shift 2
+    if grep -rnE --include='*.hpp' --include='*.cpp' --include='*.h' "^[[:space:]]*#[[:space:]]*include[[:space:]]*[<\"]$pattern" "$@"; then
+        echo "layers: $what" >&2
+        failures=$((failures + 1))
+    fi
+}
+
+refuse "protocol knows nothing above it" 'hive/(transport|event|vision)/|hive/(event|drone|application)\.hpp' protocol
+refuse "transport knows no event" 'hive/(event|vision)/|hive/(event|drone|application)\.hpp' libhive/transport
+refuse "event knows neither service nor manager" 'hive/(drone|application)\.hpp|hive/vision/' libhive/event
+refuse "service and manager are siblings" 'hive/application\.hpp|hive/vision/' libhive/service
+refuse "service and manager are siblings" 'hive/drone\.hpp|hive/vision/' libhive/manager
+refuse "hivectl uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/drone\.hpp' hivectl
+refuse "drones use the public API and vision alone" 'hive/(transport|event|protocol)/|hive/application\.hpp' drones
+refuse "Asio belongs to transport and event" 'asio' protocol libhive/service libhive/manager libhive/vision hivectl drones
+refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/event libhive/service libhive/manager hivectl
+refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/event libhive/manager libhive/vision drones
+refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
+refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
+    protocol/include/hive/*.hpp libhive/event/include/hive/event.hpp libhive/service/include/hive libhive/manager/include/hive
+
+[ "$failures" -eq 0 ] || exit 1
+echo "layers: every include points the right way"
