@@ -274,6 +274,7 @@ TEST_CASE("hostile sender: hivectl lives through a drone that answers nonsense, 
         CAPTURE(answer);
         CAPTURE(finished.err);
         CHECK(finished.exit_code > 0);
+        CHECK(finished.err.find("json.exception") == std::string::npos);
         CHECK(finished.exit_code < 128);
         CHECK(finished.err.find('\x1b') == std::string::npos);
         CHECK(finished.out.find('\x1b') == std::string::npos);

@@ -57,6 +57,21 @@ Json set_header(const Json& parameters, std::chrono::milliseconds deadline, bool
     return header;
 }
 
+/// The parameters in the answer of a drone. One that answers something else is malformed.
+Json parameters_in(const std::string& drone, const Json& result) { return Fields(result, "the answer of " + drone).object("parameters"); }
+
+/// Leaves of each answer its parameters alone.
+void keep_parameters(std::vector<Answer>& answers)
+{
+    for (auto& answer : answers)
+        try {
+            if (!answer.error)
+                answer.result = parameters_in(answer.drone, answer.result);
+        } catch (const Error& error) {
+            answer.error = error;
+        }
+}
+
 const Answer* first_error(const std::vector<Answer>& answers)
 {
     const auto found = std::ranges::find_if(answers, [](const Answer& answer) { return answer.error.has_value(); });
@@ -67,7 +82,7 @@ const Answer* first_error(const std::vector<Answer>& answers)
 
 Json Application::set(const std::string& drone, const Json& parameters)
 {
-    return core_->ask(drone, PacketType::set, set_header(parameters, core_->timeout, false)).at("parameters");
+    return parameters_in(drone, core_->ask(drone, PacketType::set, set_header(parameters, core_->timeout, false)));
 }
 
 std::vector<Answer> Application::set(const std::vector<std::string>& drones, const Json& parameters)
@@ -91,22 +106,19 @@ std::vector<Answer> Application::set(const std::vector<std::string>& drones, con
         }
         return answers;
     }
-    for (auto& answer : answers)
-        answer.result = Json(answer.result.at("parameters"));
+    keep_parameters(answers);
     return answers;
 }
 
 Json Application::get(const std::string& drone, const std::vector<std::string>& names)
 {
-    return core_->ask(drone, PacketType::get, {{"names", names}}).at("parameters");
+    return parameters_in(drone, core_->ask(drone, PacketType::get, {{"names", names}}));
 }
 
 std::vector<Answer> Application::get(const std::vector<std::string>& drones, const std::vector<std::string>& names)
 {
     auto answers = core_->ask_all(drones, PacketType::get, Json{{"names", names}});
-    for (auto& answer : answers)
-        if (!answer.error)
-            answer.result = Json(answer.result.at("parameters"));
+    keep_parameters(answers);
     return answers;
 }
 
