@@ -209,6 +209,24 @@ TEST_CASE("receiver table: an event whose body nobody wanted goes to notificatio
     CHECK(table.add(3, "snap", epoch, late, start).sends.empty());
 }
 
+TEST_CASE("receiver table: an event is acknowledged once its receivers of bodies have it, whoever keeps or watches it")
+{
+    ReceiverTable table;
+    table.add(1, "collector", epoch, window(2), start);
+    table.add(2, "watcher that asks no more", epoch, [] { auto options = window(1); options.delivery = Delivery::notification; return options; }(), start);
+    table.offer(emission(1), false, start);
+    auto input = std::make_shared<int>();
+    const std::weak_ptr<int> worked_on = input;
+    Event event = emission(2, true)->event();
+    event.receipt = std::move(input);
+    auto offered = std::make_shared<const Emission>(std::move(event));
+    auto decisions = table.offer(std::move(offered), false, start);
+    REQUIRE(decisions.sends.size() == 1);
+    CHECK_FALSE(worked_on.expired());
+    decisions.sends.clear();  // written
+    CHECK(worked_on.expired());
+}
+
 TEST_CASE("receiver table: a removed receiver gets nothing, and nobody else notices")
 {
     ReceiverTable table;

@@ -1,0 +1,120 @@
+// What happens when a drone's code throws: halt takes nothing more until resumed, skip abandons one input and goes on.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+std::int64_t count(hive::Application& application, const std::string& drone, const char* key)
+{
+    return application.status(drone).at("events").at(key);
+}
+
+std::int64_t produced(hive::Application& application, const std::string& drone)
+{
+    return application.status(drone).at("outputs").at(0).at("produced");
+}
+
+}  // namespace
+
+TEST_CASE("halt: after image 37 nothing is consumed, one exception tells which it was, and resume continues with the newest")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=40"});
+    const auto worker = swarm.drone("sleeper", "worker", {"throw_at=37"}, {"--on-exception", "halt"});
+    auto application = swarm.application();
+    const auto exceptions = application.exceptions({"worker"});
+    const auto collector = application.collect({{"worker", "result"}});
+    application.connect({"source", ""}, {"worker", ""});
+
+    const auto exception = exceptions->next(patient(10'000ms));
+    REQUIRE(exception);
+    const auto at = exception->identity.sequence;  // 37, unless the machine was so busy that sync skipped it
+    CHECK(at >= 37);
+    CHECK(at <= 45);
+    CHECK(exception->identity.source == "source");
+    CHECK(exception->header.at("policy") == "halt");
+    CHECK(exception->header.at("input") == "image");
+    CHECK(exception->header.at("text") == "event " + std::to_string(at) + " is not to my taste");
+
+    const auto ps = Json::parse(swarm.hivectl_done({"ps", "worker", "--json"}));
+    CHECK(ps.at(0).at("state") == "halted");
+    CHECK(swarm.hivectl({"wait", "worker", "--for", "halted"}).exit_code == 0);
+    const auto refused = swarm.run({"/bin/sh", "-c", "echo x | hivectl put worker - --type text/plain"});
+    CHECK(refused.exit_code == 7);
+    const auto received = count(application, "worker", "received"), done = count(application, "worker", "processed");
+    const auto made = produced(application, "source");
+    REQUIRE(eventually([&] { return produced(application, "source") > made + 30; }));
+    CHECK(count(application, "worker", "received") == received);
+    CHECK(count(application, "worker", "processed") == done);
+    CHECK_FALSE(exceptions->next(100ms));
+    std::int64_t last = 0;
+    while (const auto result = collector->next(50ms))
+        last = result->identity.sequence;
+    CHECK(last < at);
+
+    const auto newest = produced(application, "source");
+    swarm.hivectl_done({"resume", "worker"});
+    const auto next = collector->next(patient(5000ms));
+    REQUIRE(next);
+    CHECK(next->identity.sequence >= newest);
+    CHECK(application.status("worker").at("policy") == "halt");
+    CHECK(count(application, "worker", "abandoned") == 1);
+}
+
+TEST_CASE("skip: 36 and 38 appear, 37 is counted as abandoned and reported")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=60"});
+    const auto worker = swarm.drone("sleeper", "worker", {"throw_at=37"});
+    auto application = swarm.application();
+    const auto exceptions = application.exceptions({"worker"});
+    const auto collector = application.collect({{"worker", "result"}}, {.ordered = true});
+    application.connect({"source", ""}, {"worker", ""});
+    for (std::int64_t expected = 1; expected <= 60; ++expected) {
+        if (expected == 37)
+            continue;
+        const auto result = collector->next(patient(3000ms));
+        REQUIRE_MESSAGE(result, "no result ", expected);
+        REQUIRE(result->identity.sequence == expected);
+    }
+    CHECK(collector->counts().failed == 1);
+    CHECK(collector->counts().missing == 0);
+    const auto exception = exceptions->next(patient(1000ms));
+    REQUIRE(exception);
+    CHECK(exception->identity.sequence == 37);
+    CHECK(exception->header.at("policy") == "skip");
+    const auto status = application.status("worker");
+    CHECK(status.at("events").at("abandoned") == 1);
+    CHECK(status.at("events").at("processed") == 59);
+    CHECK(status.at("inputs").at(0).at("abandoned") == 1);
+    CHECK(status.at("last_exception").at("seq") == 37);
+    const auto shown = swarm.hivectl_done({"exceptions", "worker"});
+    CHECK(shown.find("event 37 is not to my taste") != std::string::npos);
+}
+
+TEST_CASE("policy: it can be changed while the drone runs, and halt by hand lets no event pass until resume")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    swarm.hivectl_done({"connect", "source", "worker"});
+    swarm.hivectl_done({"exceptions", "worker", "--on-exception", "halt"});
+    CHECK(application.status("worker").at("policy") == "halt");
+    swarm.hivectl_done({"set", "worker", "throw_at=1"});
+    REQUIRE(eventually([&] { return application.status("worker").at("state") == "halted"; }));
+    swarm.hivectl_done({"resume", "worker"});
+    const auto done = count(application, "worker", "processed");
+    REQUIRE(eventually([&] { return count(application, "worker", "processed") > done; }));
+    swarm.hivectl_done({"halt", "worker"});
+    const auto at_halt = count(application, "worker", "processed"), made = produced(application, "source");
+    REQUIRE(eventually([&] { return produced(application, "source") > made + 20; }));
+    CHECK(count(application, "worker", "processed") <= at_halt + 1);  // the one under way when it was told
+    swarm.hivectl_done({"resume", "worker"});
+    CHECK(eventually([&] { return count(application, "worker", "processed") > at_halt + 5; }));
+}

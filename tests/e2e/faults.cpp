@@ -1,0 +1,143 @@
+// Starting, names and sources that fail: nothing hangs, and every failure says what it was.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+#include <arpa/inet.h>
+#include <csignal>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// A web server that takes connections and never says a word.
+class MuteServer {
+public:
+    MuteServer() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
+    {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof address;
+        auto* any = reinterpret_cast<sockaddr*>(&address);
+        REQUIRE(::bind(socket_, any, size) == 0);
+        REQUIRE(::listen(socket_, 8) == 0);
+        REQUIRE(::getsockname(socket_, any, &size) == 0);
+        port_ = ntohs(address.sin_port);
+    }
+    ~MuteServer() { ::close(socket_); }
+    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(port_) + "/video"; }
+
+private:
+    int socket_;
+    int port_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("stall: a camera whose source is silent still answers, says that it is stalled, and takes another source")
+{
+    const Swarm swarm;
+    const MuteServer server;
+    const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
+    auto application = swarm.application();
+    for (const auto& words : {std::vector<std::string>{"get", "camera", "fps"}, {"ps"}, {"describe", "camera"}}) {
+        const auto took = median_ms(swarm, words, 5);
+        MESSAGE("hivectl ", words[0], " of a camera with a silent source: ", took, " ms");
+        CHECK(took < static_cast<double>(patient(100ms).count()));
+    }
+    const auto begin = Clock::now();
+    CHECK(eventually([&] { return !application.status("camera").at("condition").get<std::string>().empty(); }, 6000ms));
+    MESSAGE("condition after ", std::chrono::duration_cast<Milliseconds>(Clock::now() - begin).count(), " ms: ",
+            application.status("camera").at("condition").get<std::string>());
+    const auto collector = application.collect({{"camera", "image"}});
+    const auto set = swarm.hivectl({"set", "camera", "source=scene"});
+    CHECK(set.exit_code == 0);
+    CHECK(collector->next(patient(3000ms)));
+    CHECK(eventually([&] { return application.status("camera").at("condition") == ""; }));
+    CHECK(swarm.hivectl({"stop", "camera"}).took < patient(3000ms));
+}
+
+TEST_CASE("names: a second drone of the same name is refused, and told which process has it")
+{
+    const Swarm swarm;
+    const auto first = swarm.drone("ticker", "twin", {"fps=50"});
+    const auto pid = std::to_string(first.pid());
+    const auto second = swarm.run({swarm.program("hive-sleeper").string(), "--name", "twin"});
+    CHECK(second.exit_code == 1);
+    CHECK(has(second.err, "twin"));
+    CHECK(has(second.err, pid));
+    const auto started = swarm.hivectl({"start", "sleeper", "--as", "twin"});
+    CHECK(started.exit_code == 1);
+    CHECK(has(started.err, "twin is running already"));
+    CHECK(swarm.application().describe("twin").kind == "ticker");  // the first has not suffered
+}
+
+TEST_CASE("names: a name whose holder was killed is free at once")
+{
+    const Swarm swarm;
+    auto first = swarm.drone("ticker", "heir");
+    first.kill();
+    CHECK(Json::parse(swarm.hivectl_done({"ps", "--json"})).empty());
+    CHECK(swarm.hivectl({"get", "heir"}).exit_code == 3);
+    CHECK(swarm.hivectl_done({"start", "sleeper", "--as", "heir"}) == "heir\n");
+    CHECK(swarm.application().describe("heir").kind == "sleeper");
+}
+
+TEST_CASE("start: a drone outlives the killed command that was starting it, answers, and can be stopped")
+{
+    const Swarm swarm;
+    auto starter = swarm.hivectl_running({"start", "ticker", "fps=100"}, "starter");
+    REQUIRE(eventually([&] { return std::filesystem::exists(swarm.home() / "ticker.lock"); }));
+    starter.kill();
+    CHECK(swarm.hivectl({"wait", "ticker", "--for", "running"}).exit_code == 0);
+    CHECK(swarm.application().get("ticker", {"fps"}) == Json{{"fps", 100.0}});
+    CHECK(swarm.hivectl({"stop", "ticker"}).exit_code == 0);
+    CHECK(Json::parse(swarm.hivectl_done({"ps", "--json"})).empty());
+}
+
+TEST_CASE("start: an unknown kind is exit code 3 with the kinds there are")
+{
+    const Swarm swarm;
+    const auto unknown = swarm.hivectl({"start", "camra"});
+    CHECK(unknown.exit_code == 3);
+    CHECK(has(unknown.err, "did you mean camera"));
+    CHECK(has(unknown.err, "face"));
+}
+
+TEST_CASE("start: a drone that dies at its start is reported with its exit code and its reason")
+{
+    const Swarm swarm;
+    const auto no_file = swarm.hivectl({"start", "camera", "source=/nowhere/at/all.mp4"});
+    CHECK(no_file.exit_code != 0);
+    CHECK(has(no_file.err, "exit code 1"));
+    CHECK(has(no_file.err, "/nowhere/at/all.mp4"));
+    const auto no_parameter = swarm.hivectl({"start", "camera", "fsp=30"});
+    CHECK(no_parameter.exit_code != 0);
+    CHECK(has(no_parameter.err, "fps"));
+    CHECK(Json::parse(swarm.hivectl_done({"ps", "--json"})).empty());
+}
+
+TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a command no longer than its timeout, and goes on")
+{
+    const Swarm swarm;
+    const auto drone = swarm.drone("ticker", "hung"), other = swarm.drone("ticker", "other");
+    drone.signal(SIGSTOP);
+    const auto ps = swarm.hivectl({"ps", "--json"});
+    CHECK(ps.exit_code == 0);
+    CHECK(ps.took < patient(2500ms));
+    CHECK(Json::parse(ps.out).at(0).at("state") == "silent");
+    CHECK(Json::parse(ps.out).at(1).at("state") == "idle");
+    const auto get = swarm.hivectl({"get", "hung", "--timeout", "0.5"});
+    CHECK(get.exit_code == 124);
+    CHECK(get.took < patient(1500ms));
+    drone.signal(SIGCONT);
+    CHECK(swarm.hivectl({"get", "hung"}).exit_code == 0);
+}

@@ -1,0 +1,155 @@
+// Live cameras: nobody's slowness costs anybody else, nothing is sent that nobody can process, and watching is free.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <map>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+Json receiver_row(hive::Application& application, const std::string& sender, const std::string& receiver)
+{
+    const auto status = application.status(sender);
+    for (const auto& row : status.at("outputs").at(0).at("receivers"))
+        if (row.at("receiver") == receiver)
+            return row;
+    throw std::runtime_error(sender + " knows no receiver " + receiver);
+}
+
+/// How old the event was when the worker began with it: its age when the work was done, less what it waited and took there.
+double age_at_arrival_ms(const hive::Event& result)
+{
+    const auto& hop = result.identity.hops.back();
+    return static_cast<double>(result.header.at("age_us").get<std::int64_t>() - hop.wait_us - hop.work_us) / 1000;
+}
+
+/// When each worker's results came, over a while.
+std::map<std::string, std::vector<Clock::time_point>> arrivals(hive::Collector& collector, Milliseconds time)
+{
+    std::map<std::string, std::vector<Clock::time_point>> result;
+    for (const auto end = Clock::now() + time; Clock::now() < end;)
+        if (const auto event = collector.next(100ms))
+            result[event->sender].push_back(Clock::now());
+    return result;
+}
+
+double rate_of(const std::vector<Clock::time_point>& times)
+{
+    REQUIRE(times.size() >= 3);
+    return static_cast<double>(times.size() - 1) / std::chrono::duration<double>(times.back() - times.front()).count();
+}
+
+}  // namespace
+
+TEST_CASE("sync: a camera of 30 fps sends a receiver of 100 ms at most 10.5 images a second, each the newest when it asked")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"fps=30"});
+    const auto worker = swarm.drone("sleeper", "worker", {"work_ms=100"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"worker", "result"}});
+    application.connect({"camera", ""}, {"worker", ""});
+    REQUIRE(collector->next(patient(5000ms)));
+
+    const auto before = receiver_row(application, "camera", "worker.image");
+    const auto begin = Clock::now();
+    std::vector<double> ages;
+    while (Clock::now() - begin < 4s)
+        if (const auto result = collector->next(100ms))
+            ages.push_back(age_at_arrival_ms(*result));
+    const auto after = receiver_row(application, "camera", "worker.image");
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    const auto grown = [&](const char* key) { return (after.at(key).get<double>() - before.at(key).get<double>()) / seconds; };
+    MESSAGE(grown("produced"), " images/s made, ", grown("delivered"), " sent, ", grown("skipped"), " skipped; median age at arrival ", median(ages), " ms");
+    CHECK(grown("delivered") <= 10.5);
+    CHECK(after.at("dropped") == 0);
+    if (sanitized())
+        return;
+    CHECK(grown("produced") > 0.95 * 30);
+    CHECK(grown("delivered") > 9);
+    // The newest is at most one period old, and what it takes to draw, encode and send it; the one before it is a period older.
+    CHECK(median(ages) < 1000.0 / 30 + 10);
+    std::ranges::sort(ages);
+    CHECK(ages[ages.size() * 9 / 10] < 1000.0 / 30 + 20);
+}
+
+TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its own rate, and the camera at most two pictures for each")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"fps=30", "encoding=raw"});
+    constexpr std::size_t picture = 640 * 480 * 3;
+    const auto fast = swarm.drone("sleeper", "fast"), slow = swarm.drone("sleeper", "slow", {"work_ms=100"}),
+               slowest = swarm.drone("sleeper", "slowest", {"work_ms=1000"}), stopped = swarm.drone("sleeper", "stopped", {"work_ms=100"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"fast", ""}, {"slow", ""}, {"slowest", ""}});
+    for (const std::string receiver : {"fast", "slow", "slowest", "stopped"})
+        application.connect({"camera", ""}, {receiver, ""});
+    arrivals(*collector, 1500ms);
+    const auto before = resident_bytes(camera.pid());
+    stopped.signal(SIGSTOP);
+    const auto came = arrivals(*collector, sanitized() ? 3000ms : 8500ms);
+    const auto now = resident_bytes(camera.pid());
+    const std::size_t grown = std::max(now, before) - before;
+    stopped.signal(SIGCONT);
+    MESSAGE("fast ", rate_of(came.at("fast")), ", slow ", rate_of(came.at("slow")), ", slowest ", rate_of(came.at("slowest")), " events/s; the camera grew by ",
+            grown / 1024, " KiB, a picture has ", picture / 1024);
+    if (!sanitized()) {
+        CHECK(rate_of(came.at("fast")) == doctest::Approx(30).epsilon(0.05));
+        CHECK(rate_of(came.at("slow")) == doctest::Approx(10).epsilon(0.05));
+        CHECK(rate_of(came.at("slowest")) == doctest::Approx(1).epsilon(0.05));
+        CHECK(grown <= 4 * 2 * picture);
+    }
+    // It goes on by itself when it goes on.
+    const auto done = [&] { return application.status("stopped").at("events").at("processed").get<std::int64_t>(); };
+    const auto at_stop = done();
+    CHECK(eventually([&] { return done() > at_stop + 2; }));
+}
+
+TEST_CASE("watching: three hivectl top and three receivers of notifications change the rate of a swarm by less than 1 %")
+{
+    if (sanitized())
+        return;  // a measurement
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "bytes=100000"});
+    const auto worker = swarm.drone("sleeper", "worker", {"work_ms=20"});
+    std::vector<Process> watchers;
+    for (const std::string name : {"watcher-1", "watcher-2", "watcher-3"})
+        watchers.push_back(swarm.drone("sleeper", name));
+    auto application = swarm.application();
+    const auto collector = application.collect({{"worker", "result"}});
+    application.connect({"source", ""}, {"worker", ""});
+    const auto watch = [&] {
+        std::vector<Process> tops;
+        for (int i = 0; i < 3; ++i)
+            tops.push_back(swarm.hivectl_running({"top"}, "top-" + std::to_string(i)));
+        hive::ConnectionOptions options;
+        options.delivery = hive::Delivery::notification;
+        options.transfer = hive::Transfer::streaming;
+        for (const std::string name : {"watcher-1", "watcher-2", "watcher-3"})
+            application.connect({"source", "tick"}, {name, "image"}, options);
+        return tops;
+    };
+    // With and without take turns, so that what else the machine does meets both alike.
+    std::vector<double> alone, watched;
+    for (int round = 0; round < 5; ++round) {
+        rate(*collector, 1, 10);
+        alone.push_back(rate(*collector, 1, 70));
+        auto tops = watch();
+        rate(*collector, 1, 10);
+        watched.push_back(rate(*collector, 1, 70));
+        for (auto& top : tops) {
+            CHECK_FALSE(top.wait(0ms));  // they did watch
+            top.kill();
+        }
+        for (const std::string name : {"watcher-1", "watcher-2", "watcher-3"})
+            application.disconnect({"source", ""}, {name, ""});
+    }
+    MESSAGE("alone ", median(alone), ", watched ", median(watched), " events/s (medians of 5 rounds)");
+    CHECK(median(watched) == doctest::Approx(median(alone)).epsilon(0.01));
+    CHECK(application.status("watcher-1").at("events").at("received") > 100);
+}
