@@ -141,7 +141,8 @@ void Intake::on_packet(const protocol::Packet& packet)
 
 std::shared_ptr<const void> Intake::receipt(std::int64_t number)
 {
-    return {nullptr, [door = module_.door(), weak = weak_from_this(), epoch = epoch_, number](const void*) {
+    static constexpr char held = 0;  // not null, so that an event with a receipt can be told from one without
+    return {&held, [door = module_.door(), weak = weak_from_this(), epoch = epoch_, number](const void*) {
                 door->post([weak, epoch, number] {
                     if (const auto self = weak.lock())
                         self->finished(epoch, number);
