@@ -20,7 +20,7 @@ bool matches_glob(std::string_view pattern, std::string_view text) noexcept;
 template <class Range>
 std::string nearest(std::string_view text, const Range& candidates);
 
-/// Number of single-character edits that turn `a` into `b`.
+/// Number of single-character edits (two neighbours changing places is one) that turn `a` into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 template <class Range>
