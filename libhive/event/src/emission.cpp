@@ -72,6 +72,13 @@ Emission::Emission(Event event, bool complete)
                         + std::to_string(protocol::Limits{}.header) + ": put large data into the body");
 }
 
+std::shared_ptr<const Emission> Emission::without_receipt() const
+{
+    auto copy = std::make_shared<Emission>(*this);
+    copy->event_.receipt.reset();
+    return copy;
+}
+
 protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel, const Share& share) const
 {
     auto header = share.group.empty() ? header_ : std::make_shared<const std::string>(to_text(header_of(event_, share)));

@@ -143,17 +143,19 @@ ReceiverTable::Decisions ReceiverTable::written(Id id, std::size_t size, Clock::
 
 ReceiverTable::Decisions ReceiverTable::offer(EmissionPtr event, bool hold, Clock::time_point now)
 {
+    // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before that.
+    const auto kept = event->event().receipt.use_count() > 0 ? event->without_receipt() : event;  // a receipt points at nothing
     Decisions decisions;
     const bool whole = event->serves(Delivery::data);
     if (hold && whole && event->lossless() && !wanted())
         held_.push_back(event);
     for (auto& [id, receiver] : receivers_)
         if (receiver.options.group.empty() && event->serves(receiver.options.delivery))
-            offer_receiver(id, receiver, event, decisions);
+            offer_receiver(id, receiver, receiver.options.delivery == Delivery::notification ? kept : event, decisions);
     for (auto& [name, group] : groups_)
         if (whole)
             offer_group(name, group, event, now, decisions);
-    newest_ = std::move(event);
+    newest_ = kept;
     return decisions;
 }
 

@@ -28,6 +28,8 @@ public:
     [[nodiscard]] const Event& event() const noexcept { return event_; }
     [[nodiscard]] bool lossless() const noexcept { return event_.identity.lossless; }
     [[nodiscard]] std::size_t size() const noexcept { return event_.body.size(); }
+    /// The same event for keeping: whoever holds it is not working on it, so its receipt is left out.
+    [[nodiscard]] std::shared_ptr<const Emission> without_receipt() const;
     /// May it go to a receiver of this kind?
     [[nodiscard]] bool serves(Delivery delivery) const noexcept { return complete_ || delivery == Delivery::notification; }
     /// The packet that carries it; the header is the same for all, but for an event that is shared work.
