@@ -217,7 +217,7 @@ TEST_CASE("receiver table: an event is acknowledged once its receivers of bodies
     table.offer(emission(1), false, start);
     bool acknowledged = false;
     Event event = emission(2, true)->event();
-    event.receipt = {nullptr, [&](const void*) { acknowledged = true; }};
+    event.receipt = {&acknowledged, [&](const void*) { acknowledged = true; }};
     auto offered = std::make_shared<const Emission>(std::move(event));
     auto decisions = table.offer(std::move(offered), false, start);
     REQUIRE(decisions.sends.size() == 1);
