@@ -84,7 +84,7 @@ TEST_CASE("restart: a source that was killed and started again gives events agai
     CHECK(application.get("source", {"bytes", "fps"}) == Json{{"bytes", 77}, {"fps", 100.0}});
 }
 
-TEST_CASE("restart: a receiver that was killed and started again has its connections and parameters again within 1 s; stop forgets them")
+TEST_CASE("restart: a receiver that was killed and started again has its connections and parameters again within 1 s, and stop forgets them")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=100"});
