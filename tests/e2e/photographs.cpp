@@ -8,6 +8,7 @@
 #include <opencv2/objdetect.hpp>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 using namespace hive::test;
@@ -34,7 +35,7 @@ Boxes boxes_in(const hive::Json& header)
 {
     Boxes boxes;
     for (const auto& face : header.at("faces"))
-        boxes.insert({face.at("x"), face.at("y"), face.at("w"), face.at("h")});
+        boxes.insert(std::array{face.at("x").get<int>(), face.at("y").get<int>(), face.at("w").get<int>(), face.at("h").get<int>()});
     return boxes;
 }
 
