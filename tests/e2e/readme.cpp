@@ -48,7 +48,7 @@ void run_blocks(const std::string& name)
     REQUIRE_MESSAGE(!blocks.empty(), name, " has no block marked sh");
     const Swarm swarm;
     for (const auto& block : blocks) {
-        const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + (sanitized() ? "30" : "3") + "\ncd " + swarm.home().string() + "\n";
+        const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + (sanitized() ? "15" : "3") + "\ncd " + swarm.home().string() + "\n";
         const auto finished = swarm.run({"/bin/bash", "-c", values + reader + block}, 60'000ms);
         CHECK_MESSAGE(finished.exit_code == 0, name, ": exit code ", finished.exit_code, " of\n", block, "\nit printed\n", finished.out, finished.err);
     }

@@ -90,7 +90,7 @@ TEST_CASE("sharing: 1, 2, 4, 8, 16 workers that sleep 50 ms get done at least 0.
         return;  // a measurement
     const double one = shared_rate(1);
     MESSAGE("1 worker: ", one, " events/s");
-    CHECK(one > 0.97 * 20);
+    CHECK(one > 0.9 * 20);  // else it proves nothing; a busy machine wakes a sleeper late
     for (const int workers : {2, 4, 8, 16}) {
         const double many = shared_rate(workers);
         MESSAGE(workers, " workers: ", many, " events/s, ", many / one, " times one");
