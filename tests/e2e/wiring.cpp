@@ -148,3 +148,20 @@ TEST_CASE("chain of custody: what a source on demand gave while nobody collected
     CHECK(collector->counts().missing == 0);
     CHECK(collector->counts().duplicates == 0);
 }
+
+TEST_CASE("notify: a watcher whose results nobody collects goes on being told of a source on demand, and holds up nobody")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=200"});
+    const auto worker = swarm.drone("sleeper", "worker", {"work_ms=1"}), watcher = swarm.drone("sleeper", "watcher");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"worker", "result"}}, {.ordered = true});
+    swarm.hivectl_done({"connect", "source", "watcher", "--notify"});
+    swarm.hivectl_done({"connect", "source", "worker"});
+    for (int i = 1; i <= 200; ++i)
+        REQUIRE(collector->next(patient(5000ms)));
+    CHECK(processed(application, "watcher") > 10);
+    const auto status = application.status("watcher");
+    CHECK(status.at("events").at("abandoned") == 0);
+    CHECK(status.at("outputs").at(0).at("receivers").empty());
+}

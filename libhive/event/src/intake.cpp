@@ -133,6 +133,8 @@ void Intake::on_packet(const protocol::Packet& packet)
     Event event = event_from_packet(packet);
     ++received_;
     age_us_ = wall_us() - event.identity.captured_us;
+    if (packet.type == PacketType::notification)
+        event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     event.input = spec_.input;
     event.receipt = receipt(++arrived_);
     outstanding_.insert(arrived_);
