@@ -1,0 +1,112 @@
+// The links of a module: made, shared by all who need the same peer, given up, ended.
+#include <hive/event/module.hpp>
+
+#include <algorithm>
+
+namespace hive::event {
+
+using protocol::PacketType;
+
+LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection)
+{
+    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits);
+}
+
+void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)
+{
+    links_.insert(link);
+    const auto told = std::make_shared<bool>(false);
+    link->start({.opened =
+                     [ready, told](Link& opened) {
+                         *told = true;
+                         ready(opened.shared_from_this(), Error(Errc::failed, ""));
+                     },
+                 .packet = [this](Link& from, const protocol::Packet& packet, const Json& header) { on_packet(from, packet, header); },
+                 .closed =
+                     [this, ready, told](Link& closed, const Error& reason) {
+                         const auto keep = closed.shared_from_this();
+                         on_closed(closed, reason);
+                         if (!*told)
+                             ready(nullptr, reason);
+                     }});
+}
+
+void Module::with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link)
+{
+    const auto key = to_text(address);
+    if (const auto found = dialed_.find(key); found != dialed_.end())
+        return on_link(found->second, Error(Errc::failed, ""));
+    auto& waiting = dialing_[key];
+    waiting.push_back({deadline, std::move(on_link)});
+    arm();
+    if (waiting.size() > 1)
+        return;
+    const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()), std::chrono::milliseconds(1));
+    transport::dial(
+        context_, address, patience,
+        [this, key](std::shared_ptr<transport::Connection> connection, std::exception_ptr problem) {
+            if (connection)
+                return adopt(make_link(std::move(connection)), [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });
+            try {
+                std::rethrow_exception(problem);
+            } catch (const Error& error) {
+                dialed(key, nullptr, error);
+            }
+        },
+        options_.timing);
+}
+
+void Module::dialed(const std::string& key, const LinkPtr& link, const Error& error)
+{
+    auto node = dialing_.extract(key);
+    if (link)
+        dialed_[key] = link;
+    if (!node.empty())
+        for (const auto& waiting : node.mapped())
+            waiting.on_link(link, error);
+}
+
+void Module::request(const transport::Address& address, PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome)
+{
+    with_link(address, deadline,
+              [this, type, header = std::move(header), body = std::move(body), deadline, on_outcome = std::move(on_outcome)](
+                  const LinkPtr& link, const Error& error) {
+                  if (!link)
+                      return on_outcome(error);
+                  link->request(type, header, body, deadline, on_outcome);
+                  arm();
+              });
+}
+
+void Module::on_closed(Link& link, const Error& reason)
+{
+    if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch)
+        log("closed " + link.connection().peer() + ": " + reason.what());
+    std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
+    links_.erase(link.shared_from_this());
+    if (ending_ && links_.empty())
+        last_.cancel();
+    for (auto& outlet : outlets_)
+        outlet.link_closed(link);
+    for (const auto& intake : std::vector(intakes_))
+        intake->link_closed(link);
+}
+
+/// A peer that accepts and says nothing must not keep anybody beyond its own deadline.
+void Module::expire_dialing(Clock::time_point now)
+{
+    std::vector<Waiting> late;
+    for (auto& [key, waiting] : dialing_)
+        for (auto it = waiting.begin(); it != waiting.end();)
+            if (it->deadline <= now) {
+                late.push_back(std::move(*it));
+                it = waiting.erase(it);
+            } else {
+                ++it;
+            }
+    std::erase_if(dialing_, [](const auto& row) { return row.second.empty(); });
+    for (const auto& waiting : late)
+        waiting.on_link(nullptr, Error(Errc::timeout, "no sign of life within the time allowed"));
+}
+
+}  // namespace hive::event
