@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
@@ -58,6 +59,7 @@ TEST_CASE("photographs: the face drone at its defaults finds in each exactly the
         MESSAGE("skipped: there are no photographs beside the source tree");
         return;
     }
+    cv::setNumThreads(1);
     const auto files = photographs(*media);
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=" + media->string(), "pace=demand", "loop=off", "encoding=png"});

@@ -51,8 +51,10 @@ Json other_value(const Json& parameter)
     for (const auto& choice : parameter.value("choices", Json::array()))
         if (choice != parameter.at("default"))
             return choice;
-    if (parameter.contains("min") && parameter.contains("max") && parameter.at("type") == "integer")
-        return parameter["default"] == parameter["max"] ? parameter["min"].get<std::int64_t>() : parameter["max"].get<std::int64_t>();
+    if (parameter.contains("min") && parameter.contains("max") && parameter.at("type") == "integer") {
+        const auto least = parameter["min"].get<std::int64_t>(), most = parameter["max"].get<std::int64_t>(), present = parameter["default"].get<std::int64_t>();
+        return present == most ? least : std::min(most, present + 600);  // a size of 600 is drawn soon, one of 8192 is not
+    }
     return nullptr;
 }
 
