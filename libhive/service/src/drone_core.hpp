@@ -92,6 +92,7 @@ private:
     void add_handlers();
     void restore(const Json& state);
     void on_connect(event::Incoming incoming);
+    std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
     void on_disconnect(const event::Incoming& incoming);
     void on_set(const event::Incoming& incoming);

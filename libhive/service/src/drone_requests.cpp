@@ -149,13 +149,19 @@ void DroneCore::on_connect(Incoming incoming)
     connect(intake_spec(fields.object("from"), fields.name("input"), options), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 
-void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
+std::shared_ptr<Intake> DroneCore::add_intake(IntakeSpec spec)
 {
     const auto weak = std::make_shared<std::weak_ptr<Intake>>();
     const auto intake = module_->add_intake(std::move(spec), [this, weak](Event event) { arrived(std::move(event), *weak); });
     *weak = intake;
-    intake->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
-        const auto self = weak->lock();
+    return intake;
+}
+
+void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
+{
+    const std::weak_ptr<Intake> weak = add_intake(std::move(spec));
+    weak.lock()->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+        const auto self = weak.lock();
         if (std::holds_alternative<Error>(outcome)) {
             module_->remove_intake(self);
             return on_outcome(outcome);
@@ -177,11 +183,7 @@ void DroneCore::restore(const Json& state)
     for (const auto& saved : state.value("connections", Json::array()))
         try {
             const Fields fields(saved, "saved connection");
-            const auto weak = std::make_shared<std::weak_ptr<Intake>>();
-            const auto intake = module_->add_intake(intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))),
-                                                    [this, weak](Event event) { arrived(std::move(event), *weak); });
-            *weak = intake;
-            intake->start({});
+            add_intake(intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))->start({});
         } catch (const Error& error) {
             log(std::string("a saved connection is left out: ") + error.what());
         }
