@@ -64,6 +64,8 @@ void Drone::report(Errc code, const std::string& text) { core_.report(code, text
 void Drone::log(const std::string& text) { core_.log(text); }
 bool Drone::stopping() const { return core_.stopping(); }
 
+Loan Output::loan(std::size_t bytes) const { return core_->loan(bytes); }
+
 bool Output::wanted() const { return core_->wanted(index_); }
 bool Output::asked() const { return core_->asked(index_); }
 

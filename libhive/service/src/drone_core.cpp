@@ -211,6 +211,12 @@ void DroneCore::end_work()
 
 void DroneCore::apply(const Json& values) { parameters.apply(values, on_change); }
 
+Loan DroneCore::loan(std::size_t bytes)
+{
+    auto memory = std::make_shared_for_overwrite<std::byte[]>(bytes);
+    return {std::span(memory.get(), bytes), memory};
+}
+
 bool DroneCore::wanted(std::size_t output) const
 {
     const auto* outlet = outputs_[output]->outlet;

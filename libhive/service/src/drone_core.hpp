@@ -46,6 +46,8 @@ public:
     void run();
 
     // for Output and Drone
+    /// Any thread.
+    [[nodiscard]] Loan loan(std::size_t bytes);
     [[nodiscard]] bool wanted(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
     /// @param body  gives nothing when nobody wants it

@@ -1,4 +1,4 @@
-// The binary part of an event: immutable bytes with one owner shared by everyone who holds them.
+// The binary part of an event: immutable bytes with one owner shared by everyone who holds them, and the buffer they begin as.
 #pragma once
 
 #include <cstddef>
@@ -45,6 +45,25 @@ public:
 private:
     std::shared_ptr<const void> owner_;
     std::span<const std::byte> bytes_;
+};
+
+/// A buffer to be filled in place and then emitted as a Body. Asked of an Output (or a Drone), it lies in memory that receivers
+/// on the same machine map, so that what is written into it is copied nowhere. For one thread at a time.
+class Loan {
+public:
+    /// @param owner  keeps the memory while the loan, and then its body, is held
+    Loan(std::span<std::byte> bytes, std::shared_ptr<void> owner) : owner_(std::move(owner)), bytes_(bytes) {}
+
+    [[nodiscard]] unsigned char* data() const noexcept { return reinterpret_cast<unsigned char*>(bytes_.data()); }
+    [[nodiscard]] std::size_t size() const noexcept { return bytes_.size(); }
+    /// What was filled in; nobody may write to it any more.
+    operator Body() && { return {bytes_, std::move(owner_)}; }  // NOLINT: a filled loan is a body
+    /// Its first `size` bytes; the rest was not needed.
+    Body body(std::size_t size) && { return {bytes_.first(size), std::move(owner_)}; }
+
+private:
+    std::shared_ptr<void> owner_;
+    std::span<std::byte> bytes_;
 };
 
 }  // namespace hive

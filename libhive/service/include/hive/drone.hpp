@@ -43,6 +43,11 @@ public:
     /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
     [[nodiscard]] bool asked() const;
 
+    /// A buffer of so many bytes to fill in place and emit: no copy is made on the way to receivers on this machine, and
+    /// there is one picture in memory for any number of them. Never waits; when the shared memory is used up it is ordinary
+    /// memory, and the body goes through the sockets. From any thread, once the drone runs.
+    [[nodiscard]] Loan loan(std::size_t bytes) const;
+
     /// Sends an event to whoever wants it. Never waits for a receiver. Inside a callback the event inherits the
     /// identity and time of the input; elsewhere it begins a new one, captured now.
     /// @param header  a JSON object, at most about 60 KiB as text
