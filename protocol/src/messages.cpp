@@ -20,13 +20,17 @@ std::string receiver_name(const Fields& fields)
 
 Json to_json(const Hello& hello)
 {
-    return {{"name", hello.name}, {"kind", hello.kind}, {"epoch", hello.epoch}, {"pid", hello.pid}};
+    Json json{{"name", hello.name}, {"kind", hello.kind}, {"epoch", hello.epoch}, {"pid", hello.pid}};
+    if (hello.maps)
+        json["maps"] = true;
+    return json;
 }
 
 Hello hello_from_json(const Json& object)
 {
     const Fields fields(object, "hello");
-    return {fields.name("name"), fields.name("kind"), fields.integer("epoch", 0, max_json_integer), fields.integer_or("pid", 0, max_json_integer, 0)};
+    return {fields.name("name"), fields.name("kind"), fields.integer("epoch", 0, max_json_integer), fields.integer_or("pid", 0, max_json_integer, 0),
+            fields.flag_or("maps", false)};
 }
 
 Json to_json(const Registration& registration)

@@ -1,4 +1,6 @@
 // Encoding and checking of prefixes.
+#include "little_endian.hpp"
+
 #include <hive/error.hpp>
 #include <hive/protocol/packet.hpp>
 
@@ -6,22 +8,6 @@
 
 namespace hive::protocol {
 namespace {
-
-template <class Number>
-void put(unsigned char* at, Number value) noexcept
-{
-    for (std::size_t i = 0; i < sizeof value; ++i)
-        at[i] = static_cast<unsigned char>(value >> (8 * i));
-}
-
-template <class Number>
-Number get(const unsigned char* at) noexcept
-{
-    Number value = 0;
-    for (std::size_t i = 0; i < sizeof value; ++i)
-        value = static_cast<Number>(value | static_cast<Number>(at[i]) << (8 * i));
-    return value;
-}
 
 void require_size(std::string_view part, std::uint32_t size, std::uint32_t limit)
 {
@@ -40,9 +26,12 @@ std::string_view token(PacketType type) noexcept
     case PacketType::register_receiver: return "register";
     case PacketType::deregister: return "deregister";
     case PacketType::request: return "request";
+    case PacketType::segment: return "segment";
+    case PacketType::release: return "release";
     case PacketType::event: return "event";
     case PacketType::notification: return "notification";
     case PacketType::exception: return "exception";
+    case PacketType::reference: return "reference";
     case PacketType::connect: return "connect";
     case PacketType::disconnect: return "disconnect";
     case PacketType::set: return "set";

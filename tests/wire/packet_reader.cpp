@@ -42,7 +42,7 @@ void PacketReader::check(const protocol::Packet& packet) const
 {
     if (first_ && packet.type != PacketType::hello)
         throw Error(Errc::malformed, "the first packet is no hello");
-    if (packet.type == PacketType::ping || packet.type == PacketType::pong)
+    if (packet.type == PacketType::ping || packet.type == PacketType::pong || packet.type == PacketType::release)
         return;
     if (!parse_json(packet.header_text()).is_object())
         throw Error(Errc::malformed, "the header is not an object");

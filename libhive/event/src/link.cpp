@@ -6,9 +6,11 @@ namespace hive::event {
 using protocol::Packet;
 using protocol::PacketType;
 
-Link::Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits)
-    : connection_(std::move(connection)), self_(self), limits_(limits)
+Link::Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits,
+           std::shared_ptr<transport::Pool> pool)
+    : connection_(std::move(connection)), self_(self), limits_(limits), pool_(std::move(pool))
 {
+    self_.maps = connection_->can_share();
 }
 
 void Link::start(Events events)
@@ -47,6 +49,8 @@ void Link::on_hello(const Packet& packet)
     peer_ = protocol::hello_from_json(parse_json(packet.header_text()));
     open_ = true;
     connection_->open(limits_);
+    if (peer_.maps && connection_->can_share())
+        connection_->share(pool_);
     events_.opened(*this);
 }
 

@@ -55,6 +55,7 @@ void Module::end()
         thread_.join();
     }
     door_->shut();
+    pool_->end();
 }
 
 /// Deregisters everywhere and waits a moment for the confirmations, so that nobody takes the end for a loss.

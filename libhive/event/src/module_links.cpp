@@ -9,7 +9,7 @@ using protocol::PacketType;
 
 LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection)
 {
-    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits);
+    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits, pool_);
 }
 
 void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)

@@ -1,6 +1,7 @@
 // Carrying out the decisions of the receiver table.
 #include <hive/event/outlet.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iterator>
 #include <limits>
@@ -38,7 +39,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
 {
     const auto id = ++next_id_;
     ids_[{link.get(), channel}] = id;
-    places_[id] = {link, channel};
+    places_[id] = {.link = link, .channel = channel, .data = registration.options.delivery == Delivery::data};
     execute(table_.add(id, registration.receiver, registration.epoch, registration.options, Clock::now()));
 }
 
@@ -88,11 +89,13 @@ void Outlet::execute(const ReceiverTable::Decisions& decisions)
             continue;
         const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
         // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
-        place->second.link->connection().send(send.event->packet(type, place->second.channel, send.share),
+        const auto carriage = place->second.link->connection().send(send.event->packet(type, place->second.channel, send.share),
                                               [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
                                                   if (!alive.expired() && written)
                                                       execute(table_.written(id, event->size(), Clock::now()));
                                               });
+        place->second.shared += carriage == transport::Carriage::reference ? 1 : 0;
+        place->second.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
     }
     for (const auto& event : decisions.failed)
         on_failed_(event);
@@ -104,6 +107,7 @@ void Outlet::refresh()
     const bool wanted = table_.wanted(), asked = table_.asked(), backlogged = table_.backlogged();
     const bool changed = wanted != wanted_ || asked != asked_ || backlogged != backlogged_;
     wanted_ = wanted;
+    shares_ = std::ranges::any_of(places_, [](const auto& row) { return row.second.data && row.second.link->connection().shares(); });
     asked_ = asked;
     backlogged_ = backlogged;
     if (changed)
@@ -128,6 +132,10 @@ Json Outlet::status(std::size_t& most_receivers) const
         json["dropped"] = row.counts.dropped;
         json["abandoned"] = row.counts.abandoned;
         json["in_flight"] = row.counts.in_flight;
+        if (const auto place = places_.find(row.id); place != places_.end()) {
+            json["shared"] = place->second.shared;
+            json["fallback"] = place->second.fallback;
+        }
         receivers.push_back(std::move(json));
     }
     Json status{{"name", port_.name}, {"type", port_.type}, {"produced", produced_}, {"last_emitted_us", last_emitted_us_}, {"receivers", receivers}};

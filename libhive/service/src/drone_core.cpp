@@ -213,6 +213,9 @@ void DroneCore::apply(const Json& values) { parameters.apply(values, on_change);
 
 Loan DroneCore::loan(std::size_t bytes)
 {
+    if (module_)
+        if (auto shared = module_->pool().loan(bytes))
+            return std::move(*shared);
     auto memory = std::make_shared_for_overwrite<std::byte[]>(bytes);
     return {std::span(memory.get(), bytes), memory};
 }
@@ -263,6 +266,8 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
     auto made = body();
     const bool complete = made.has_value();
     event.body = std::move(made).value_or(Body());
+    if (slot.outlet->shares())
+        event.body = module_->pool().copied_in(event.body);
     event.size = event.body.size();
     if (event.size > protocol::Limits{}.body)
         throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.size) + " bytes, limit " + std::to_string(protocol::Limits{}.body));

@@ -11,8 +11,8 @@ namespace {
 /// that would outlive the io_context.
 class ConnectionHandle final : public Connection {
 public:
-    ConnectionHandle(asio::io_context& context, std::string peer, std::shared_ptr<ConnectionCore> core)
-        : context_(context), peer_(std::move(peer)), unstarted_(std::move(core)), core_(unstarted_)
+    ConnectionHandle(asio::io_context& context, std::string peer, bool can_share, std::shared_ptr<ConnectionCore> core)
+        : context_(context), peer_(std::move(peer)), can_share_(can_share), unstarted_(std::move(core)), core_(unstarted_)
     {
     }
     ConnectionHandle(const ConnectionHandle&) = delete;
@@ -33,12 +33,24 @@ public:
         if (const auto core = core_.lock())
             core->open(limits);
     }
-    void send(protocol::Packet packet, Written written) override
+    Carriage send(protocol::Packet packet, Written written) override
     {
         if (const auto core = core_.lock())
-            core->send(std::move(packet), std::move(written));
-        else if (written)
+            return core->send(std::move(packet), std::move(written));
+        if (written)
             asio::post(context_, [written = std::move(written)] { written(false); });
+        return Carriage::inside;
+    }
+    [[nodiscard]] bool can_share() const override { return can_share_; }
+    void share(std::shared_ptr<Pool> pool) override
+    {
+        if (const auto core = core_.lock())
+            core->share(std::move(pool));
+    }
+    [[nodiscard]] bool shares() const override
+    {
+        const auto core = core_.lock();
+        return core && core->shares();
     }
     [[nodiscard]] std::size_t events_waiting() const override
     {
@@ -55,6 +67,7 @@ public:
 private:
     asio::io_context& context_;
     std::string peer_;
+    bool can_share_;
     std::shared_ptr<ConnectionCore> unstarted_;
     std::weak_ptr<ConnectionCore> core_;
 };
@@ -65,8 +78,9 @@ std::shared_ptr<Connection> make_connection(asio::io_context& context, std::uniq
                                             std::shared_ptr<void> admission)
 {
     auto peer = stream->peer();
+    const bool can_share = stream->passes_descriptors();
     auto core = std::make_shared<ConnectionCore>(context, std::move(stream), timing, std::move(admission));
-    return std::make_shared<ConnectionHandle>(context, std::move(peer), std::move(core));
+    return std::make_shared<ConnectionHandle>(context, std::move(peer), can_share, std::move(core));
 }
 
 std::shared_ptr<Connection> Connection::create(asio::io_context& context, std::unique_ptr<Stream> stream, Timing timing)

@@ -44,7 +44,7 @@ void ConnectionCore::open(const protocol::Limits& limits)
     });
 }
 
-void ConnectionCore::send(protocol::Packet packet, Connection::Written written)
+Carriage ConnectionCore::send(protocol::Packet packet, Connection::Written written)
 {
     constexpr auto most = std::numeric_limits<std::uint32_t>::max();
     if (packet.header_text().size() > most || packet.body.size() > most)
@@ -52,20 +52,41 @@ void ConnectionCore::send(protocol::Packet packet, Connection::Written written)
     if (ended_) {
         if (written)
             asio::post(context_, [written = std::move(written)] { written(false); });
-        return;
+        return Carriage::inside;
     }
+    const auto carriage = lend(packet);
     writer_.push(std::move(packet), std::move(written));
     if (writer_.control_bytes() > timing_.control_bytes)
         end(about_peer({Errc::too_large, "it does not read: " + std::to_string(writer_.control_bytes()) + " bytes of control packets wait"}));
     else
         write();
+    return carriage;
 }
 
-void ConnectionCore::end(const Error& reason)
+/// A body in shared memory is replaced by a reference to it. The offer of its segment is a control packet, so it arrives before.
+Carriage ConnectionCore::lend(protocol::Packet& packet)
+{
+    if (!lending_ || packet.type != protocol::PacketType::event || packet.body.size() < Pool::least_body)
+        return Carriage::inside;
+    const auto reference = lending_->lend(packet.body);
+    if (!reference)
+        return Carriage::fallback;
+    if (const auto offer = lending_->offer(*reference))
+        writer_.push(protocol::make_packet(protocol::PacketType::segment, to_text(to_json(offer->first))), {}, offer->second);
+    packet.type = protocol::PacketType::reference;
+    packet.body = to_body(*reference);
+    return Carriage::reference;
+}
+
+void ConnectionCore::end(const Error& reason, bool by_peer)
 {
     if (ended_)
         return;
     ended_ = reason;
+    if (borrowing_)
+        borrowing_->end();  // before the peer can see the end and use its slots again
+    if (lending_)
+        lending_->end(by_peer);
     stream_->close();
     timer_.cancel();
     admission_.reset();
@@ -111,7 +132,7 @@ void ConnectionCore::on_read(std::error_code error, std::size_t bytes)
     if (ended_)
         return;
     if (error)
-        return end(about_peer(read_failure(error)));
+        return end(about_peer(read_failure(error)), true);
     const bool begins = !reader_.inside();
     reader_.received(bytes);
     const bool ends = deliver() > 0;
@@ -150,20 +171,79 @@ void ConnectionCore::take(protocol::Packet&& packet)
     }
     if (packet.type == protocol::PacketType::pong)
         return;
-    if (packet.type == protocol::PacketType::ping)
-        return send(protocol::make_packet(protocol::PacketType::pong, {}), {});
+    if (packet.type == protocol::PacketType::ping) {
+        send(protocol::make_packet(protocol::PacketType::pong, {}), {});
+        return;
+    }
+    try {
+        if (take_shared(packet))
+            return;
+    } catch (const Error& broken) {
+        return end(about_peer(broken));
+    }
     if (const auto told = handlers_; told && told->packet)
         told->packet(std::move(packet));
 }
 
+bool ConnectionCore::take_shared(protocol::Packet& packet)
+{
+    using protocol::PacketType;
+    if (packet.type != PacketType::segment && packet.type != PacketType::reference && packet.type != PacketType::release)
+        return false;
+    if (!stream_->passes_descriptors())
+        throw Error(Errc::malformed, std::string(token(packet.type)) + ": no memory is shared on this connection");
+    if (packet.type == PacketType::release) {
+        if (lending_)
+            lending_->released(protocol::slots_from_body(packet.body));
+        return true;
+    }
+    if (!borrowing_)
+        borrowing_ = make_borrowing();
+    if (packet.type == PacketType::segment) {
+        borrowing_->map(protocol::segment_from_json(parse_json(packet.header_text())), stream_->take_descriptor());
+        return true;
+    }
+    packet.type = PacketType::event;
+    packet.body = borrowing_->resolve(protocol::reference_from_body(packet.body));
+    return false;
+}
+
+std::unique_ptr<Borrowing> ConnectionCore::make_borrowing()
+{
+    return std::make_unique<Borrowing>([weak = weak_from_this(), &context = context_] {
+        // Twice around the queue: the request for the next event, which is on its way there as well, takes the slots along.
+        asio::post(context, [weak, &context] {
+            asio::post(context, [weak] {
+                if (const auto self = weak.lock())
+                    self->write();
+            });
+        });
+    });
+}
+
+void ConnectionCore::give_back()
+{
+    if (!borrowing_)
+        return;
+    const auto slots = borrowing_->take_returns();
+    if (!slots.empty())
+        writer_.push(protocol::make_packet(protocol::PacketType::release, {}, 0, protocol::to_body(slots)), {});
+}
+
 void ConnectionCore::write()
 {
-    if (ended_ || writing_ || writer_.idle())
+    if (ended_ || writing_)
+        return;
+    give_back();
+    if (writer_.idle())
         return;
     writing_ = true;
-    stream_->write_some(writer_.gather(), [self = shared_from_this()](std::error_code error, std::size_t bytes) {
-        self->on_written(error, bytes);
-    });
+    const auto buffers = writer_.gather();
+    auto on_written = [self = shared_from_this()](std::error_code error, std::size_t bytes) { self->on_written(error, bytes); };
+    if (const int descriptor = writer_.descriptor(); descriptor >= 0)
+        stream_->write_with(descriptor, buffers, std::move(on_written));
+    else
+        stream_->write_some(buffers, std::move(on_written));
 }
 
 // writing_ stays true during the callbacks, so that what they send leaves in one batch.
@@ -172,7 +252,7 @@ void ConnectionCore::on_written(std::error_code error, std::size_t bytes)
     if (ended_)
         return;
     if (error)
-        return end(about_peer({Errc::connection_lost, "writing failed: " + error.message()}));
+        return end(about_peer({Errc::connection_lost, "writing failed: " + error.message()}), true);
     liveness_.sent(Clock::now());
     const auto events = writer_.events();
     for (const auto& written : writer_.wrote(bytes))

@@ -1,6 +1,8 @@
 // The working part of a Connection: its stream, reader, writer and clock together.
 #pragma once
 
+#include "borrowing.hpp"
+#include "lending.hpp"
 #include "liveness.hpp"
 #include "packet_reader.hpp"
 #include "packet_writer.hpp"
@@ -23,10 +25,13 @@ public:
 
     void start(Connection::Handlers handlers);
     void open(const protocol::Limits& limits);
-    void send(protocol::Packet packet, Connection::Written written);
+    Carriage send(protocol::Packet packet, Connection::Written written);
+    void share(std::shared_ptr<Pool> pool) { lending_.emplace(std::move(pool)); }
+    [[nodiscard]] bool shares() const { return lending_.has_value() && !ended_; }
     [[nodiscard]] std::size_t events_waiting() const { return writer_.events(); }
     /// Ends it; Written callbacks and then `closed` are posted.
-    void end(const Error& reason);
+    /// @param by_peer  it is the peer that went away
+    void end(const Error& reason, bool by_peer = false);
     /// Nobody holds the connection any more: ends it, and tells only the Written callbacks.
     void abandon();
 
@@ -40,6 +45,11 @@ private:
     std::size_t deliver();
     std::optional<protocol::Packet> next_packet();
     void take(protocol::Packet&& packet);
+    /// What is said about shared memory. True when that was all.
+    bool take_shared(protocol::Packet& packet);
+    Carriage lend(protocol::Packet& packet);
+    std::unique_ptr<Borrowing> make_borrowing();
+    void give_back();
     void write();
     void on_written(std::error_code error, std::size_t bytes);
     void look_later();
@@ -54,6 +64,8 @@ private:
     Liveness liveness_;
     PacketReader reader_;
     PacketWriter writer_;
+    std::optional<Lending> lending_;
+    std::unique_ptr<Borrowing> borrowing_;  ///< from the first segment of the peer on
     std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a call that is going on, which may end everything
     std::optional<Error> ended_;
     bool hello_came_ = false;

@@ -18,12 +18,12 @@ bool in_event_lane(protocol::PacketType type)
 
 }  // namespace
 
-void PacketWriter::push(protocol::Packet packet, Written written)
+void PacketWriter::push(protocol::Packet packet, Written written, int descriptor)
 {
     const bool is_event = in_event_lane(packet.type);
     const auto size = packet.size();
     const auto prefix = encode(packet.prefix());
-    (is_event ? events_ : control_).push_back({std::move(packet), prefix, std::move(written), is_event});
+    (is_event ? events_ : control_).push_back({std::move(packet), prefix, std::move(written), is_event, descriptor});
     if (is_event)
         ++event_count_;
     else
@@ -42,7 +42,7 @@ void PacketWriter::fill_batch()
     std::size_t bytes = batch_.empty() ? 0 : batch_.front().packet.size() - begun_;
     while (batch_.size() < batch_packets && bytes < batch_bytes) {
         auto& lane = control_.empty() ? events_ : control_;
-        if (lane.empty())
+        if (lane.empty() || (lane.front().descriptor >= 0 && !batch_.empty()))
             return;
         bytes += lane.front().packet.size();
         batch_.push_back(std::move(lane.front()));

@@ -17,10 +17,13 @@ class PacketWriter {
 public:
     using Written = Connection::Written;
 
-    void push(protocol::Packet packet, Written written);
+    /// @param descriptor  to travel with its first byte; -1: none
+    void push(protocol::Packet packet, Written written, int descriptor = -1);
     /// What to write next: the rest of a packet that has begun, then waiting control packets, then events, until there are
-    /// 16 packets or 64 KiB. Valid until wrote() or drop(). Empty when nothing waits.
+    /// 16 packets or 64 KiB; a packet with a descriptor begins a list of its own. Valid until wrote() or drop(). Empty when nothing waits.
     std::span<const asio::const_buffer> gather();
+    /// What has to travel with the first byte of the gather list; -1: nothing.
+    [[nodiscard]] int descriptor() const { return batch_.empty() || begun_ > 0 ? -1 : batch_.front().descriptor; }
     /// So many bytes of the gather list are written. Returns the callbacks of packets that are out, in order.
     std::vector<Written> wrote(std::size_t bytes);
     /// Forgets everything. Returns the callbacks of what was not wholly written.
@@ -36,6 +39,7 @@ private:
         protocol::PrefixBytes prefix;
         Written written;
         bool is_event;
+        int descriptor;
     };
     void fill_batch();
     void list_buffers();

@@ -15,19 +15,6 @@
 namespace hive::transport {
 namespace {
 
-/// A descriptor that is closed at the end of the scope.
-struct Descriptor {
-    explicit Descriptor(int opened) : number(opened) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor()
-    {
-        if (number >= 0)
-            ::close(number);
-    }
-    const int number;
-};
-
 Error failure(const Address& address, Errc code, const std::string& why)
 {
     return {code, "cannot listen on " + to_text(address) + ": " + why};
@@ -44,9 +31,9 @@ Error os_failure(const Address& address, const std::string& what)
 /// whoever holds it for a second holds it in error.
 void lock_folder(const Descriptor& folder, const Address& address)
 {
-    if (folder.number < 0)
+    if (!folder)
         throw os_failure(address, "its folder cannot be opened");
-    for (int attempt = 0; ::flock(folder.number, LOCK_EX | LOCK_NB) != 0; ++attempt) {
+    for (int attempt = 0; ::flock(folder.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {
         if (attempt == 100)
             throw os_failure(address, "its folder stays locked");
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -57,9 +44,9 @@ void lock_folder(const Descriptor& folder, const Address& address)
 bool is_answered(const sockaddr_un& at)
 {
     const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    if (probe.number < 0)
+    if (!probe)
         throw Error(Errc::io, "cannot open a socket: " + os_text(errno));
-    return ::connect(probe.number, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0 || errno != ECONNREFUSED;
+    return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0 || errno != ECONNREFUSED;
 }
 
 void remove_stale(const sockaddr_un& at, const Address& address)

@@ -5,6 +5,12 @@
 #include <unistd.h>
 
 namespace hive::transport {
+
+void Stream::write_with(int, std::span<const asio::const_buffer>, Handler)
+{
+    throw Error(Errc::unsupported, "this transport passes no descriptors");
+}
+
 namespace {
 
 class SocketStream final : public Stream {

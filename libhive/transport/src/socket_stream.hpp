@@ -10,6 +10,8 @@ namespace hive::transport {
 using Socket = asio::generic::stream_protocol::socket;
 
 std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer);
+/// Of a unix socket, that passes descriptors.
+std::unique_ptr<Stream> make_descriptor_stream(Socket socket, std::string peer);
 
 /// A new socket that children do not inherit. Throws Errc::io.
 Socket open_socket(asio::io_context& context, int family);

@@ -23,7 +23,7 @@ std::unique_ptr<Stream> stream_to_own_user(Socket socket)
         throw Error(Errc::not_permitted, "the peer runs as user " + std::to_string(peer.uid) + ", this end as user "
                         + std::to_string(::geteuid()));
     set_option(socket.native_handle(), SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
-    return make_socket_stream(std::move(socket), "pid " + std::to_string(peer.pid));
+    return make_descriptor_stream(std::move(socket), "pid " + std::to_string(peer.pid));
 }
 
 class UnixListener final : public SocketListener {

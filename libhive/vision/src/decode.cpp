@@ -83,6 +83,12 @@ cv::Mat decode_png(const Body& body, const DecodeLimits& limits)
     throw Error(Errc::unsupported, "pictures of type " + in_quotes(type) + " are not supported; " + image_types + " are");
 }
 
+/// What is checked before it is decoded must not change in between.
+Body unchanging(const Body& body)
+{
+    return body.foreign() ? Body(std::vector(body.data(), body.data() + body.size())) : body;
+}
+
 cv::Mat picture_of(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)
 {
     if (type == "image/jpeg")
@@ -98,7 +104,7 @@ cv::Mat picture_of(const Body& body, const std::string& type, const DecodeLimits
 
 cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)
 {
-    cv::Mat picture = picture_of(body, type, limits, header);
+    cv::Mat picture = picture_of(type == "image/raw" ? body : unchanging(body), type, limits, header);
     return type == "image/raw" ? picture.clone() : picture;
 }
 
@@ -111,14 +117,15 @@ cv::Mat decode(const Event& event, const DecodeLimits& limits)
 cv::Mat view(const Event& event, const DecodeLimits& limits)
 {
     const Json& header = event.header;
+    const Body body = event.type == "image/raw" ? event.body : unchanging(event.body);
     const auto declares = [&](const char* key) { return header.contains(key) && header[key].is_number_integer(); };
     if (event.type != "image/raw" && declares("width") && declares("height")) {
         const Fields fields(header, event.type);
-        const cv::Size size = size_of(event.body, event.type, limits);
+        const cv::Size size = size_of(body, event.type, limits);
         if (std::int64_t{size.width} * size.height > fields.integer("width", 1, 1 << 20) * fields.integer("height", 1, 1 << 20))
             throw Error(Errc::malformed, "the picture is larger than its header says");
     }
-    return picture_of(event.body, event.type, limits, header);
+    return picture_of(body, event.type, limits, header);
 }
 
 cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)

@@ -26,11 +26,15 @@ public:
     Body(const Body&) = default;
     Body& operator=(const Body&) = default;
     /// What was moved from is empty: it must not show bytes that it no longer keeps alive.
-    Body(Body&& other) noexcept : owner_(std::move(other.owner_)), bytes_(std::exchange(other.bytes_, {})) {}
+    Body(Body&& other) noexcept
+        : owner_(std::move(other.owner_)), bytes_(std::exchange(other.bytes_, {})), foreign_(std::exchange(other.foreign_, false))
+    {
+    }
     Body& operator=(Body&& other) noexcept
     {
         owner_ = std::move(other.owner_);
         bytes_ = std::exchange(other.bytes_, {});
+        foreign_ = std::exchange(other.foreign_, false);
         return *this;
     }
 
@@ -41,10 +45,21 @@ public:
     }
     [[nodiscard]] std::size_t size() const noexcept { return bytes_.size(); }
     [[nodiscard]] bool empty() const noexcept { return bytes_.empty(); }
+    /// The bytes lie in memory of the process that made them, which a broken or hostile one could still change: who checks
+    /// bytes before using them (a decoder) copies them first.
+    [[nodiscard]] bool foreign() const noexcept { return foreign_; }
+    /// A view of memory of another process.
+    static Body in_foreign_memory(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
+    {
+        Body body(bytes, std::move(owner));
+        body.foreign_ = true;
+        return body;
+    }
 
 private:
     std::shared_ptr<const void> owner_;
     std::span<const std::byte> bytes_;
+    bool foreign_ = false;
 };
 
 /// A buffer to be filled in place and then emitted as a Body. Asked of an Output (or a Drone), it lies in memory that receivers

@@ -43,12 +43,13 @@ struct Event {
     std::string input;    ///< where it arrived
     std::string type;     ///< media type of the body, "image/jpeg"
     Json header = Json::object();  ///< what the sender's author put in
-    Body body;                     ///< empty in a notification
     std::size_t size = 0;          ///< of the body at the sender, bytes
     std::chrono::steady_clock::time_point received{};
     /// While anybody holds it, the event counts as being worked on: the next one is asked for (and shared work
     /// acknowledged) when the last copy is gone.
     std::shared_ptr<const void> receipt;
+    /// Empty in a notification. Declared last, so that it goes first: the memory is given back together with the receipt.
+    Body body;
 
     /// Since the capture, by the wall clocks of the two machines.
     [[nodiscard]] std::chrono::microseconds age() const;

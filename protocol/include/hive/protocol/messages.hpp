@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace hive::protocol {
 
@@ -17,6 +18,7 @@ struct Hello {
     std::string kind;        ///< "face"; "application" for an application
     std::int64_t epoch = 0;  ///< when the module started, microseconds since 1970: a restarted module has a larger one
     std::int64_t pid = 0;
+    bool maps = false;       ///< takes bodies in shared memory on this connection
 };
 Json to_json(const Hello& hello);
 Hello hello_from_json(const Json& object);
@@ -43,6 +45,37 @@ struct Request {
 };
 std::string to_text(const Request& request);
 Request request_from_json(const Json& object);
+
+/// A segment of shared memory that a sender offers; its descriptor travels with the packet.
+struct Segment {
+    std::uint32_t id = 0;
+    std::uint32_t slots = 0;
+    std::uint64_t slot_size = 0;  ///< bytes, a multiple of the page size
+};
+Json to_json(const Segment& segment);
+Segment segment_from_json(const Json& object);
+
+/// One use of one slot of a segment.
+struct Slot {
+    std::uint32_t segment = 0;
+    std::uint32_t index = 0;
+    std::uint64_t generation = 0;  ///< counts the uses of the slot
+
+    auto operator<=>(const Slot&) const = default;
+};
+/// A body in shared memory: what stands in a `reference` packet instead of it.
+struct Reference {
+    Slot slot;
+    std::uint64_t offset = 0;  ///< from the beginning of the slot
+    std::uint64_t size = 0;
+};
+Body to_body(const Reference& reference);
+/// Throws Errc::malformed.
+Reference reference_from_body(const Body& body);
+
+/// What a `release` packet carries: slots that the receiver uses no longer.
+Body to_body(const std::vector<Slot>& slots);
+std::vector<Slot> slots_from_body(const Body& body);
 
 /// The answer to a request: a result, or an error.
 struct Confirmation {

@@ -23,10 +23,14 @@ enum class PacketType : std::uint8_t {
     register_receiver = 10,
     deregister = 11,
     request = 12,
+    // about bodies in shared memory (section 11): the sender's offer, the receiver's giving back
+    segment = 13,
+    release = 14,
     // from sender to receiver, on a channel
     event = 20,
     notification = 21,
     exception = 22,
+    reference = 23,  ///< an event whose body lies in shared memory
     // requests to a drone, each answered by one confirmation
     connect = 30,
     disconnect = 31,

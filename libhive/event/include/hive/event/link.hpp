@@ -28,7 +28,9 @@ public:
     /// Receives the packets (event, notification, exception) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;
 
-    Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits);
+    /// @param pool  where the bodies of this module lie that a peer on this machine may read
+    Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits,
+         std::shared_ptr<transport::Pool> pool);
     void start(Events events);
 
     [[nodiscard]] bool open() const noexcept { return open_; }
@@ -64,6 +66,7 @@ private:
     std::shared_ptr<transport::Connection> connection_;
     protocol::Hello self_, peer_;
     protocol::Limits limits_;
+    std::shared_ptr<transport::Pool> pool_;
     Events events_;
     bool open_ = false;
     std::int64_t next_id_ = 0;

@@ -75,6 +75,8 @@ public:
     /// Runs a task on the network thread and waits for it; what it throws is thrown here.
     void call(const std::function<void()>& task);
     [[nodiscard]] const std::shared_ptr<Door>& door() const noexcept { return door_; }
+    /// Where bodies are made that peers on this machine read without a copy.
+    [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
     void log(const std::string& text) const { options_.log(text); }
     /// While halted, intakes ask for nothing.
@@ -122,6 +124,7 @@ private:
     Outlet& outlet(const std::string& name);
 
     Options options_;
+    std::shared_ptr<transport::Pool> pool_ = std::make_shared<transport::Pool>();
     asio::io_context context_{1};
     asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
     std::shared_ptr<Door> door_ = std::make_shared<Door>(context_);

@@ -12,7 +12,7 @@
 
 namespace hive::event {
 
-/// Network thread, but for wanted() and asked().
+/// Network thread, but for wanted(), asked() and shares().
 class Outlet {
 public:
     /// @param carrier    the packet type that carries its events: event or exception
@@ -39,6 +39,8 @@ public:
     [[nodiscard]] bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
+    /// Does anybody receive bodies through shared memory?
+    [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool leasing() const { return table_.leasing(); }
     /// As in `status` (SPEC.md, section 6.4).
     /// @param most_receivers  rows to list at most; counts them down, and says how many are left out
@@ -49,6 +51,8 @@ private:
     struct Place {
         LinkPtr link;
         std::uint16_t channel;
+        bool data;  ///< receives bodies
+        std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
     void execute(const ReceiverTable::Decisions& decisions);
     void forget(std::map<Key, ReceiverTable::Id>::iterator place, bool left);
@@ -64,7 +68,7 @@ private:
     ReceiverTable::Id next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
-    std::atomic<bool> wanted_ = false, asked_ = false;
+    std::atomic<bool> wanted_ = false, asked_ = false, shares_ = false;
     bool backlogged_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/protocol/packet.hpp>
+#include <hive/transport/pool.hpp>
 #include <hive/transport/stream.hpp>
 
 #include <chrono>
@@ -21,9 +22,17 @@ struct Timing {
     std::size_t control_bytes = 256 * 1024;      ///< more control packets than this waiting: the peer is cut off
 };
 
+/// How the body of a packet travels.
+enum class Carriage {
+    inside,     ///< in the packet: it is small, or the peer is on another machine
+    reference,  ///< in shared memory
+    fallback    ///< in the packet, although it could have been shared: the pool had no room, or the peer holds too much
+};
+
 /// Lives on the network thread; all calls and handlers are there. Two lanes leave it: control packets, and events
 /// (event, notification, exception and put carry bodies). Control packets overtake waiting events at every packet
-/// boundary. Pings and pongs are answered here and shown to nobody.
+/// boundary. Pings and pongs are answered here and shown to nobody, and so is all that is said about shared memory: above,
+/// an event has a body, wherever its bytes lie.
 ///
 /// The first packet must fit protocol::hello_limits and be a hello; when it has been handed over, open() raises the
 /// limits. A connection that breaks the protocol is closed with the error that says how.
@@ -46,7 +55,12 @@ public:
     virtual void open(const protocol::Limits& limits) = 0;
     /// Queues a packet; never blocks, never calls back from inside. Bodies are not copied: the packet holds them until
     /// they are written. After the end it is dropped (written is called with false).
-    virtual void send(protocol::Packet packet, Written written = {}) = 0;
+    virtual Carriage send(protocol::Packet packet, Written written = {}) = 0;
+    /// Can memory be shared with this peer, if it wants to?
+    [[nodiscard]] virtual bool can_share() const = 0;
+    /// The peer wants to: from now on bodies of events that lie in this pool go by reference. Only where can_share().
+    virtual void share(std::shared_ptr<Pool> pool) = 0;
+    [[nodiscard]] virtual bool shares() const = 0;
     /// Packets in the event lane that are not wholly written. The caller keeps this small; nothing here drops.
     [[nodiscard]] virtual std::size_t events_waiting() const = 0;
     /// Ends the connection; `closed` follows with this error, from the event loop.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <hive/error.hpp>
+#include <hive/transport/descriptor.hpp>
 
 #include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
@@ -26,6 +27,12 @@ public:
     virtual void read_some(asio::mutable_buffer into, Handler handler) = 0;
     /// Writes at least one byte of a gather list, copying nothing.
     virtual void write_some(std::span<const asio::const_buffer> from, Handler handler) = 0;
+    /// Can descriptors travel along? Then both ends are on one machine, and it is worth sharing memory.
+    [[nodiscard]] virtual bool passes_descriptors() const noexcept { return false; }
+    /// Writes as write_some; the peer gets a descriptor of its own for the same thing, with the first byte. Only where descriptors pass.
+    virtual void write_with(int descriptor, std::span<const asio::const_buffer> from, Handler handler);
+    /// The oldest descriptor that came with the bytes read so far and was not taken; none: an empty one.
+    virtual Descriptor take_descriptor() { return {}; }
     /// Ends both directions; pending handlers are called with asio::error::operation_aborted. May be called twice.
     virtual void close() noexcept = 0;
     /// Who is there, for logs and errors: "pid 4711", "192.0.2.7:50012".
