@@ -18,6 +18,9 @@ option(HIVE_FUZZ "build the libFuzzer targets (needs clang)" OFF)
 
 add_compile_definitions(HIVE_VERSION="${PROJECT_VERSION}" ASIO_STANDALONE ASIO_NO_DEPRECATED)
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror=return-type)
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options(-fpch-preprocess)  # else ccache cannot tell what a precompiled header brings
+endif()
 if(HIVE_SANITIZE)
   add_compile_options(-fsanitize=${HIVE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HIVE_SANITIZE})

@@ -1,0 +1,140 @@
+// Shared memory between drones: bodies go by reference, shortage and hoarders cost speed but no event, the dead leave nothing.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <numeric>
+#include <sys/resource.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+constexpr int megabyte = 1'000'000;
+
+/// The row of the first receiver of a drone's first output.
+Json first_receiver(hive::Application& application, const std::string& sender)
+{
+    return application.status(sender).at("outputs").at(0).at("receivers").at(0);
+}
+
+bool whole(const hive::Event& event)
+{
+    const auto bytes = std::span(event.body.data(), event.body.size());
+    return bytes.size() == static_cast<std::size_t>(megabyte) && std::accumulate(bytes.begin(), bytes.end(), std::int64_t{0}) == event.header.at("sum");
+}
+
+std::size_t shared_mappings(pid_t pid)
+{
+    std::ifstream maps("/proc/" + std::to_string(pid) + "/maps");
+    std::size_t count = 0;
+    for (std::string line; std::getline(maps, line);)
+        count += line.find("memfd:hive") != std::string::npos ? 1 : 0;
+    return count;
+}
+
+/// The processes started while it lives may write no file, and so no shared memory, larger than this.
+class NoLargeFiles {
+public:
+    NoLargeFiles()
+    {
+        REQUIRE(::getrlimit(RLIMIT_FSIZE, &before_) == 0);
+        const rlimit little{.rlim_cur = 256 * 1024, .rlim_max = before_.rlim_max};
+        REQUIRE(::setrlimit(RLIMIT_FSIZE, &little) == 0);
+    }
+    ~NoLargeFiles() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+    NoLargeFiles(const NoLargeFiles&) = delete;
+    NoLargeFiles& operator=(const NoLargeFiles&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+/// Takes a hundred lossless events; all are whole and in order.
+Json take_hundred(const Swarm& swarm, hive::Application& application)
+{
+    const auto collector = application.collect({{"source", "tick"}});
+    int intact = 0;
+    for (int i = 1; i <= 100; ++i) {
+        const auto event = collector->next(patient(5000ms));
+        REQUIRE(event);
+        intact += whole(*event) && event->header.at("index") == i ? 1 : 0;
+    }
+    CHECK(intact == 100);
+    CHECK(swarm.hivectl_done({"edges"}).find("source.tick") != std::string::npos);
+    return first_receiver(application, "source");
+}
+
+}  // namespace
+
+TEST_CASE("memory: between drones of one machine bodies go by reference")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=100", "bytes=1000000"});
+    auto application = swarm.application();
+    const auto row = take_hundred(swarm, application);
+    CHECK(row.at("shared") == 100);
+    CHECK(row.at("fallback") == 0);
+}
+
+TEST_CASE("memory: when memory is short the bodies go through the socket, counted, and none is lost")
+{
+    const Swarm swarm;
+    std::optional<Process> source;
+    {
+        const NoLargeFiles limit;
+        source = swarm.drone("ticker", "source", {"pace=demand", "count=100", "bytes=1000000"});
+    }
+    auto application = swarm.application();
+    const auto row = take_hundred(swarm, application);
+    CHECK(row.at("shared") == 0);
+    CHECK(row.at("fallback") == 100);
+}
+
+TEST_CASE("memory: a receiver that keeps every event takes nothing from the others")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=200", "bytes=1000000"});
+    auto greedy = swarm.application(), modest = swarm.application();
+    const auto keeping = greedy.collect({{"source", "tick"}});
+    std::vector<hive::Event> kept;
+    for (int i = 0; i < 60; ++i) {
+        auto event = keeping->next(patient(5000ms));
+        REQUIRE(event);
+        kept.push_back(std::move(*event));
+    }
+    const auto other = modest.collect({{"source", "tick"}});
+    for (int i = 0; i < 100; ++i) {
+        const auto event = other->next(patient(5000ms));
+        REQUIRE(event);
+        CHECK(whole(*event));
+    }
+    const auto status = modest.status("source");
+    for (const auto& row : status.at("outputs").at(0).at("receivers")) {
+        if (row.at("delivered").get<int>() >= 100)
+            CHECK(row.at("fallback") == 0);
+        else
+            CHECK(row.at("fallback").get<int>() > 0);
+    }
+    CHECK(std::ranges::all_of(kept, whole));
+}
+
+TEST_CASE("memory: the dead leave no mapping and no descriptor behind")
+{
+    const Swarm swarm;
+    const auto counter = swarm.drone("counter", "counter");
+    std::optional<Process> source = swarm.drone("ticker", "source", {"fps=100", "bytes=1000000"});
+    auto application = swarm.application();
+    application.connect({"source", "tick"}, {"counter", "tick"});
+    REQUIRE(eventually([&] { return shared_mappings(counter.pid()) == 1; }));
+    const auto descriptors = open_descriptors(counter.pid());
+    source->kill();
+    CHECK(eventually([&] { return shared_mappings(counter.pid()) == 0; }));
+    CHECK(open_descriptors(counter.pid()) <= descriptors);
+    source = swarm.drone("ticker", "source", {"fps=100", "bytes=1000000"});
+    CHECK(eventually([&] { return shared_mappings(counter.pid()) == 1; }));
+    CHECK(eventually([&] { return open_descriptors(counter.pid()) <= descriptors; }));
+}
