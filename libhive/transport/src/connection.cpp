@@ -11,8 +11,8 @@ namespace {
 /// that would outlive the io_context.
 class ConnectionHandle final : public Connection {
 public:
-    ConnectionHandle(asio::io_context& context, std::string peer, std::shared_ptr<ConnectionCore> core)
-        : context_(context), peer_(std::move(peer)), unstarted_(std::move(core)), core_(unstarted_)
+    ConnectionHandle(asio::io_context& context, std::string peer, bool local, std::shared_ptr<ConnectionCore> core)
+        : context_(context), peer_(std::move(peer)), local_(local), unstarted_(std::move(core)), core_(unstarted_)
     {
     }
     ConnectionHandle(const ConnectionHandle&) = delete;
@@ -51,10 +51,12 @@ public:
             core->end(reason);
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
+    [[nodiscard]] bool local() const override { return local_; }
 
 private:
     asio::io_context& context_;
     std::string peer_;
+    bool local_;
     std::shared_ptr<ConnectionCore> unstarted_;
     std::weak_ptr<ConnectionCore> core_;
 };
@@ -65,8 +67,9 @@ std::shared_ptr<Connection> make_connection(asio::io_context& context, std::uniq
                                             std::shared_ptr<void> admission)
 {
     auto peer = stream->peer();
+    const bool local = stream->local();
     auto core = std::make_shared<ConnectionCore>(context, std::move(stream), timing, std::move(admission));
-    return std::make_shared<ConnectionHandle>(context, std::move(peer), std::move(core));
+    return std::make_shared<ConnectionHandle>(context, std::move(peer), local, std::move(core));
 }
 
 std::shared_ptr<Connection> Connection::create(asio::io_context& context, std::unique_ptr<Stream> stream, Timing timing)
