@@ -45,7 +45,7 @@ std::string state_of(const BothEnds& ends)
 Row row_of(const Ends& names, const BothEnds& ends)
 {
     Row row{{"from", names.first}, {"to", names.second}};
-    for (const char* key : {"transfer", "delivery", "window", "group"})
+    for (const char* key : {"transfer", "delivery", "window", "group", "encoding"})
         row.add(key, field(ends.at_sender ? ends.at_sender : ends.at_receiver, key));
     row.add("state", state_of(ends));
     row.add("known_by", !ends.at_receiver ? "sender" : !ends.at_sender ? "receiver" : "both");

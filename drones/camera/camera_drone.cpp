@@ -1,7 +1,7 @@
 // The wiring: parameters to sources, pictures to events.
 #include "camera_drone.hpp"
 
-#include <hive/vision/image.hpp>
+#include <hive/vision/encoder.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -27,22 +27,6 @@ cv::Size size_to_send(cv::Size own, int width, int height)
 
 hive::Body body_of(const std::shared_ptr<const std::vector<unsigned char>>& jpeg) { return {std::as_bytes(std::span(*jpeg)), jpeg}; }
 
-cv::Mat resized(const cv::Mat& picture, cv::Size size)
-{
-    if (picture.size() == size)
-        return picture;
-    cv::Mat result;
-    cv::resize(picture, result, size, 0, 0, size.area() < picture.size().area() ? cv::INTER_AREA : cv::INTER_LINEAR);
-    return result;
-}
-
-hive::Body encoded(const cv::Mat& picture, const std::string& encoding, int quality)
-{
-    if (encoding == "png")
-        return hive::vision::encode_png(picture);
-    return encoding == "raw" ? hive::vision::encode_raw(picture) : hive::vision::encode_jpeg(picture, quality);
-}
-
 hive::Json truth_of(const Frame& frame)
 {
     const auto tenths = [](double value) { return std::round(value * 10) / 10; };
@@ -55,7 +39,8 @@ hive::Json truth_of(const Frame& frame)
 }  // namespace
 
 CameraDrone::CameraDrone(hive::Drone& drone)
-    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the pictures"))
+    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the pictures", hive::vision::encoder())),
+      memory_(std::make_shared<hive::vision::LoanAllocator>([output = image_](std::size_t bytes) { return output.loan(bytes); }))
 {
     declare();
     drone_.on_start([] {
@@ -73,8 +58,6 @@ void CameraDrone::declare()
     drone_.parameter("width", width_, hive::between(0, 8192).in("px"), "0: follows height, or as the source has it (scene and device: 640)");
     drone_.parameter("height", height_, hive::between(0, 8192).in("px"), "0: follows width, or as the source has it (scene and device: 480)");
     drone_.parameter("fps", fps_, hive::between(0, 1000).in("fps"), "with pace=live; 0: as the source has it (scene and pictures: 30)");
-    drone_.parameter("encoding", encoding_, hive::one_of({"jpeg", "png", "raw"}), "JPEG files are passed on untouched");
-    drone_.parameter("quality", quality_, hive::between(1, 100).in("%"), "of JPEG");
     drone_.parameter("loop", loop_, hive::anything(), "files begin again at their end");
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next picture when all receivers ask");
     drone_.parameter("faces", faces_, hive::between(0, 3), "in the scene");
@@ -108,13 +91,13 @@ void CameraDrone::open(const Wanted& wanted)
     const SourceKind kind = source_kind(wanted.source.text);
     if (wanted.pace == "demand" && is_live(kind))
         throw hive::Error(hive::Errc::refused, "pace=demand is for files and the scene: a camera does not wait to be asked");
-    auto source = is_live(kind) ? nullptr : open_source(wanted.source);
+    auto source = is_live(kind) ? nullptr : open_source(wanted.source, memory_.get());
     on_demand_.reset();
     capture_.reset();
     if (wanted.pace == "demand")
         on_demand_ = std::move(source);
     else
-        capture_ = std::make_unique<Capture>([settings = wanted.source] { return open_source(settings); }, wanted.fps,
+        capture_ = std::make_unique<Capture>([settings = wanted.source, memory = memory_] { return open_source(settings, memory.get()); }, wanted.fps,
                                              is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop,
                                              [this] { drone_.wake(); });
 }
@@ -145,25 +128,30 @@ std::chrono::microseconds CameraDrone::step_on_demand()
     return 1s;
 }
 
+/// A JPEG that keeps its size travels as it is; everything else as pixels, which connections may have encoded.
 void CameraDrone::send(const Frame& frame, bool lossless)
 {
     const cv::Size own = frame.jpeg ? hive::vision::size_of(body_of(frame.jpeg), "image/jpeg") : frame.image.size();
     const cv::Size size = size_to_send(own, width_, height_);
-    hive::Json header{{"width", size.width}, {"height", size.height}, {"index", frame.index}, {"source", shown_source(source_)}};
+    const bool untouched = frame.jpeg && size == own;
+    const auto form = untouched ? hive::vision::PlainForm{"image/jpeg", {{"width", size.width}, {"height", size.height}}}
+                                : hive::vision::plain_form(size, frame.jpeg ? 3 : frame.image.channels());
+    hive::Json header = form.header;
+    header.update({{"index", frame.index}, {"source", shown_source(source_)}});
     if (frame.knows_truth)
         header["truth"] = truth_of(frame);
-    if (encoding_ == "raw") {
-        const int channels = frame.jpeg ? 3 : frame.image.channels();
-        header["pixel_format"] = channels == 3 ? "bgr8" : "gray8";
-        header["stride"] = size.width * channels;
-    }
-    const std::function<hive::Body()> body = [&]() -> hive::Body {
-        if (frame.jpeg && encoding_ == "jpeg" && size == own)
-            return body_of(frame.jpeg);
-        const cv::Mat picture = frame.jpeg ? hive::vision::decode(body_of(frame.jpeg), "image/jpeg") : frame.image;
-        return encoded(resized(picture, size), encoding_, quality_);
-    };
-    image_.emit_captured(frame.captured, lossless, std::move(header), body, "image/" + encoding_);
+    image_.emit_captured(frame.captured, lossless, std::move(header),
+                         [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
+}
+
+hive::Body CameraDrone::pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size)
+{
+    const cv::Mat picture = frame.jpeg ? hive::vision::decode(body_of(frame.jpeg), "image/jpeg") : frame.image;
+    if (picture.size() == size)
+        return form.body(picture);
+    cv::Mat resized = memory_->picture();
+    cv::resize(picture, resized, size, 0, 0, size.area() < picture.size().area() ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return form.body(resized);
 }
 
 void CameraDrone::say(const std::string& condition)

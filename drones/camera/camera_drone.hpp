@@ -5,6 +5,8 @@
 #include "source.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/image.hpp>
+#include <hive/vision/loans.hpp>
 
 #include <memory>
 #include <string>
@@ -15,6 +17,10 @@ namespace camera {
 class CameraDrone {
 public:
     explicit CameraDrone(hive::Drone& drone);
+    CameraDrone(const CameraDrone&) = delete;
+    CameraDrone& operator=(const CameraDrone&) = delete;
+    /// A capture that is stuck in a read may go on for a while: it must not borrow from a drone that has ended.
+    ~CameraDrone() { memory_->close(); }
     void run() { drone_.run(); }
 
 private:
@@ -34,12 +40,14 @@ private:
     std::chrono::microseconds step_live();
     std::chrono::microseconds step_on_demand();
     void send(const Frame& frame, bool lossless);
+    [[nodiscard]] hive::Body pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size);
     void say(const std::string& condition);
 
     hive::Drone& drone_;
     hive::Output image_;
-    std::string source_ = "scene", encoding_ = "jpeg", pace_ = "live";
-    int width_ = 0, height_ = 0, quality_ = 80, faces_ = 1, seed_ = 1;
+    std::shared_ptr<hive::vision::LoanAllocator> memory_;  ///< of the pictures, also those that the capture reads
+    std::string source_ = "scene", pace_ = "live";
+    int width_ = 0, height_ = 0, faces_ = 1, seed_ = 1;
     double fps_ = 0, noise_ = 3;
     bool loop_ = true;
 

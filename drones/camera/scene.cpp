@@ -54,9 +54,11 @@ Scene::Scene(const SceneSettings& settings)
     noise.convertTo(darker_, CV_8U, -1);
 }
 
-ScenePicture Scene::picture(std::int64_t index) const
+ScenePicture Scene::picture(std::int64_t index, cv::MatAllocator* memory) const
 {
-    ScenePicture result{background_.clone(), {}};
+    ScenePicture result;
+    result.image.allocator = memory;
+    background_.copyTo(result.image);
     for (int face = 0; face < settings_.faces; ++face) {
         result.truth.push_back(face_box(face, index));
         draw_face(result.image, result.truth.back());

@@ -31,7 +31,8 @@ class Scene {
 public:
     explicit Scene(const SceneSettings& settings);
 
-    [[nodiscard]] ScenePicture picture(std::int64_t index) const;
+    /// @param memory  where the pixels shall lie; null: OpenCV's own
+    [[nodiscard]] ScenePicture picture(std::int64_t index, cv::MatAllocator* memory = nullptr) const;
 
 private:
     [[nodiscard]] cv::Rect2d face_box(int face, std::int64_t index) const;

@@ -26,9 +26,10 @@ std::vector<unsigned char> read_file(const fs::path& path)
 }
 
 /// JPEG files are given as they are, for whoever passes them on; everything else is decoded here.
-Frame read_picture(const fs::path& path)
+Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
 {
     Frame frame;
+    frame.image.allocator = memory;
     frame.captured = std::chrono::system_clock::now();
     auto bytes = read_file(path);
     if (bytes.size() >= 2 && bytes[0] == 0xFF && bytes[1] == 0xD8) {
@@ -36,7 +37,7 @@ Frame read_picture(const fs::path& path)
         return frame;
     }
     if (!bytes.empty())
-        frame.image = cv::imdecode(bytes, cv::IMREAD_COLOR);
+        cv::imdecode(bytes, cv::IMREAD_COLOR, &frame.image);
     if (frame.image.empty())
         throw std::runtime_error(path.string() + " is not a picture, or damaged");
     return frame;
@@ -44,14 +45,14 @@ Frame read_picture(const fs::path& path)
 
 class SceneSource : public Source {
 public:
-    explicit SceneSource(const SceneSettings& settings) : scene_(settings) {}
+    SceneSource(const SceneSettings& settings, cv::MatAllocator* memory) : scene_(settings), memory_(memory) {}
 
     std::optional<Frame> next() override
     {
         Frame frame;
         frame.captured = std::chrono::system_clock::now();
         frame.index = index_++;
-        ScenePicture picture = scene_.picture(frame.index);
+        ScenePicture picture = scene_.picture(frame.index, memory_);
         frame.image = std::move(picture.image);
         frame.truth = std::move(picture.truth);
         frame.knows_truth = true;
@@ -60,13 +61,14 @@ public:
 
 private:
     Scene scene_;
+    cv::MatAllocator* memory_;
     std::int64_t index_ = 0;
 };
 
 /// Picture files one after the other; one file is a folder of one.
 class FileSource : public Source {
 public:
-    FileSource(std::vector<fs::path> files, bool loop) : files_(std::move(files)), loop_(loop) {}
+    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory) : files_(std::move(files)), loop_(loop), memory_(memory) {}
 
     std::optional<Frame> next() override
     {
@@ -75,7 +77,7 @@ public:
         if (index_ == files_.size())
             return std::nullopt;
         const std::size_t index = index_++;  // a file that cannot be read is passed over at the next call
-        Frame frame = read_picture(files_[index]);
+        Frame frame = read_picture(files_[index], memory_);
         frame.index = static_cast<std::int64_t>(index);
         return frame;
     }
@@ -83,6 +85,7 @@ public:
 private:
     std::vector<fs::path> files_;
     bool loop_;
+    cv::MatAllocator* memory_;
     std::size_t index_ = 0;
 };
 
@@ -98,7 +101,7 @@ std::vector<fs::path> pictures_in(const fs::path& folder)
     return files;
 }
 
-std::unique_ptr<Source> open_scene(const SourceSettings& settings)
+std::unique_ptr<Source> open_scene(const SourceSettings& settings, cv::MatAllocator* memory)
 {
     SceneSettings scene = settings.scene;
     scene.size = size_or_default(settings.size);
@@ -108,7 +111,7 @@ std::unique_ptr<Source> open_scene(const SourceSettings& settings)
         scene.background = Background::plain;
     else
         scene.background = Background::brick;
-    return std::make_unique<SceneSource>(scene);
+    return std::make_unique<SceneSource>(scene, memory);
 }
 
 }  // namespace
@@ -124,15 +127,15 @@ cv::Size size_or_default(cv::Size size)
     return size;
 }
 
-std::unique_ptr<Source> open_source(const SourceSettings& settings)
+std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAllocator* memory)
 {
     switch (source_kind(settings.text)) {
-    case SourceKind::scene: return open_scene(settings);
-    case SourceKind::image: return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop);
-    case SourceKind::folder: return std::make_unique<FileSource>(pictures_in(settings.text), settings.loop);
-    case SourceKind::video: return open_video(settings.text, settings.loop);
-    case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps);
-    case SourceKind::url: return open_url(settings.text);
+    case SourceKind::scene: return open_scene(settings, memory);
+    case SourceKind::image: return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop, memory);
+    case SourceKind::folder: return std::make_unique<FileSource>(pictures_in(settings.text), settings.loop, memory);
+    case SourceKind::video: return open_video(settings.text, settings.loop, memory);
+    case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps, memory);
+    case SourceKind::url: return open_url(settings.text, memory);
     }
     throw std::logic_error("a kind of source that nobody opens");
 }

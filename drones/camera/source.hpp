@@ -54,8 +54,9 @@ SourceKind source_kind(const std::string& text);
 /// Does it have a rate of its own, which nobody can slow down or speed up?
 inline bool is_live(SourceKind kind) { return kind == SourceKind::device || kind == SourceKind::url; }
 
+/// @param memory  where the pixels of its pictures shall lie (kept, for the source's thread); null: OpenCV's own
 /// @throws std::runtime_error  saying what is missing
-std::unique_ptr<Source> open_source(const SourceSettings& settings);
+std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAllocator* memory = nullptr);
 
 /// The text as it may be shown to others: a URL without what follows a `?`.
 std::string shown_source(const std::string& text);

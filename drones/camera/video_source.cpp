@@ -17,15 +17,20 @@ class VideoSource : public Source {
 public:
     enum class AtEnd { stop, begin_again };
 
-    VideoSource(cv::VideoCapture capture, AtEnd at_end) : capture_(std::move(capture)), at_end_(at_end) {}
+    VideoSource(cv::VideoCapture capture, AtEnd at_end, cv::MatAllocator* memory)
+        : capture_(std::move(capture)), at_end_(at_end), memory_(memory)
+    {
+    }
 
     std::optional<Frame> next() override
     {
         Frame frame;
+        frame.image.allocator = memory_;
         if (!capture_.read(frame.image) && !(begin_again() && capture_.read(frame.image)))
             return std::nullopt;
         frame.captured = std::chrono::system_clock::now();
-        frame.image = frame.image.clone();  // the capture reuses its buffer
+        if (!frame.image.u || frame.image.u->refcount > 1)
+            frame.image = copied(frame.image);  // the capture has given its own buffer, which it will use again
         frame.index = index_++;
         return frame;
     }
@@ -33,6 +38,13 @@ public:
     [[nodiscard]] double fps() const override { return capture_.get(cv::CAP_PROP_FPS); }
 
 private:
+    [[nodiscard]] cv::Mat copied(const cv::Mat& picture) const
+    {
+        cv::Mat copy;
+        copy.allocator = memory_;
+        picture.copyTo(copy);
+        return copy;
+    }
     bool begin_again()
     {
         if (at_end_ == AtEnd::stop || index_ == 0)
@@ -43,20 +55,21 @@ private:
 
     cv::VideoCapture capture_;
     AtEnd at_end_;
+    cv::MatAllocator* memory_;
     std::int64_t index_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Source> open_video(const std::string& path, bool loop)
+std::unique_ptr<Source> open_video(const std::string& path, bool loop, cv::MatAllocator* memory)
 {
     cv::VideoCapture capture;
     if (!capture.open(std::filesystem::absolute(path).string(), cv::CAP_FFMPEG))
         throw std::runtime_error(path + " is not a video that can be read (damaged, or OpenCV without FFmpeg)");
-    return std::make_unique<VideoSource>(std::move(capture), loop ? VideoSource::AtEnd::begin_again : VideoSource::AtEnd::stop);
+    return std::make_unique<VideoSource>(std::move(capture), loop ? VideoSource::AtEnd::begin_again : VideoSource::AtEnd::stop, memory);
 }
 
-std::unique_ptr<Source> open_device(const std::string& path, cv::Size size, double fps)
+std::unique_ptr<Source> open_device(const std::string& path, cv::Size size, double fps, cv::MatAllocator* memory)
 {
     if (access(path.c_str(), R_OK | W_OK) != 0)
         throw std::runtime_error("cannot use " + path + ": not there, or you are not in the group `video`");
@@ -67,15 +80,15 @@ std::unique_ptr<Source> open_device(const std::string& path, cv::Size size, doub
     capture.set(cv::CAP_PROP_FRAME_HEIGHT, size.height);
     if (fps > 0)
         capture.set(cv::CAP_PROP_FPS, fps);
-    return std::make_unique<VideoSource>(std::move(capture), VideoSource::AtEnd::stop);
+    return std::make_unique<VideoSource>(std::move(capture), VideoSource::AtEnd::stop, memory);
 }
 
-std::unique_ptr<Source> open_url(const std::string& url)
+std::unique_ptr<Source> open_url(const std::string& url, cv::MatAllocator* memory)
 {
     cv::VideoCapture capture;
     if (!capture.open(url, cv::CAP_FFMPEG, two_seconds))
         throw std::runtime_error("no video from " + shown_source(url) + " within 2 s");
-    return std::make_unique<VideoSource>(std::move(capture), VideoSource::AtEnd::stop);
+    return std::make_unique<VideoSource>(std::move(capture), VideoSource::AtEnd::stop, memory);
 }
 
 }  // namespace camera

@@ -2,7 +2,9 @@
 #include "face_finder.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <hive/vision/loans.hpp>
 
 #include <opencv2/core/utility.hpp>
 
@@ -20,27 +22,19 @@ hive::Json to_header(const std::vector<cv::Rect>& faces, const cv::Mat& picture)
     return {{"faces", std::move(boxes)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
-hive::Body annotated_jpeg(const cv::Mat& picture, const std::vector<cv::Rect>& faces, int quality)
-{
-    cv::Mat copy = picture.clone();
-    FaceFinder::draw(copy, faces);
-    return hive::vision::encode_jpeg(copy, quality);
-}
-
 void face_drone(hive::Drone& drone)
 {
     FaceFinder finder;
-    int quality = 80;
     std::string cascade = face::default_cascade, loaded;
     drone.parameter("scale", finder.scale, hive::between(1.01, 2), "step between image scales; smaller finds more and takes longer");
     drone.parameter("min_neighbors", finder.min_neighbors, hive::between(0, 100), "detections that must agree on a face");
     drone.parameter("min_size", finder.min_size, hive::between(1, 16384).in("px"), "side of the smallest face");
     drone.parameter("max_size", finder.max_size, hive::between(0, 16384).in("px"), "side of the largest face; 0: no limit");
     drone.parameter("equalise", finder.equalise, hive::anything(), "spread the grey levels before looking");
-    drone.parameter("quality", quality, hive::between(1, 100).in("%"), "of the JPEG on `annotated`");
     drone.parameter("cascade", cascade, hive::anything(), "file of the Haar or LBP cascade");
     const hive::Output faces = drone.output("faces", "application/json", "the boxes, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", "image/jpeg", "the picture with the faces framed");
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the faces framed", hive::vision::encoder());
+    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
 
     const auto load = [&] {
         if (cascade == loaded)
@@ -60,9 +54,16 @@ void face_drone(hive::Drone& drone)
     drone.on_event("image", hive::vision::image_types, [&](const hive::Event& event) {
         const cv::Mat picture = hive::vision::view(event);
         const auto found = finder.find(picture);
-        const hive::Json header = to_header(found, picture);
+        hive::Json header = to_header(found, picture);
         faces.emit(header);
-        annotated.emit(header, [&] { return annotated_jpeg(picture, found, quality); });
+        const auto form = hive::vision::plain_form(picture.size(), picture.channels());
+        header.update(form.header);
+        annotated.emit(std::move(header), [&] {
+            cv::Mat framed = loans.picture();
+            picture.copyTo(framed);
+            FaceFinder::draw(framed, found);
+            return form.body(framed);
+        }, form.type);
     }, "pictures to look for faces in");
     drone.run();
 }

@@ -15,9 +15,17 @@ struct Options {
     std::vector<std::string> receivers;
     bool stream = false, notify = false, share = false, first_frame = false;
     int window = 1;
-    std::string group;
+    std::string group, encoding;
     std::optional<double> lease_s;
 };
+
+CLI::Validator encoding_word()
+{
+    const auto problem = [](std::string& text) {
+        return hive::is_encoding(text) ? std::string() : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
+    };
+    return {problem, "", "encoding"};
+}
 
 hive::ConnectionOptions connection_of(const Options& options, const std::string& sender)
 {
@@ -27,6 +35,7 @@ hive::ConnectionOptions connection_of(const Options& options, const std::string&
     connection.window = options.window;
     connection.group = options.group.empty() && options.share ? sender : options.group;
     connection.first_frame = options.first_frame;
+    connection.encoding = options.encoding;
     if (options.lease_s && connection.group.empty())
         throw hive::Error(hive::Errc::invalid_argument, "--lease is for shared work; add --share or --group NAME");
     if (options.lease_s)
@@ -72,6 +81,8 @@ Run declare(CLI::App& app, Session& session)
         ->type_name("NAME")->excludes(stream)->excludes(notify);
     app.add_option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
         ->type_name("SECONDS")->check(seconds());
+    app.add_option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
+        ->type_name("NAME")->check(encoding_word());
     app.add_flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
     return [options, &session] { return run(*options, session); };
 }
@@ -89,6 +100,7 @@ Verb connect_verb()
                        "when an end restarts.",
             .examples = "hivectl connect camera face\n"
                         "hivectl connect camera.image face.image --window 2\n"
+                        "hivectl connect camera face --encoding jpeg:60\n"
                         "hivectl connect camera 'face-*' --share  divide the work",
             .operands = {Operand::sender, Operand::receiver},
             .declare = declare};

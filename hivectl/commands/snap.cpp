@@ -20,12 +20,26 @@ struct Options {
     std::string from, file;
 };
 
-hive::Event next_event(const hive::Endpoint& output, Session& session)
+/// Receives in the encoding that the file's ending means; an output that knows none gives what it has.
+std::unique_ptr<hive::Collector> collect(const hive::Endpoint& output, const std::string& file, Session& session)
 {
     hive::CollectOptions options;
     options.connection.window = 1;
     options.connection.first_frame = true;
-    const auto collector = session.application().collect({output}, options);
+    options.connection.encoding = media_type_of(file) == "image/png" ? "png" : "jpeg";
+    try {
+        return session.application().collect({output}, options);
+    } catch (const hive::Error& error) {
+        if (error.code() != hive::Errc::invalid_argument)
+            throw;
+        options.connection.encoding.clear();
+        return session.application().collect({output}, options);
+    }
+}
+
+hive::Event next_event(const hive::Endpoint& output, const std::string& file, Session& session)
+{
+    const auto collector = collect(output, file, session);
     const auto event = collector->next(session.timeout());
     if (!event)
         throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time; is it fed? see hivectl edges, or allow more time: --timeout SECONDS");
@@ -57,7 +71,7 @@ int run(const Options& options, Session& session)
     auto output = application.endpoint(options.from);
     if (output.port.empty())
         output.port = usual_output(application.describe(output.drone), output.drone, "image/");
-    const auto event = next_event(output, session);
+    const auto event = next_event(output, options.file, session);
     if (options.file == "-") {
         write_out({reinterpret_cast<const char*>(event.body.data()), event.body.size()});
         return exit_code::done;
@@ -87,10 +101,10 @@ Verb snap_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] FILE [options]",
             .summary = "Saves one picture that a drone sends",
-            .details = "The body is saved as it came, whatever its type; a warning says so if the file's ending means another. A file "
-                       "that is there already is replaced.",
+            .details = "A picture is saved as PNG if the file's ending says so, otherwise as JPEG. What is no picture is saved as it came; a "
+                       "warning says so if the file's ending means another type. A file that is there already is replaced.",
             .examples = "hivectl snap camera now.jpg\n"
-                        "hivectl snap face.annotated faces.jpg",
+                        "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},
             .declare = declare};
 }

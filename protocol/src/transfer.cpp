@@ -2,6 +2,7 @@
 #include <hive/error.hpp>
 #include <hive/transfer.hpp>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -92,6 +93,8 @@ Json to_json(const ConnectionOptions& options)
         object["first_frame"] = true;
     if (options.lease)
         object["lease_ms"] = options.lease->count();
+    if (!options.encoding.empty())
+        object["encoding"] = options.encoding;
     return object;
 }
 
@@ -106,9 +109,26 @@ ConnectionOptions connection_options(const Json& object)
     options.first_frame = fields.flag_or("first_frame", false);
     if (fields.has("lease_ms"))
         options.lease = std::chrono::milliseconds(fields.integer("lease_ms", 50, 86'400'000));
+    options.encoding = fields.text_or("encoding", "");
+    if (fields.has("encoding") && !is_encoding(options.encoding))
+        throw Error(Errc::malformed, "connection options: an encoding is a word, with a number if wanted (raw, jpeg:80), not " + in_quotes(options.encoding));
     if (!options.group.empty() && (options.transfer != Transfer::synchronized || options.delivery != Delivery::data))
         throw Error(Errc::malformed, "a group shares whole events by request: neither stream nor notify goes with it");
     return options;
+}
+
+bool is_encoding(std::string_view text)
+{
+    constexpr std::size_t longest_word = 32, most_digits = 6;
+    const auto colon = text.find(':');
+    const auto word = text.substr(0, colon);
+    const auto all = [](std::string_view part, std::size_t most, auto fits) {
+        return !part.empty() && part.size() <= most && std::ranges::all_of(part, fits);
+    };
+    const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
+    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+    return all(word, longest_word, [&](char c) { return lower(c) || digit(c) || c == '-'; }) && lower(word.front())
+        && (colon == std::string_view::npos || all(text.substr(colon + 1), most_digits, digit));
 }
 
 bool types_fit(std::string_view output_types, std::string_view input_types)

@@ -22,6 +22,14 @@ TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their orde
     CHECK_FALSE(pair.dialing.connection->peer().empty());
 }
 
+TEST_CASE_TEMPLATE("connection: unix and in-process peers are on this machine, of a tcp peer nobody knows", Place, Unix, Tcp, InProcess)
+{
+    Pair pair(Place::address, patient);
+    const bool local = Place::address(pair.folder).scheme != hive::transport::Address::Scheme::tcp;
+    CHECK(pair.dialing.connection->local() == local);
+    CHECK(pair.listening.connection->local() == local);
+}
+
 TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole and in order", Place, Unix, Tcp, InProcess)
 {
     Pair pair(Place::address, patient);

@@ -81,7 +81,7 @@ TEST_CASE("sync: a camera of 30 fps sends a receiver of 100 ms at most 10.5 imag
 TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its own rate, and the camera at most two pictures for each")
 {
     const Swarm swarm;
-    const auto camera = swarm.drone("camera", "camera", {"fps=30", "encoding=raw"});
+    const auto camera = swarm.drone("camera", "camera", {"fps=30"});
     constexpr std::size_t picture = 640 * 480 * 3;
     const auto fast = swarm.drone("sleeper", "fast"), slow = swarm.drone("sleeper", "slow", {"work_ms=100"}),
                slowest = swarm.drone("sleeper", "slowest", {"work_ms=1000"}), stopped = swarm.drone("sleeper", "stopped", {"work_ms=100"});

@@ -62,7 +62,7 @@ TEST_CASE("photographs: the face drone at its defaults finds in each exactly the
     cv::setNumThreads(1);
     const auto files = photographs(*media);
     const Swarm swarm;
-    const auto camera = swarm.drone("camera", "camera", {"source=" + media->string(), "pace=demand", "loop=off", "encoding=png"});
+    const auto camera = swarm.drone("camera", "camera", {"source=" + media->string(), "pace=demand", "loop=off"});
     const auto face = swarm.drone("face", "face");
     auto application = swarm.application();
     const auto collector = application.collect({{"face", "faces"}});

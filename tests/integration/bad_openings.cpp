@@ -122,16 +122,16 @@ TEST_CASE("hostile client: one that sends its hello byte by byte is served if it
 TEST_CASE("hostile client: a packet cut anywhere by the end of the stream is never acted upon")
 {
     const Prey prey = Prey::face();
-    const std::string set = raw::packet(raw::set, 0, R"({"id":1,"parameters":{"quality":33}})");
+    const std::string set = raw::packet(raw::set, 0, R"({"id":1,"parameters":{"min_size":33}})");
     for (std::size_t size = 0; size < set.size(); ++size) {
         auto peer = prey.dial();
         REQUIRE(peer.send(raw::hello_packet() + set.substr(0, size)));
     }
     CHECK(hive::test::eventually([&] { return prey.well(); }, within(1000)));
     auto peer = prey.meet();
-    CHECK(peer.ask(raw::get, {{"names", {"quality"}}}).at("result").at("parameters").at("quality") == 80);
+    CHECK(peer.ask(raw::get, {{"names", {"min_size"}}}).at("result").at("parameters").at("min_size") == 24);
     REQUIRE(peer.send(set));  // the twin: whole, it is
-    CHECK(hive::test::eventually([&] { return peer.ask(raw::get, {{"names", {"quality"}}}).at("result").at("parameters").at("quality") == 33; },
+    CHECK(hive::test::eventually([&] { return peer.ask(raw::get, {{"names", {"min_size"}}}).at("result").at("parameters").at("min_size") == 33; },
                                  within(1000)));
 }
 

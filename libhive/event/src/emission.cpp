@@ -85,6 +85,19 @@ protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t chann
     return {type, channel, std::move(header), type == protocol::PacketType::notification ? Body() : event_.body};
 }
 
+std::shared_ptr<const Emission> Emission::rendition(const std::string& encoding) const
+{
+    const std::lock_guard lock(renditions_->mutex);
+    const auto found = renditions_->made.find(encoding);
+    return found == renditions_->made.end() ? nullptr : found->second;
+}
+
+void Emission::keep_rendition(const std::string& encoding, std::shared_ptr<const Emission> rendition) const
+{
+    const std::lock_guard lock(renditions_->mutex);
+    renditions_->made[encoding] = std::move(rendition);
+}
+
 Event event_from_packet(const protocol::Packet& packet)
 {
     const Json json = parse_json(packet.header_text());

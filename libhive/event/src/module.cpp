@@ -48,6 +48,7 @@ Module::~Module() { end(); }
 
 void Module::end()
 {
+    encoder_thread_.end();
     if (thread_.joinable()) {
         leave();
         call([this] { close_links(); });
@@ -141,9 +142,14 @@ void Module::halt(bool halted)
     });
 }
 
-Outlet& Module::add_outlet(Port port, PacketType carrier)
+Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
 {
-    return outlets_.emplace_back(std::move(port), carrier, [this] { demand_changed(); }, [this](const EmissionPtr& event) { on_failed(event); });
+    Outlet::Hooks hooks{.changed = [this] { demand_changed(); },
+                        .failed = [this](const EmissionPtr& event) { on_failed(event); },
+                        .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
+                        .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
+                        .on_network_thread = [this](std::function<void()> task) { post(std::move(task)); }};
+    return outlets_.emplace_back(std::move(port), carrier, std::move(encoder), std::move(hooks));
 }
 
 transport::Address Module::listen(const transport::Address& address)

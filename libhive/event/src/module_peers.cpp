@@ -52,7 +52,7 @@ void Module::on_register(Link& link, const protocol::Packet& packet, const Json&
         const auto registration = protocol::registration_from_json(header);
         require_free(link, packet.channel);
         Outlet& sender = outlet(registration.output);
-        sender.require_fit(registration);
+        sender.require_fit(link, registration);
         // The confirmation leaves before the first event.
         link.answer(id, Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
         sender.add(link.shared_from_this(), packet.channel, registration);

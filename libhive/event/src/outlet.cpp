@@ -17,17 +17,27 @@ ReceiverTable::Defences defences() { return {.leases = std::getenv("HIVE_TEST_NO
 
 }  // namespace
 
-Outlet::Outlet(Port port, PacketType carrier, std::function<void()> on_change, std::function<void(const EmissionPtr&)> on_failed)
-    : port_(std::move(port)), carrier_(carrier), on_change_(std::move(on_change)), on_failed_(std::move(on_failed)), table_(defences())
+Outlet::Outlet(Port port, PacketType carrier, Encoder encoder, Hooks hooks)
+    : port_(std::move(port)), carrier_(carrier), encoder_(std::move(encoder)), hooks_(std::move(hooks)), table_(defences()),
+      dispatch_(encoder_, {.transmit = [this](const ReceiverTable::Send& send, const Emission& form) { transmit(send, form); },
+                           .not_encoded = hooks_.not_encoded,
+                           .on_encoder_thread = hooks_.on_encoder_thread,
+                           .on_network_thread = hooks_.on_network_thread})
 {
 }
 
-void Outlet::require_fit(const protocol::Registration& registration) const
+EncodingChoice Outlet::choice(const Link& link, const protocol::Registration& registration) const
+{
+    return {encoder_, registration, link.local() ? EncodingChoice::Way::one_machine : EncodingChoice::Way::network};
+}
+
+void Outlet::require_fit(const Link& link, const protocol::Registration& registration) const
 {
     if (!types_fit(port_.type, registration.accepts))
         throw Error(Errc::type_mismatch, "output " + port_.name + " is " + port_.type + ", but " + registration.receiver + " takes " + registration.accepts);
     if (registration.stateful && !registration.options.group.empty())
         throw Error(Errc::refused, registration.receiver + " keeps state between events, so it must see every one: it cannot share");
+    (void)choice(link, registration);
 }
 
 std::size_t Outlet::receivers(const Link& link) const
@@ -39,7 +49,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
 {
     const auto id = ++next_id_;
     ids_[{link.get(), channel}] = id;
-    places_[id] = {.link = link, .channel = channel, .data = registration.options.delivery == Delivery::data};
+    places_.emplace(id, Place{.link = link, .channel = channel, .encoding = choice(*link, registration), .data = registration.options.delivery == Delivery::data});
     execute(table_.add(id, registration.receiver, registration.epoch, registration.options, Clock::now()));
 }
 
@@ -69,6 +79,7 @@ void Outlet::forget(std::map<Key, ReceiverTable::Id>::iterator place, bool left)
     const auto id = place->second;
     ids_.erase(place);
     places_.erase(id);
+    dispatch_.forget(id);
     execute(table_.remove(id, left, Clock::now()));
 }
 
@@ -85,21 +96,27 @@ void Outlet::execute(const ReceiverTable::Decisions& decisions)
 {
     for (const auto& send : decisions.sends) {
         const auto place = places_.find(send.receiver);
-        if (place == places_.end())
-            continue;
-        const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
-        // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
-        const auto carriage = place->second.link->connection().send(send.event->packet(type, place->second.channel, send.share),
-                                              [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
-                                                  if (!alive.expired() && written)
-                                                      execute(table_.written(id, event->size(), Clock::now()));
-                                              });
-        place->second.shared += carriage == transport::Carriage::reference ? 1 : 0;
-        place->second.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
+        if (place != places_.end())
+            dispatch_.send(send, send.delivery == Delivery::data ? place->second.encoding.of(send.event->event()) : std::string());
     }
     for (const auto& event : decisions.failed)
-        on_failed_(event);
+        hooks_.failed(event);
     refresh();
+}
+
+void Outlet::transmit(const ReceiverTable::Send& send, const Emission& form)
+{
+    Place& place = places_.at(send.receiver);
+    const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
+    // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system. The
+    // table counts the size of the event, whatever the form has.
+    const auto carriage = place.link->connection().send(
+        form.packet(type, place.channel, send.share), [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
+            if (!alive.expired() && written)
+                execute(table_.written(id, event->size(), Clock::now()));
+        });
+    place.shared += carriage == transport::Carriage::reference ? 1 : 0;
+    place.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
 }
 
 void Outlet::refresh()
@@ -111,7 +128,7 @@ void Outlet::refresh()
     asked_ = asked;
     backlogged_ = backlogged;
     if (changed)
-        on_change_();
+        hooks_.changed();
 }
 
 Json Outlet::status(std::size_t& most_receivers) const
@@ -126,6 +143,9 @@ Json Outlet::status(std::size_t& most_receivers) const
         --most_receivers;
         Json json = to_json(row.options);
         json["receiver"] = row.receiver;
+        json.erase("encoding");
+        if (const auto place = places_.find(row.id); place != places_.end())
+            json["encoding"] = place->second.encoding.word();
         json["produced"] = row.counts.produced;
         json["delivered"] = row.counts.delivered;
         json["skipped"] = row.counts.skipped;

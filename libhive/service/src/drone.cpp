@@ -43,9 +43,9 @@ void Drone::parameter(const std::string& name, std::string& variable, const Cons
     core_.parameters.add(describe(name, ParameterType::text, constraint, help), variable);
 }
 
-Output Drone::output(const std::string& name, const std::string& type, const std::string& help)
+Output Drone::output(const std::string& name, const std::string& type, const std::string& help, Encoder encoder)
 {
-    return {core_, core_.add_output({require_name(name, "output"), type, help})};
+    return {core_, core_.add_output({require_name(name, "output"), type, help}, std::move(encoder))};
 }
 
 void Drone::on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help)

@@ -28,10 +28,11 @@ DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
 
 DroneCore::~DroneCore() = default;
 
-std::size_t DroneCore::add_output(Port port)
+std::size_t DroneCore::add_output(Port port, Encoder encoder)
 {
     interface.outputs.push_back(std::move(port));
     outputs_.push_back(&slots_.emplace_back());
+    outputs_.back()->encoder = std::move(encoder);
     return outputs_.size() - 1;
 }
 
@@ -59,12 +60,13 @@ void DroneCore::prepare()
         .timing = {},
         .log = [this](const std::string& text) { log(text); }});
     for (std::size_t i = 0; i < outputs_.size(); ++i)
-        outputs_[i]->outlet = &module_->add_outlet(interface.outputs[i]);
+        outputs_[i]->outlet = &module_->add_outlet(interface.outputs[i], PacketType::event, std::move(outputs_[i]->encoder));
     exceptions_ = &module_->add_outlet({"exceptions", "application/x-hive-exception", "what this drone's code threw"}, PacketType::exception);
     module_->on_demand = [this] { mailbox_.nudge(); };
     module_->on_failed = [this](const event::EmissionPtr& event) {
         report(Errc::abandoned, "given up after " + std::to_string(event::ReceiverTable::most_attempts) + " attempts", &event->event());
     };
+    module_->on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) { report(problem.code(), problem.what(), &event->event()); };
     add_handlers();
     const Json state = home_->read_state(settings_.name).value_or(Json::object());
     board_.policy = settings_.policy ? *settings_.policy : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy");

@@ -41,7 +41,7 @@ public:
     std::map<std::string, std::function<void(const Event&)>> callbacks;
     std::function<void()> on_change = [] {}, on_start = [] {};
     std::function<std::chrono::microseconds()> main;
-    std::size_t add_output(Port port);
+    std::size_t add_output(Port port, Encoder encoder);
 
     void run();
 
@@ -62,6 +62,7 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     struct Slot {  ///< one output
+        Encoder encoder;                        ///< until the outlet has it
         event::Outlet* outlet = nullptr;
         std::int64_t sequence = 0;              ///< user thread
         int part = 0;                           ///< events emitted for the present input

@@ -11,8 +11,9 @@ namespace {
 /// that would outlive the io_context.
 class ConnectionHandle final : public Connection {
 public:
-    ConnectionHandle(asio::io_context& context, std::string peer, bool can_share, std::shared_ptr<ConnectionCore> core)
-        : context_(context), peer_(std::move(peer)), can_share_(can_share), unstarted_(std::move(core)), core_(unstarted_)
+    ConnectionHandle(asio::io_context& context, const Stream& stream, std::shared_ptr<ConnectionCore> core)
+        : context_(context), peer_(stream.peer()), local_(stream.local()), can_share_(stream.passes_descriptors()), unstarted_(std::move(core)),
+          core_(unstarted_)
     {
     }
     ConnectionHandle(const ConnectionHandle&) = delete;
@@ -63,11 +64,12 @@ public:
             core->end(reason);
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
+    [[nodiscard]] bool local() const override { return local_; }
 
 private:
     asio::io_context& context_;
     std::string peer_;
-    bool can_share_;
+    bool local_, can_share_;
     std::shared_ptr<ConnectionCore> unstarted_;
     std::weak_ptr<ConnectionCore> core_;
 };
@@ -77,10 +79,9 @@ private:
 std::shared_ptr<Connection> make_connection(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
                                             std::shared_ptr<void> admission)
 {
-    auto peer = stream->peer();
-    const bool can_share = stream->passes_descriptors();
+    const Stream& carrier = *stream;  // which belongs to the core from the next line on
     auto core = std::make_shared<ConnectionCore>(context, std::move(stream), timing, std::move(admission));
-    return std::make_shared<ConnectionHandle>(context, std::move(peer), can_share, std::move(core));
+    return std::make_shared<ConnectionHandle>(context, carrier, std::move(core));
 }
 
 std::shared_ptr<Connection> Connection::create(asio::io_context& context, std::unique_ptr<Stream> stream, Timing timing)

@@ -63,6 +63,7 @@ public:
         descriptors_.clear();
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
+    [[nodiscard]] bool local() const override { return true; }
 
 private:
     void receive(asio::mutable_buffer into, Handler handler)

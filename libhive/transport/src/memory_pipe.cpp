@@ -133,6 +133,7 @@ public:
         out_.flow();
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
+    [[nodiscard]] bool local() const override { return true; }
 
 private:
     void begin(Waiter& waiter, asio::steady_timer& timer, Handler handler)

@@ -13,7 +13,7 @@ namespace {
 
 Answer camera(std::int64_t epoch, std::int64_t uptime_us, std::int64_t produced, std::int64_t skipped)
 {
-    const Json receiver{{"receiver", "face.image"}, {"transfer", "sync"}, {"window", 2}, {"produced", produced}, {"delivered", produced - skipped}, {"skipped", skipped}};
+    const Json receiver{{"receiver", "face.image"}, {"transfer", "sync"}, {"window", 2}, {"encoding", "as it is"}, {"produced", produced}, {"delivered", produced - skipped}, {"skipped", skipped}};
     return {"camera", Json{{"epoch", epoch}, {"state", "busy"}, {"uptime_us", uptime_us},
                            {"outputs", Json::array({Json{{"name", "image"}, {"produced", produced}, {"receivers", Json::array({receiver})}}})}}, {}};
 }
@@ -35,6 +35,7 @@ TEST_CASE("connections: what both ends know is one row with the sender's counter
     CHECK(rows[0].text("known_by") == "both");
     CHECK(rows[0].text("state") == "connected");
     CHECK(rows[0]["window"] == 2);
+    CHECK(rows[0]["encoding"] == "as it is");
     CHECK(rows[0]["delivered"] == 6);
     CHECK(rows[0]["age_us"] == 40'000);
 }

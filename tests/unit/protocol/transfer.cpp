@@ -26,12 +26,20 @@ TEST_CASE("options: defaults are the paper's synchronized transfer of one event 
 TEST_CASE("options: every field survives the way")
 {
     const ConnectionOptions shared{.transfer = Transfer::synchronized, .delivery = Delivery::data, .window = 64, .group = "workers",
-                                   .first_frame = true, .lease = 2500ms};
+                                   .first_frame = true, .lease = 2500ms, .encoding = "jpeg:80"};
     ConnectionOptions watching;
     watching.transfer = Transfer::streaming;
     watching.delivery = Delivery::notification;
     for (const auto& options : {shared, watching})
         CHECK(connection_options(parse_json(to_text(to_json(options)))) == options);
+}
+
+TEST_CASE("encoding: a word in lower case, with a number if wanted")
+{
+    for (const char* text : {"raw", "jpeg:80", "h264", "x-y:000001"})
+        CHECK_MESSAGE(is_encoding(text), text);
+    for (const char* text : {"", ":", "jpeg:", ":80", "Jpeg", "jpeg:80:1", "jpeg:-1", "jpeg: 80", "1x", "-x", "image/jpeg", "jpeg:1234567", "\xC3\xA9"})
+        CHECK_FALSE_MESSAGE(is_encoding(text), text);
 }
 
 TEST_CASE("registration: every field survives the way")

@@ -1,6 +1,7 @@
 // What a drone is written against: parameters, outputs, callbacks, main, exceptions.
 #pragma once
 
+#include <hive/encoder.hpp>
 #include <hive/error.hpp>
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
@@ -81,8 +82,10 @@ public:
     void parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help);
     void parameter(const std::string& name, bool& variable, const Constraint& constraint, const std::string& help);
     void parameter(const std::string& name, std::string& variable, const Constraint& constraint, const std::string& help);
-    /// Declares an output. @param type  one media type or several: "image/jpeg", "image/jpeg,image/png"
-    Output output(const std::string& name, const std::string& type, const std::string& help = "");
+    /// Declares an output.
+    /// @param type     one media type or several, emitted or encoded to: "application/json", "image/jpeg,image/png"
+    /// @param encoder  what connections may have the events encoded by; emit the event as it is at hand
+    Output output(const std::string& name, const std::string& type, const std::string& help = "", Encoder encoder = {});
     /// Declares an input and what to do with its events. If `callback` throws, the exception policy decides.
     void on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help = "");
     /// Called after the parameters of one `set` have been assigned, all together. If it throws, all are put back, it is

@@ -5,7 +5,9 @@
 #include <hive/protocol/packet.hpp>
 #include <hive/transfer.hpp>
 
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 
 namespace hive::event {
@@ -18,7 +20,7 @@ struct Share {
 };
 
 /// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then for the network
-/// thread only.
+/// thread and, what is const, for the encoder thread.
 class Emission {
 public:
     /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header
@@ -35,10 +37,20 @@ public:
     /// The packet that carries it; the header is the same for all, but for an event that is shared work.
     [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel, const Share& share = {}) const;
 
+    /// The event in another encoding when it was made already, or null. A rendition has no receipt: it is kept as long as
+    /// anybody keeps the event.
+    [[nodiscard]] std::shared_ptr<const Emission> rendition(const std::string& encoding) const;
+    void keep_rendition(const std::string& encoding, std::shared_ptr<const Emission> rendition) const;
+
 private:
+    struct Renditions {  ///< shared by the copies of an emission
+        std::mutex mutex;
+        std::map<std::string, std::shared_ptr<const Emission>> made;
+    };
     Event event_;
     bool complete_;
     std::shared_ptr<const std::string> header_;
+    std::shared_ptr<Renditions> renditions_ = std::make_shared<Renditions>();
 };
 
 using EmissionPtr = std::shared_ptr<const Emission>;

@@ -36,6 +36,8 @@ public:
     [[nodiscard]] bool open() const noexcept { return open_; }
     [[nodiscard]] const protocol::Hello& peer() const noexcept { return peer_; }
     [[nodiscard]] transport::Connection& connection() noexcept { return *connection_; }
+    /// Is the peer on this machine?
+    [[nodiscard]] bool local() const { return connection_->local(); }
 
     /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends (Errc::connection_lost).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel = 0);

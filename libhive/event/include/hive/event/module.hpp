@@ -1,6 +1,7 @@
 // What drones and applications have in common: the network thread, links to peers, outlets, intakes, requests.
 #pragma once
 
+#include <hive/event/encoder_thread.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/event/link.hpp>
@@ -61,10 +62,12 @@ public:
     Module& operator=(const Module&) = delete;
 
     // --- before start() ---
-    Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event);
+    Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event, Encoder encoder = {});
     void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
     std::function<void()> on_demand = [] {};                        ///< the demand for an outlet changed
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
+    /// An encoder threw; the event goes as it is.
+    std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.
     void start();
     /// Leaves everywhere and ends the network thread; any thread but that one. What is posted later is dropped.
@@ -142,6 +145,7 @@ private:
     std::map<std::string, LinkPtr> dialed_;
     std::map<std::string, std::vector<Waiting>> dialing_;
     std::thread thread_;
+    EncoderThread encoder_thread_;
 };
 
 }  // namespace hive::event

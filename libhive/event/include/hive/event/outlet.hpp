@@ -1,6 +1,8 @@
 // An output of this module at work: the receiver table joined to the links of the receivers.
 #pragma once
 
+#include <hive/event/dispatch.hpp>
+#include <hive/event/encoding_choice.hpp>
 #include <hive/event/link.hpp>
 #include <hive/event/receiver_table.hpp>
 #include <hive/interface.hpp>
@@ -15,15 +17,21 @@ namespace hive::event {
 /// Network thread, but for wanted(), asked() and shares().
 class Outlet {
 public:
-    /// @param carrier    the packet type that carries its events: event or exception
-    /// @param on_change  wanted(), asked() or backlogged() changed
-    /// @param on_failed  a shared event is given up
-    Outlet(Port port, protocol::PacketType carrier, std::function<void()> on_change, std::function<void(const EmissionPtr&)> on_failed);
+    struct Hooks {
+        std::function<void()> changed;                   ///< wanted(), asked() or backlogged()
+        std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
+        std::function<void(const EmissionPtr&, const Error&)> not_encoded;  ///< the encoder threw; the event goes as it is
+        Dispatch::Run on_encoder_thread, on_network_thread;
+    };
+    /// @param carrier  the packet type that carries its events: event or exception
+    Outlet(Port port, protocol::PacketType carrier, Encoder encoder, Hooks hooks);
+    Outlet(const Outlet&) = delete;
+    Outlet& operator=(const Outlet&) = delete;
 
     [[nodiscard]] const Port& port() const noexcept { return port_; }
     [[nodiscard]] protocol::PacketType carrier() const noexcept { return carrier_; }
-    /// Throws Errc::type_mismatch or Errc::refused.
-    void require_fit(const protocol::Registration& registration) const;
+    /// Throws Errc::type_mismatch, Errc::refused, or Errc::invalid_argument for an encoding that there is not.
+    void require_fit(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] bool has(const Link& link, std::uint16_t channel) const { return ids_.contains({&link, channel}); }
     /// How many registrations of this peer there are.
     [[nodiscard]] std::size_t receivers(const Link& link) const;
@@ -51,18 +59,22 @@ private:
     struct Place {
         LinkPtr link;
         std::uint16_t channel;
+        EncodingChoice encoding;
         bool data;  ///< receives bodies
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
+    [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
+    void transmit(const ReceiverTable::Send& send, const Emission& form);
     void execute(const ReceiverTable::Decisions& decisions);
     void forget(std::map<Key, ReceiverTable::Id>::iterator place, bool left);
     void refresh();
 
     Port port_;
     protocol::PacketType carrier_;
-    std::function<void()> on_change_;
-    std::function<void(const EmissionPtr&)> on_failed_;
+    Encoder encoder_;
+    Hooks hooks_;
     ReceiverTable table_;
+    Dispatch dispatch_;
     std::map<Key, ReceiverTable::Id> ids_;
     std::map<ReceiverTable::Id, Place> places_;
     ReceiverTable::Id next_id_ = 0;

@@ -66,6 +66,8 @@ public:
     /// Ends the connection; `closed` follows with this error, from the event loop.
     virtual void close(const hive::Error& reason) = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
+    /// Is the peer certainly on this machine (a unix socket, or inside the process)? TCP does not tell.
+    [[nodiscard]] virtual bool local() const = 0;
 };
 
 }  // namespace hive::transport

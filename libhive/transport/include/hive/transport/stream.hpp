@@ -37,6 +37,8 @@ public:
     virtual void close() noexcept = 0;
     /// Who is there, for logs and errors: "pid 4711", "192.0.2.7:50012".
     [[nodiscard]] virtual std::string peer() const = 0;
+    /// Is the peer certainly on this machine?
+    [[nodiscard]] virtual bool local() const = 0;
 };
 
 }  // namespace hive::transport

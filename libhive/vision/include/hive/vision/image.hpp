@@ -42,9 +42,21 @@ cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& 
 /// @param quality  1 to 100
 Body encode_jpeg(const cv::Mat& picture, int quality);
 Body encode_png(const cv::Mat& picture);
-/// The pixels themselves, not copied when they lie without gaps: do not draw on `picture` afterwards.
+/// The pixels themselves, not copied when they lie without gaps: do not draw on `picture` afterwards. When they are those of
+/// a loan (loans.hpp), the body is that loan; only a part of one is copied.
 Body encode_raw(const cv::Mat& picture);
-/// The header fields that image/raw needs: "width", "height", "pixel_format", "stride", as encode_raw lays them out.
-Json raw_header(const cv::Mat& picture);
+/// `header` with the fields that image/raw needs: "width", "height", "pixel_format", "stride", as encode_raw lays them out.
+Json raw_header(const cv::Mat& picture, Json header = Json::object());
+
+/// How pictures of one size are emitted when they are at hand as pixels: as image/raw, or as image/jpeg when the pixels are
+/// more than the body of an event may hold. What connections want is the encoder's business (encoder.hpp).
+struct PlainForm {
+    std::string type;
+    Json header;  ///< "width", "height", and what image/raw needs beside them
+
+    [[nodiscard]] Body body(const cv::Mat& picture) const;
+};
+/// @param channels  1 or 3 (BGR), 8 bit
+PlainForm plain_form(cv::Size size, int channels);
 
 }  // namespace hive::vision

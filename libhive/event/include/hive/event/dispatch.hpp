@@ -1,0 +1,61 @@
+// Hands each receiver its events in the encoding it gets and in the order they were decided, while some of them are still
+// being encoded.
+#pragma once
+
+#include <hive/encoder.hpp>
+#include <hive/error.hpp>
+#include <hive/event/receiver_table.hpp>
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace hive::event {
+
+/// Network thread. An event is encoded at most once for each encoding, however many receivers get it, and only after it
+/// was decided that one of them does. What waits here holds the event, and with it the receipt of a lossless input.
+class Dispatch {
+public:
+    using Run = std::function<void(std::function<void()>)>;
+
+    struct Hooks {
+        /// Sends an event as `form`, which is the event itself or a rendition of it.
+        std::function<void(const ReceiverTable::Send& send, const Emission& form)> transmit;
+        /// The encoder threw; the event goes as it is.
+        std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
+        Run on_encoder_thread, on_network_thread;
+    };
+
+    /// `encoder` is kept by reference, also by jobs: both outlive the encoder thread.
+    Dispatch(const Encoder& encoder, Hooks hooks) : encoder_(encoder), hooks_(std::move(hooks)) {}
+
+    /// @param encoding  empty: as it is
+    void send(const ReceiverTable::Send& send, const std::string& encoding);
+    /// The receiver is gone: what waits for it is dropped, and not encoded for its sake.
+    void forget(ReceiverTable::Id receiver) { lines_.erase(receiver); }
+
+private:
+    struct Waiting {
+        ReceiverTable::Send send;
+        EmissionPtr form;  ///< null while it is being encoded
+    };
+    /// The outcome of a job.
+    struct Made {
+        EmissionPtr form;
+        std::optional<Error> problem;  ///< why the form is the event as it is
+    };
+    void encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding);
+    [[nodiscard]] Made make(const EmissionPtr& event, const std::string& encoding) const;
+    void made(const std::weak_ptr<Waiting>& waiting, const EmissionPtr& event, const Made& made);
+    void advance(ReceiverTable::Id receiver);
+
+    const Encoder& encoder_;
+    Hooks hooks_;
+    std::map<ReceiverTable::Id, std::deque<std::shared_ptr<Waiting>>> lines_;
+    std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+};
+
+}  // namespace hive::event

@@ -1,0 +1,38 @@
+// The thread that encodes events for receivers: neither the network thread, which must answer, nor the user thread, which
+// must not pay for what is skipped later.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace hive::event {
+
+/// Jobs run one after the other. The thread begins with the first job: most modules never need it.
+class EncoderThread {
+public:
+    using Job = std::function<void()>;
+
+    EncoderThread() = default;
+    EncoderThread(const EncoderThread&) = delete;
+    EncoderThread& operator=(const EncoderThread&) = delete;
+    ~EncoderThread() { end(); }
+
+    /// Any thread. A job must not throw.
+    void push(Job job);
+    /// Drops the jobs that wait, and waits for the one under way. What is pushed later is dropped. Any thread but its own.
+    void end();
+
+private:
+    void run();
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Job> jobs_;
+    bool ending_ = false;
+    std::thread thread_;
+};
+
+}  // namespace hive::event

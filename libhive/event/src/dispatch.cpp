@@ -1,0 +1,96 @@
+// Lines of events, one for each receiver that waits for an encoding.
+#include <hive/event/dispatch.hpp>
+
+#include <exception>
+
+namespace hive::event {
+namespace {
+
+/// The event as the encoder gives it, checked as an emitted one is.
+EmissionPtr encoded(const Encoder& encoder, const Event& event, const std::string& encoding)
+{
+    Event result = encoder.encode(event, encoding);
+    result.receipt.reset();
+    result.size = result.body.size();
+    if (result.size > protocol::Limits{}.body)
+        throw Error(Errc::too_large, "a body of " + std::to_string(result.size) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+    return std::make_shared<const Emission>(std::move(result));
+}
+
+}  // namespace
+
+void Dispatch::send(const ReceiverTable::Send& send, const std::string& encoding)
+{
+    const auto form = encoding.empty() ? send.event : send.event->rendition(encoding);
+    if (form && !lines_.contains(send.receiver))
+        return hooks_.transmit(send, *form);
+    const auto waiting = std::make_shared<Waiting>(send, form);
+    lines_[send.receiver].push_back(waiting);
+    if (!form)
+        encode(waiting, encoding);
+}
+
+void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding)
+{
+    hooks_.on_encoder_thread([this, alive = std::weak_ptr(alive_), weak = std::weak_ptr(waiting), encoding] {
+        const auto wanted = weak.lock();
+        if (!wanted)
+            return;
+        const EmissionPtr event = wanted->send.event;
+        hooks_.on_network_thread([this, alive, weak, event, result = make(event, encoding)] {
+            if (!alive.expired())
+                made(weak, event, result);
+        });
+    });
+}
+
+/// On the encoder thread.
+Dispatch::Made Dispatch::make(const EmissionPtr& event, const std::string& encoding) const
+{
+    Made result{event->rendition(encoding), {}};
+    if (result.form)
+        return result;
+    try {
+        result.form = encoded(encoder_, event->event(), encoding);
+    } catch (const Error& error) {
+        result.problem = Error(error.code(), encoding + ": " + error.what());
+    } catch (const std::exception& error) {
+        result.problem = Error(Errc::failed, encoding + ": " + error.what());
+    } catch (...) {
+        result.problem = Error(Errc::failed, encoding + ": something that is no exception was thrown");
+    }
+    if (result.problem) {  // an emission of its own: one that kept itself would never go
+        Event as_it_is = event->event();
+        as_it_is.receipt.reset();
+        result.form = std::make_shared<const Emission>(std::move(as_it_is));
+    }
+    event->keep_rendition(encoding, result.form);
+    return result;
+}
+
+void Dispatch::made(const std::weak_ptr<Waiting>& weak, const EmissionPtr& event, const Made& result)
+{
+    if (result.problem)
+        hooks_.not_encoded(event, *result.problem);
+    const auto waiting = weak.lock();
+    if (!waiting)
+        return;
+    waiting->form = result.form;
+    advance(waiting->send.receiver);
+}
+
+void Dispatch::advance(ReceiverTable::Id receiver)
+{
+    const auto line = lines_.find(receiver);
+    if (line == lines_.end())
+        return;
+    while (!line->second.empty() && line->second.front()->form) {
+        const auto first = line->second.front();
+        line->second.pop_front();
+        hooks_.transmit(first->send, *first->form);
+    }
+    if (line->second.empty())
+        lines_.erase(line);
+}
+
+}  // namespace hive::event

@@ -1,0 +1,139 @@
+// Pictures in loans: drawn where they are emitted from, copied nowhere.
+#include "media.hpp"
+#include "scene.hpp"
+#include "source.hpp"
+
+#include <doctest/doctest.h>
+#include <hive/vision/image.hpp>
+#include <hive/vision/loans.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <memory>
+
+namespace vision = hive::vision;
+
+namespace {
+
+/// Lends ordinary memory and remembers it.
+class Lender {
+public:
+    vision::LoanAllocator allocator{[this](std::size_t bytes) { return lend(bytes); }};
+    std::weak_ptr<const void> last;
+    int loans = 0;
+
+private:
+    hive::Loan lend(std::size_t bytes)
+    {
+        auto memory = std::make_shared<std::vector<std::byte>>(bytes);
+        last = memory;
+        ++loans;
+        const std::span span(*memory);
+        return {span, std::move(memory)};
+    }
+};
+
+}  // namespace
+
+TEST_CASE("loans: what OpenCV draws into a lent picture is the body, without a copy")
+{
+    Lender lender;
+    cv::Mat picture = lender.allocator.picture();
+    cv::resize(media::sample({64, 48}, CV_8UC3), picture, {32, 24});
+    REQUIRE(lender.loans == 1);
+    const auto* pixels = picture.data;
+    const hive::Body body = vision::encode_raw(picture);
+    CHECK(body.data() == pixels);
+    CHECK(body.size() == 32 * 24 * 3);
+}
+
+TEST_CASE("loans: the body keeps the loan when the picture and its allocator are gone")
+{
+    hive::Body body;
+    std::weak_ptr<const void> memory;
+    {
+        Lender lender;
+        cv::Mat picture = lender.allocator.picture();
+        media::sample({16, 16}, CV_8UC1).copyTo(picture);
+        body = vision::encode_raw(picture);
+        memory = lender.last;
+    }
+    CHECK_FALSE(memory.expired());
+    CHECK(body.data()[5] == media::sample({16, 16}, CV_8UC1).data[5]);
+    body = {};
+    CHECK(memory.expired());
+}
+
+TEST_CASE("loans: a picture that is not emitted gives its loan back")
+{
+    Lender lender;
+    lender.allocator.picture().create(10, 10, CV_8UC3);
+    CHECK(lender.loans == 1);
+    CHECK(lender.last.expired());
+}
+
+TEST_CASE("loans: a part of a lent picture is copied, whether its rows lie apart or not")
+{
+    Lender lender;
+    cv::Mat picture = lender.allocator.picture();
+    media::sample({20, 20}, CV_8UC3).copyTo(picture);
+    for (const cv::Rect where : {cv::Rect(2, 2, 10, 10), cv::Rect(0, 5, 20, 15)}) {
+        const cv::Mat part = picture(where);
+        const hive::Body body = vision::encode_raw(part);
+        CHECK(body.data() != part.data);
+        CHECK(media::same(vision::decode(body, "image/raw", {}, vision::raw_header(part)), part));
+    }
+}
+
+TEST_CASE("loans: after the lender has closed, or when it throws, pictures lie in ordinary memory")
+{
+    Lender lender;
+    lender.allocator.close();
+    cv::Mat picture = lender.allocator.picture();
+    picture.create(10, 10, CV_8UC3);
+    CHECK(lender.loans == 0);
+    CHECK(vision::LoanAllocator::loan_of(picture) == nullptr);
+    CHECK(vision::encode_raw(picture).size() == 300);
+    vision::LoanAllocator empty([](std::size_t) -> hive::Loan { throw std::runtime_error("nothing left"); });
+    cv::Mat other = empty.picture();
+    other.create(10, 10, CV_8UC3);
+    CHECK(other.total() == 100);
+}
+
+TEST_CASE("loans: the scene is drawn in one loan for each picture, and is the same as in ordinary memory")
+{
+    Lender lender;
+    const camera::Scene scene({.size = {320, 240}});
+    const auto lent = scene.picture(3, &lender.allocator), own = scene.picture(3);
+    CHECK(lender.loans == 1);
+    CHECK(vision::LoanAllocator::loan_of(lent.image));
+    CHECK(media::same(lent.image, own.image));
+}
+
+TEST_CASE("loans: a picture file is decoded into one loan")
+{
+    Lender lender;
+    const media::Folder folder;
+    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
+    media::write(folder.path() / "a.png", media::encoded(".png", picture));
+    camera::SourceSettings settings;
+    settings.text = (folder.path() / "a.png").string();
+    const auto frame = camera::open_source(settings, &lender.allocator)->next();
+    REQUIRE(frame);
+    CHECK(media::same(frame->image, picture));
+    CHECK(lender.loans == 1);
+    CHECK(vision::LoanAllocator::loan_of(frame->image));
+}
+
+TEST_CASE("plain form: pixels as they are, but a picture of more than a body may hold is a JPEG")
+{
+    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
+    const auto plain = vision::plain_form(picture.size(), 3);
+    CHECK(plain.type == "image/raw");
+    CHECK(plain.header == vision::raw_header(picture));
+    CHECK(plain.body(picture).data() == picture.data);
+    CHECK(vision::plain_form({8192, 8192}, 1).type == "image/raw");
+    const auto large = vision::plain_form({8192, 8192}, 3);
+    CHECK(large.type == "image/jpeg");
+    CHECK(large.header == hive::Json{{"width", 8192}, {"height", 8192}});
+    CHECK(vision::decode(large.body(picture), "image/jpeg").size() == picture.size());
+}
