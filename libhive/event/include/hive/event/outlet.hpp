@@ -12,7 +12,7 @@
 
 namespace hive::event {
 
-/// Network thread, but for wanted() and asked().
+/// Network side, but for wanted() and asked().
 class Outlet {
 public:
     /// @param carrier    the packet type that carries its events: event or exception
