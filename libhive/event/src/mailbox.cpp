@@ -9,7 +9,6 @@ void Mailbox::push(Command command)
 {
     const std::lock_guard lock(mutex_);
     commands_.push_back(std::move(command));
-    changed_.notify_one();
 }
 
 std::size_t Mailbox::push(Event event)
@@ -28,7 +27,6 @@ std::size_t Mailbox::push(Event event)
         lost.push_back(std::move(*oldest));
         events_.erase(oldest);
     }
-    changed_.notify_one();
     return lost.size();
 }
 
@@ -36,13 +34,17 @@ void Mailbox::nudge()
 {
     const std::lock_guard lock(mutex_);
     nudged_ = true;
-    changed_.notify_one();
 }
 
-std::optional<Mailbox::Item> Mailbox::pop(Clock::time_point deadline, bool events)
+bool Mailbox::ready(bool events) const
 {
-    std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, deadline, [&] { return nudged_ || !commands_.empty() || (events && !events_.empty()); });
+    const std::lock_guard lock(mutex_);
+    return nudged_ || !commands_.empty() || (events && !events_.empty());
+}
+
+std::optional<Mailbox::Item> Mailbox::pop(bool events)
+{
+    const std::lock_guard lock(mutex_);
     if (!commands_.empty()) {
         Command command = std::move(commands_.front());
         commands_.pop_front();

@@ -1,13 +1,8 @@
-// The life of a module: its network thread, what it owns, its timer.
+// The life of a module: its end, what it owns, its timer.
 #include <hive/event/module.hpp>
 
-#include <asio/dispatch.hpp>
-#include <asio/post.hpp>
-
 #include <algorithm>
-#include <future>
-#include <pthread.h>
-#include <signal.h>
+#include <csignal>
 
 namespace hive::event {
 
@@ -19,27 +14,25 @@ constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
 
-/// Signals are for the user thread.
-void block_signals()
-{
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
-}
-
 }  // namespace
 
-void Door::post(std::function<void()> task)
+void Door::post(Loop::Task task)
 {
     const std::lock_guard lock(mutex_);
-    if (context_)
-        asio::post(*context_, std::move(task));
+    if (loop_)
+        loop_->post(std::move(task));
+}
+
+bool Door::inside()
+{
+    const std::lock_guard lock(mutex_);
+    return loop_ && loop_->has_turn();
 }
 
 void Door::shut()
 {
     const std::lock_guard lock(mutex_);
-    context_ = nullptr;
+    loop_ = nullptr;
 }
 
 Module::Module(Options options) : options_(std::move(options)) {}
@@ -49,11 +42,10 @@ Module::~Module() { end(); }
 void Module::end()
 {
     encoder_thread_.end();
-    if (thread_.joinable()) {
+    if (loop_.started()) {
         leave();
         call([this] { close_links(); });
-        work_.reset();
-        thread_.join();
+        loop_.end();
     }
     door_->shut();
     pool_->end();
@@ -62,26 +54,16 @@ void Module::end()
 /// Deregisters everywhere and waits a moment for the confirmations, so that nobody takes the end for a loss.
 void Module::leave()
 {
-    struct Leaving {
-        std::promise<void> all_left;
-        std::size_t remaining = 1;
-        void one_left()
-        {
-            if (--remaining == 0)
-                all_left.set_value();
-        }
-    };
-    const auto leaving = std::make_shared<Leaving>();
+    const auto remaining = std::make_shared<std::size_t>(0);
     call([&] {
         ending_ = true;
         listeners_.clear();
         for (const auto& intake : std::exchange(intakes_, {})) {
-            ++leaving->remaining;
-            intake->stop([leaving] { leaving->one_left(); });
+            ++*remaining;
+            intake->stop([remaining] { --*remaining; });
         }
-        leaving->one_left();
     });
-    leaving->all_left.get_future().wait_for(patience_at_end);
+    loop_.wait(Clock::now() + patience_at_end, [&] { return *remaining == 0; });
 }
 
 void Module::close_links()
@@ -96,7 +78,7 @@ void Module::close_links()
     last_.expires_after(patience_at_end);
     last_.async_wait([this](std::error_code problem) {
         if (!problem)
-            context_.stop();
+            context().stop();
     });
 }
 
@@ -110,27 +92,15 @@ void Module::on_signal(std::function<void(int)> handler)
     });
 }
 
-void Module::start()
-{
-    thread_ = std::thread([this] {
-        block_signals();
-        context_.run();
-    });
-}
+void Module::start() { loop_.start(); }
 
-void Module::call(const std::function<void()>& task)
+std::optional<Mailbox::Item> Module::next(Mailbox& mailbox, Clock::time_point deadline)
 {
-    std::promise<void> promise;
-    auto done = promise.get_future();
-    asio::dispatch(context_, [&] {
-        try {
-            task();
-            promise.set_value();
-        } catch (...) {
-            promise.set_exception(std::current_exception());
-        }
-    });
-    done.get();
+    const auto ready = [&] { return mailbox.ready(!halted_); };
+    loop_.serve();  // what the last item left behind: its receipt, what it emitted
+    if (!ready())   // the network thread may have filled it, and may keep the turn
+        loop_.wait(deadline, ready);
+    return mailbox.pop(!halted_);
 }
 
 void Module::halt(bool halted)
@@ -155,7 +125,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
 transport::Address Module::listen(const transport::Address& address)
 {
     listeners_.push_back(transport::listen(
-        context_, address,
+        context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
             if (links_.size() >= most_peers) {
                 log("refused " + connection->peer() + ": " + std::to_string(most_peers) + " peers are connected already");

@@ -43,7 +43,7 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
         return;
     const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()), std::chrono::milliseconds(1));
     transport::dial(
-        context_, address, patience,
+        context(), address, patience,
         [this, key](std::shared_ptr<transport::Connection> connection, std::exception_ptr problem) {
             if (connection)
                 return adopt(make_link(std::move(connection)), [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });

@@ -104,8 +104,8 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
         --to->under_way;
         to->answer(id, outcome);
     };
-    const auto answer = [door = door_, send, network = std::this_thread::get_id()](const Outcome& outcome) {
-        if (std::this_thread::get_id() == network)
+    const auto answer = [door = door_, send](const Outcome& outcome) {
+        if (door->inside())
             return send(outcome);
         door->post([send, outcome] { send(outcome); });
     };

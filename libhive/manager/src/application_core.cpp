@@ -3,7 +3,6 @@
 
 #include <hive/name.hpp>
 
-#include <future>
 #include <unistd.h>
 
 namespace hive {
@@ -56,23 +55,29 @@ void Application::Core::require_running(const std::string& drone) const
     throw Error(Errc::not_found, drone + " is not running; " + (near.empty() ? "start it: " + start_command(drone) : "did you mean " + near + "?"));
 }
 
-std::future<event::Outcome> Application::Core::send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
+Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
 {
-    const auto promise = std::make_shared<std::promise<event::Outcome>>();
-    module.post([this, address = home.address(drone), type, header, body, until = deadline(), promise] {
-        module.request(address, type, header, body, until, [promise](const event::Outcome& outcome) { promise->set_value(outcome); });
+    auto reply = std::make_shared<std::optional<event::Outcome>>();
+    module.loop().perform([this, address = home.address(drone), type, header, body, until = deadline(), reply] {
+        module.request(address, type, header, body, until, [reply](const event::Outcome& outcome) { *reply = outcome; });
     });
-    return promise->get_future();  // its value comes by the deadline: the module sees to it
+    return reply;
+}
+
+const event::Outcome& Application::Core::wait_for(const Reply& reply)
+{
+    module.loop().wait(event::Clock::time_point::max(), [&] { return reply->has_value(); });
+    return reply->value();
 }
 
 std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const std::vector<Json>& headers)
 {
-    std::vector<std::future<event::Outcome>> futures;
+    std::vector<Reply> replies;
     for (std::size_t i = 0; i < drones.size(); ++i)
-        futures.push_back(send(drones[i], type, headers[i], {}));
+        replies.push_back(send(drones[i], type, headers[i], {}));
     std::vector<Answer> answers;
     for (std::size_t i = 0; i < drones.size(); ++i) {
-        const auto outcome = futures[i].get();
+        const auto& outcome = wait_for(replies[i]);
         if (const auto* error = std::get_if<Error>(&outcome))
             answers.push_back({drones[i], {}, named(drones[i], *error)});
         else
@@ -89,7 +94,8 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
 Json Application::Core::ask(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
 {
     require_running(drone);
-    const auto outcome = send(drone, type, header, body).get();
+    const auto reply = send(drone, type, header, body);
+    const auto& outcome = wait_for(reply);
     if (const auto* error = std::get_if<Error>(&outcome))
         throw named(drone, *error);
     return std::get<Json>(outcome);

@@ -4,7 +4,8 @@
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
 
-#include <future>
+#include <memory>
+#include <optional>
 
 namespace hive {
 
@@ -27,7 +28,9 @@ public:
     event::Module module;
 
 private:
-    std::future<event::Outcome> send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body);
+    using Reply = std::shared_ptr<const std::optional<event::Outcome>>;  ///< comes by the deadline: the module sees to it
+    Reply send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body);
+    const event::Outcome& wait_for(const Reply& reply);
 };
 
 }  // namespace hive

@@ -48,17 +48,12 @@ private:
 
 MailboxCollector::~MailboxCollector()
 {
-    const auto left = std::make_shared<std::promise<void>>();
     const auto remaining = std::make_shared<std::size_t>(intakes_.size());
     module_.call([&] {
         for (const auto& intake : intakes_)
-            module_.remove_intake(intake, [left, remaining] {
-                if (--*remaining == 0)
-                    left->set_value();
-            });
+            module_.remove_intake(intake, [remaining] { --*remaining; });
     });
-    if (!intakes_.empty())
-        left->get_future().wait_for(std::chrono::milliseconds(500));
+    module_.loop().wait(event::Clock::now() + std::chrono::milliseconds(500), [&] { return *remaining == 0; });
 }
 
 std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const std::string& output, const ConnectionOptions& connection)
@@ -76,13 +71,13 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
 
 void MailboxCollector::receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection, event::Clock::time_point deadline)
 {
-    const auto promise = std::make_shared<std::promise<event::Outcome>>();
-    module_.call([&] { add(drone, output, connection)->start([promise](const event::Outcome& outcome) { promise->set_value(outcome); }); });
-    auto future = promise->get_future();
-    if (future.wait_until(deadline) != std::future_status::ready)
+    const auto reply = std::make_shared<std::optional<event::Outcome>>();
+    module_.call([&] { add(drone, output, connection)->start([reply](const event::Outcome& outcome) { *reply = outcome; }); });
+    std::optional<event::Outcome> outcome;
+    module_.loop().wait(deadline, [&] { return (outcome = *reply).has_value(); });
+    if (!outcome)
         throw Error(Errc::timeout, drone + "." + output + ": no answer in time");
-    const auto outcome = future.get();
-    if (const auto* error = std::get_if<Error>(&outcome))
+    if (const auto* error = std::get_if<Error>(&*outcome))
         throw Error(error->code(), drone + "." + output + ": " + error->what());
     followed_.insert(drone);
 }
@@ -102,7 +97,7 @@ std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
             return event;
         }
         const auto due = reorder_.deadline();
-        auto item = mailbox_->pop(due ? std::min(*due, deadline) : deadline);
+        auto item = module_.next(*mailbox_, due ? std::min(*due, deadline) : deadline);
         if (item)
             if (auto event = take(std::move(std::get<Event>(*item)))) {
                 ++counts_.received;

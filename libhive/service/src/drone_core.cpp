@@ -12,8 +12,8 @@ using protocol::PacketType;
 
 namespace {
 
-constexpr int most_handover = 64;  ///< emitted events that the network thread has not yet seen, per output
-constexpr auto never = std::chrono::hours(24);
+constexpr int most_handover = 64;  ///< emitted events that the network side has not yet seen, per output
+constexpr auto never = std::chrono::steady_clock::time_point::max();
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void DroneCore::run()
     started_ = Clock::now();
     prepare();
     loop();
-    module_->end();  // not reset(): what still runs on the network thread uses module_
+    module_->end();  // not reset(): what still runs on the network side uses module_
     log("ended");
 }
 
@@ -92,7 +92,7 @@ void DroneCore::loop()
 {
     next_step_ = Clock::now();
     while (!stopping_) {
-        auto item = mailbox_.pop(main && !halted_ ? next_step_ : Clock::now() + never, !halted_);
+        auto item = module_->next(mailbox_, main && !halted_ ? next_step_ : never);
         if (item) {
             if (auto* command = std::get_if<event::Mailbox::Command>(&*item))
                 (*command)();
@@ -279,8 +279,8 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
         handover_less_.wait(lock, [&] { return slot.handover < most_handover; });
         ++slot.handover;
     }
-    module_->post([this, &slot, emission = std::move(emission)]() mutable {
-        module_->emit(*slot.outlet, std::move(emission));
+    module_->loop().perform([this, &slot, emission = std::move(emission)] {
+        module_->emit(*slot.outlet, emission);
         {
             const std::lock_guard lock(handover_mutex_);
             --slot.handover;
@@ -289,6 +289,13 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
         if (slot.outlet->asked())
             mailbox_.nudge();
     });
+}
+
+void DroneCore::wake()
+{
+    mailbox_.nudge();
+    if (module_)
+        module_->loop().interrupt();
 }
 
 void DroneCore::condition(const std::string& text)

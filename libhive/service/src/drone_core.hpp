@@ -1,4 +1,4 @@
-// The machinery of a running drone: the user thread's loop, its callbacks, and what the network thread may see of it.
+// The machinery of a running drone: the user thread's loop, its callbacks, and what the network side may see of it.
 #pragma once
 
 #include "parameter_set.hpp"
@@ -28,7 +28,7 @@ struct DroneSettings {
     bool describe = false;
 };
 
-/// Declarations and the loop belong to the user thread; handlers of requests to the network thread (drone_requests.cpp);
+/// Declarations and the loop belong to the user thread; handlers of requests to the network side (drone_requests.cpp);
 /// what both need is in `board_` under its mutex.
 class DroneCore {
 public:
@@ -52,7 +52,7 @@ public:
     [[nodiscard]] bool asked(std::size_t output) const;
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type);
-    void wake() { mailbox_.nudge(); }
+    void wake();
     void condition(const std::string& text);
     void report(Errc code, const std::string& text, const Event* cause);
     void log(const std::string& text) const;
@@ -66,7 +66,7 @@ private:
         event::Outlet* outlet = nullptr;
         std::int64_t sequence = 0;              ///< user thread
         int part = 0;                           ///< events emitted for the present input
-        std::atomic<int> handover{0};           ///< emitted, not yet with the network thread
+        std::atomic<int> handover{0};           ///< emitted, not yet with the network side
     };
     struct Board {  ///< what status tells of the user thread
         State state = State::starting;
@@ -91,7 +91,7 @@ private:
     void end_work();
     void apply(const Json& values);
 
-    // network thread: drone_requests.cpp
+    // network side: drone_requests.cpp
     void add_handlers();
     void restore(const Json& state);
     void on_connect(event::Incoming incoming);
@@ -118,7 +118,7 @@ private:
     std::vector<Slot*> outputs_;
     event::Outlet* exceptions_ = nullptr;
     event::Mailbox mailbox_;
-    event::SequenceFilter filter_;  ///< network thread
+    event::SequenceFilter filter_;  ///< network side
     std::unique_ptr<event::Module> module_;
     std::atomic<bool> stopping_ = false, halted_ = false;
     std::int64_t epoch_ = 0;

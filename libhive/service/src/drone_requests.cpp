@@ -1,4 +1,4 @@
-// The network thread of a drone: what applications ask of it, answered while user code is busy.
+// The network side of a drone: what applications ask of it, answered while user code is busy.
 #include "drone_core.hpp"
 
 #include <hive/name.hpp>

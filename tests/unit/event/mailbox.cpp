@@ -1,4 +1,4 @@
-// The queue between the two threads.
+// The queue between the network side and the user thread.
 #include <hive/event/mailbox.hpp>
 
 #include <doctest/doctest.h>
@@ -15,11 +15,9 @@ Event numbered(std::int64_t sequence, bool lossless = false, std::size_t bytes =
     return event;
 }
 
-const auto past = Mailbox::Clock::time_point::min();
-
 std::int64_t next_sequence(Mailbox& mailbox)
 {
-    auto item = mailbox.pop(past);
+    auto item = mailbox.pop();
     return item && std::holds_alternative<Event>(*item) ? std::get<Event>(*item).identity.sequence : -1;
 }
 
@@ -32,20 +30,20 @@ TEST_CASE("mailbox: commands overtake events, and events keep their order")
     mailbox.push(numbered(1));
     mailbox.push(numbered(2));
     mailbox.push([&] { ++commands; });
-    auto first = mailbox.pop(past);
+    auto first = mailbox.pop();
     REQUIRE(first);
     std::get<Mailbox::Command>(*first)();
     CHECK(commands == 1);
     CHECK(next_sequence(mailbox) == 1);
     CHECK(next_sequence(mailbox) == 2);
-    CHECK_FALSE(mailbox.pop(past));
+    CHECK_FALSE(mailbox.pop());
 }
 
 TEST_CASE("mailbox: a halted drone is given commands only")
 {
     Mailbox mailbox;
     mailbox.push(numbered(1));
-    CHECK_FALSE(mailbox.pop(past, false));
+    CHECK_FALSE(mailbox.pop(false));
     CHECK(mailbox.events() == 1);
 }
 
@@ -80,13 +78,24 @@ TEST_CASE("mailbox: what may be lost is discarded at once, what may not stays")
     CHECK(next_sequence(mailbox) == 2);
 }
 
-TEST_CASE("mailbox: a nudge ends a wait without an item, once")
+TEST_CASE("mailbox: a nudge makes it ready without an item, once")
 {
     Mailbox mailbox;
+    CHECK_FALSE(mailbox.ready());
     mailbox.nudge();
-    CHECK_FALSE(mailbox.pop(Mailbox::Clock::time_point::max()));
+    CHECK(mailbox.ready());
+    CHECK_FALSE(mailbox.pop());
+    CHECK_FALSE(mailbox.ready());
+}
+
+TEST_CASE("mailbox: for a halted drone an event is nothing to wake for, a command is")
+{
+    Mailbox mailbox;
     mailbox.push(numbered(1));
-    CHECK(next_sequence(mailbox) == 1);
+    CHECK(mailbox.ready());
+    CHECK_FALSE(mailbox.ready(false));
+    mailbox.push([] {});
+    CHECK(mailbox.ready(false));
 }
 
 }  // namespace hive::event

@@ -28,7 +28,7 @@ struct IntakeSpec {
     ConnectionOptions options;
 };
 
-/// Network thread, but for the counters and for receipts, which may be dropped on any thread.
+/// Network side, but for the counters and for receipts, which may be dropped on any thread.
 class Intake : public std::enable_shared_from_this<Intake> {
 public:
     using Sink = std::function<void(Event)>;

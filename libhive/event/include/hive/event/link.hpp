@@ -17,7 +17,7 @@ namespace hive::event {
 using Outcome = std::variant<Json, Error>;
 using OnOutcome = std::function<void(const Outcome&)>;
 
-/// Network thread. Owned by the module; ends with its connection.
+/// Network side. Owned by the module; ends with its connection.
 class Link : public std::enable_shared_from_this<Link> {
 public:
     struct Events {

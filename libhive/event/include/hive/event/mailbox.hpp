@@ -1,9 +1,8 @@
-// The one queue between the network thread and the user thread.
+// The one queue between the network side and the user thread.
 #pragma once
 
 #include <hive/event.hpp>
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -12,12 +11,11 @@
 
 namespace hive::event {
 
-/// Thread-safe. Commands (parameter changes, control) overtake events.
+/// Thread-safe, and waits for nobody: see Module::next. Commands (parameter changes, control) overtake events.
 class Mailbox {
 public:
     using Command = std::function<void()>;
     using Item = std::variant<Command, Event>;
-    using Clock = std::chrono::steady_clock;
 
     static constexpr std::size_t most_events = 1024;
     static constexpr std::size_t most_bytes = 64u << 20;  ///< beyond two events
@@ -28,18 +26,19 @@ public:
     void push(Command command);
     /// Over the bounds the oldest event that may be lost goes; returns how many did.
     std::size_t push(Event event);
-    /// Ends a pop() that waits, without an item.
+    /// Makes it ready() without an item, until the next pop().
     void nudge();
 
-    /// The next item; nothing when the deadline passed or somebody nudged. @param events  false: commands only
-    std::optional<Item> pop(Clock::time_point deadline, bool events = true);
+    /// Is there an item, or was it nudged? @param events  false: only commands count
+    [[nodiscard]] bool ready(bool events = true) const;
+    /// The next item, if there is one. @param events  false: commands only
+    std::optional<Item> pop(bool events = true);
     /// Removes the events that may be lost (not lossless) and returns how many.
     std::size_t discard_live();
     [[nodiscard]] std::size_t events() const;
 
 private:
     mutable std::mutex mutex_;
-    std::condition_variable changed_;
     std::deque<Command> commands_;
     std::deque<Event> events_;
     std::size_t bytes_ = 0;

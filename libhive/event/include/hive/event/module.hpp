@@ -1,14 +1,14 @@
-// What drones and applications have in common: the network thread, links to peers, outlets, intakes, requests.
+// What drones and applications have in common: links to peers, outlets, intakes, requests, and the loop that runs them.
 #pragma once
 
 #include <hive/event/encoder_thread.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/event/link.hpp>
+#include <hive/event/loop.hpp>
+#include <hive/event/mailbox.hpp>
 #include <hive/event/outlet.hpp>
 
-#include <asio/executor_work_guard.hpp>
-#include <asio/io_context.hpp>
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
 
@@ -19,21 +19,22 @@
 #include <memory>
 #include <mutex>
 #include <set>
-#include <thread>
 #include <vector>
 
 namespace hive::event {
 
-/// A way onto the network thread that outlives the module: what is posted after the module's end is dropped.
+/// A way to the network side that outlives the module: what is posted after the module's end is dropped. Any thread.
 class Door {
 public:
-    explicit Door(asio::io_context& context) : context_(&context) {}
-    void post(std::function<void()> task);
+    explicit Door(Loop& loop) : loop_(&loop) {}
+    void post(Loop::Task task);
+    /// Does this thread have the turn?
+    [[nodiscard]] bool inside();
     void shut();
 
 private:
     std::mutex mutex_;
-    asio::io_context* context_;
+    Loop* loop_;
 };
 
 /// A request of a peer, to be answered exactly once, from any thread.
@@ -44,7 +45,7 @@ struct Incoming {
     std::function<void(Outcome)> answer;
 };
 
-/// Functions are for the network thread unless they say otherwise.
+/// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
 class Module {
 public:
     struct Options {
@@ -70,25 +71,28 @@ public:
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.
     void start();
-    /// Leaves everywhere and ends the network thread; any thread but that one. What is posted later is dropped.
+    /// Leaves everywhere and ends the network thread; any thread without the turn. What is posted later is dropped.
     void end();
 
     // --- any thread ---
-    void post(std::function<void()> task) { door_->post(std::move(task)); }
-    /// Runs a task on the network thread and waits for it; what it throws is thrown here.
-    void call(const std::function<void()>& task);
+    [[nodiscard]] Loop& loop() noexcept { return loop_; }
+    void post(Loop::Task task) { loop_.post(std::move(task)); }
+    void call(const Loop::Task& task) { loop_.call(task); }
+    /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until there is one. Nothing
+    /// when the deadline has passed or the mailbox was nudged. For one thread.
+    std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
     [[nodiscard]] const std::shared_ptr<Door>& door() const noexcept { return door_; }
     /// Where bodies are made that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
     void log(const std::string& text) const { options_.log(text); }
-    /// While halted, intakes ask for nothing.
+    /// While halted, intakes ask for nothing and mailboxes give commands only.
     void halt(bool halted);
-    /// Calls back on the network thread when the process gets SIGINT or SIGTERM.
+    /// Calls back on the network side when the process gets SIGINT or SIGTERM.
     void on_signal(std::function<void(int)> handler);
 
-    // --- network thread ---
-    [[nodiscard]] asio::io_context& context() noexcept { return context_; }
+    // --- network side ---
+    [[nodiscard]] asio::io_context& context() noexcept { return loop_.context(); }
     transport::Address listen(const transport::Address& address);
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
@@ -128,12 +132,11 @@ private:
 
     Options options_;
     std::shared_ptr<transport::Pool> pool_ = std::make_shared<transport::Pool>();
-    asio::io_context context_{1};
-    asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
-    std::shared_ptr<Door> door_ = std::make_shared<Door>(context_);
-    asio::steady_timer timer_{context_};
-    asio::steady_timer last_{context_};
-    asio::signal_set signals_{context_};
+    Loop loop_;
+    std::shared_ptr<Door> door_ = std::make_shared<Door>(loop_);
+    asio::steady_timer timer_{context()};
+    asio::steady_timer last_{context()};
+    asio::signal_set signals_{context()};
     bool armed_ = false, ending_ = false;
     std::atomic<bool> halted_ = false;
     bool backlogged_ = false;
@@ -144,7 +147,6 @@ private:
     std::set<LinkPtr> links_;
     std::map<std::string, LinkPtr> dialed_;
     std::map<std::string, std::vector<Waiting>> dialing_;
-    std::thread thread_;
     EncoderThread encoder_thread_;
 };
 

@@ -14,7 +14,7 @@
 
 namespace hive::event {
 
-/// Network thread, but for wanted(), asked() and shares().
+/// Network side, but for wanted(), asked() and shares().
 class Outlet {
 public:
     struct Hooks {

@@ -1,0 +1,85 @@
+// Who runs the network side of a module: one thread at a time, the one that has the turn.
+#pragma once
+
+#include <hive/event/clock.hpp>
+
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
+#include <asio/steady_timer.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace hive::event {
+
+/// Links, outlets, intakes and timers are handlers of one io_context, run by whoever has the **turn**. A thread that has nothing to do
+/// takes it and waits in the io_context itself, so what arrives wakes the very thread that will work on it. When it goes away it wakes
+/// nobody; if nobody is back after `patience`, the network thread takes the turn and keeps it until somebody wants it.
+class Loop {
+public:
+    using Task = std::function<void()>;
+    /// How long the network side may be left alone. Shorter callbacks cost no change of threads; longer ones are covered.
+    static constexpr std::chrono::milliseconds patience{1};
+
+    Loop();
+    ~Loop();
+    Loop(const Loop&) = delete;
+    Loop& operator=(const Loop&) = delete;
+
+    /// Starts the network thread.
+    void start();
+    [[nodiscard]] bool started() const noexcept { return thread_.joinable(); }
+    /// Runs what is left until there is nothing to wait for, and ends the network thread. Once; not with the turn.
+    void end();
+    [[nodiscard]] asio::io_context& context() noexcept { return context_; }
+
+    // --- any thread; tasks run in the order of these calls, and what a task of post or perform throws ends the process ---
+
+    /// Leaves a task to whoever has or takes the turn next.
+    void post(Task task);
+    /// Runs a task at once on this thread if the turn is free; posts it otherwise.
+    void perform(Task task);
+    /// Runs a task on this thread, waiting for the turn; what it throws is thrown here.
+    void call(const Task& task);
+    [[nodiscard]] bool has_turn() const noexcept { return holder_ == std::this_thread::get_id(); }
+
+    // --- any thread that does not have the turn ---
+
+    /// Runs what is ready, if the turn is free.
+    void serve();
+    /// Runs the network side until `done` (asked with the turn, after each handler) or the deadline; time_point::max(): no deadline.
+    void wait(Clock::time_point deadline, const std::function<bool()>& done);
+    /// Has a wait() of another thread ask again whether it is done.
+    void interrupt() { post([] {}); }
+
+private:
+    void take();
+    bool try_take();
+    void leave();
+    bool wanted();
+    void arm(std::chrono::nanoseconds after);
+    bool run_one() noexcept;
+    void run_after_posted(const Task& task);
+    void set_alarm(Clock::time_point deadline);
+    void watch();
+    bool take_over();
+
+    asio::io_context context_{1};
+    asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
+    asio::steady_timer alarm_{context_};  ///< the deadline of a wait
+    bool alarm_set_ = false;
+    std::atomic<std::thread::id> holder_{};
+    std::mutex mutex_;
+    std::condition_variable left_;
+    std::uint64_t asked_ = 0, given_back_ = 0;  ///< turns, which are served in order: the difference is who has it and who waits
+    Clock::time_point left_at_{};
+    const int timer_;     ///< timerfd that wakes the network thread
+    bool armed_ = false;  ///< it will
+    bool ending_ = false;
+    std::thread thread_;
+};
+
+}  // namespace hive::event

@@ -1,0 +1,173 @@
+// The turn: who runs the network side, and when it changes hands.
+#include <hive/event/loop.hpp>
+
+#include <asio/steady_timer.hpp>
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <future>
+#include <stdexcept>
+#include <vector>
+
+namespace hive::event {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto long_enough = 20s;  ///< nothing here takes a thousandth of it
+
+const auto self = [] { return std::this_thread::get_id(); };
+
+Clock::time_point in(Clock::duration time) { return Clock::now() + time; }
+
+/// A loop that runs, ended in time for what its handlers refer to.
+struct Running {
+    Running() { loop.start(); }
+    ~Running() { loop.end(); }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+    /// Leaves the loop alone until its own thread has the turn, inside a handler that waits for the gate.
+    void leave_to_network_thread(std::shared_future<void> gate)
+    {
+        const auto there = std::make_shared<std::promise<void>>();
+        loop.post([there, gate] { there->set_value(), gate.wait_for(long_enough); });
+        REQUIRE(there->get_future().wait_for(long_enough) == std::future_status::ready);
+    }
+    Loop loop;
+};
+
+}  // namespace
+
+TEST_CASE("loop: a task is run at once by a thread that finds the turn free")
+{
+    Running running;
+    std::thread::id by;
+    running.loop.perform([&] {
+        by = self();
+        CHECK(running.loop.has_turn());
+    });
+    CHECK(by == self());
+    CHECK_FALSE(running.loop.has_turn());
+}
+
+TEST_CASE("loop: what is left alone for longer than the patience is run by the network thread, and the turn comes back")
+{
+    Running running;
+    std::promise<std::thread::id> by;
+    running.loop.post([&] { by.set_value(self()); });
+    running.loop.serve();
+    CHECK(by.get_future().get() == self());
+    for (int i = 0; i < 20; ++i) {
+        std::promise<std::thread::id> other;
+        auto taken_over = other.get_future();
+        running.loop.post([&] { other.set_value(self()); });
+        REQUIRE(taken_over.wait_for(long_enough) == std::future_status::ready);
+        CHECK(taken_over.get() != self());
+        running.loop.call([&] { CHECK(running.loop.has_turn()); });
+        CHECK_FALSE(running.loop.has_turn());
+    }
+}
+
+TEST_CASE("loop: a thread that waits runs the handlers itself, however long it waits")
+{
+    Running running;
+    std::thread::id by;
+    asio::steady_timer timer(running.loop.context(), 10 * Loop::patience);
+    running.loop.call([&] { timer.async_wait([&](std::error_code) { by = self(); }); });
+    running.loop.wait(in(long_enough), [&] { return by != std::thread::id(); });
+    CHECK(by == self());
+}
+
+TEST_CASE("loop: a wait ends at its deadline, which is finer than a millisecond, also after waits with a later one")
+{
+    Running running;
+    auto least = Clock::duration::max();
+    for (int i = 0; i < 50; ++i) {
+        const auto later = in(long_enough), deadline = in(300us);
+        running.loop.wait(later, [passes = 0]() mutable { return ++passes == 1; });
+        running.loop.wait(deadline, [] { return false; });
+        CHECK(Clock::now() >= deadline);
+        least = std::min(least, Clock::now() - deadline);
+    }
+    CHECK(least < 500us);
+}
+
+TEST_CASE("loop: tasks keep their order, whoever runs them")
+{
+    Running running;
+    std::promise<void> gate;
+    running.leave_to_network_thread(gate.get_future().share());
+    std::vector<int> order;
+    std::vector<std::thread::id> by;
+    const auto task = [&](int number) { return [&, number] { order.push_back(number), by.push_back(self()); }; };
+    running.loop.perform(task(1));
+    running.loop.perform(task(2));
+    CHECK(by.empty());
+    gate.set_value();
+    running.loop.call(task(3));
+    running.loop.perform(task(4));
+    running.loop.call([] {});
+    CHECK(order == std::vector{1, 2, 3, 4});
+    CHECK(by[2] == self());
+}
+
+TEST_CASE("loop: the network thread gives the turn back at once, from the middle of its wait")
+{
+    Running running;
+    std::promise<void> open;
+    open.set_value();
+    running.leave_to_network_thread(open.get_future().share());
+    std::thread::id by;
+    running.loop.call([&] { by = self(); });
+    CHECK(by == self());
+}
+
+TEST_CASE("loop: a thread that waits lets another one in, and asks again when it is interrupted")
+{
+    Running running;
+    std::atomic<bool> done = false;
+    auto waiting = std::async(std::launch::async, [&] { running.loop.wait(in(long_enough), [&] { return done.load(); }); });
+    for (int i = 0; i < 100; ++i) {
+        std::thread::id by;
+        running.loop.call([&] { by = self(); });
+        CHECK(by == self());
+    }
+    done = true;
+    running.loop.interrupt();
+    CHECK(waiting.wait_for(long_enough / 2) == std::future_status::ready);
+}
+
+TEST_CASE("loop: what a called task throws is thrown to the caller, and the turn is free again")
+{
+    Running running;
+    CHECK_THROWS_AS(running.loop.call([] { throw std::runtime_error("no"); }), std::runtime_error);
+    bool ran = false;
+    running.loop.perform([&] { ran = true; });
+    CHECK(ran);
+}
+
+TEST_CASE("loop: a call inside a task runs at once, a performed task after it")
+{
+    Running running;
+    std::vector<int> order;
+    running.loop.call([&] {
+        running.loop.perform([&] { order.push_back(3); });
+        running.loop.call([&] { order.push_back(1); });
+        order.push_back(2);
+    });
+    running.loop.call([] {});
+    CHECK(order == std::vector{1, 2, 3});
+}
+
+TEST_CASE("loop: its end runs what was posted before")
+{
+    bool ran = false;
+    {
+        Running running;
+        running.loop.post([&] { ran = true; });
+    }
+    CHECK(ran);
+}
+
+}  // namespace hive::event
