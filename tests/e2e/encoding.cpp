@@ -40,7 +40,7 @@ public:
 
     hive::Event next()
     {
-        auto item = mailbox_.pop(Clock::now() + 10s);
+        auto item = module_.next(mailbox_, Clock::now() + 10s);
         REQUIRE(item);
         return std::get<hive::Event>(std::move(*item));
     }
