@@ -1,4 +1,6 @@
 // Encoding events into packets and decoding them.
+#include "header_text.hpp"
+
 #include <hive/error.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/clock.hpp>
@@ -11,10 +13,6 @@ std::chrono::microseconds Event::age() const { return std::chrono::microseconds(
 
 namespace hive::event {
 namespace {
-
-constexpr std::size_t most_hops = 16;
-
-Json to_json(const Hop& hop) { return {{"drone", hop.drone}, {"wait_us", hop.wait_us}, {"work_us", hop.work_us}}; }
 
 Identity identity_from(const Fields& fields)
 {
@@ -40,31 +38,25 @@ Identity identity_from(const Fields& fields)
     return identity;
 }
 
-Json header_of(const Event& event, const Share& share)
+Event event_from_json(const Json& json, std::size_t body_size)
 {
-    const Identity& identity = event.identity;
-    Json json{{"sender", event.sender},   {"kind", event.kind},          {"output", event.output}, {"type", event.type},
-              {"source", identity.source}, {"epoch", identity.epoch},    {"seq", identity.sequence}, {"time_us", identity.captured_us},
-              {"mono_us", identity.monotonic_us}, {"size", event.body.size()}, {"header", event.header}};
-    if (identity.lossless)
-        json["lossless"] = true;
-    if (!share.group.empty()) {
-        json["group"] = share.group;
-        json["turn"] = share.turn;
-        json["attempt"] = share.attempt;
-    }
-    if (identity.part > 0)
-        json["part"] = identity.part;
-    const std::size_t first = identity.hops.size() > most_hops ? identity.hops.size() - most_hops : 0;
-    for (std::size_t i = first; i < identity.hops.size(); ++i)
-        json["hops"].push_back(to_json(identity.hops[i]));
-    return json;
+    const Fields fields(json, "event");
+    Event event;
+    event.identity = identity_from(fields);
+    event.sender = fields.name("sender");
+    event.kind = fields.name("kind");
+    event.output = fields.name("output");
+    event.type = fields.text("type");
+    event.size = static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(body_size)));
+    if (fields.has("header"))
+        event.header = fields.object("header");
+    return event;
 }
 
 }  // namespace
 
 Emission::Emission(Event event, bool complete)
-    : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(to_text(header_of(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt}))))
+    : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(header_text(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt})))
 {
     constexpr std::size_t share_bytes = 128;  // what sharing adds
     if (header_->size() + share_bytes > protocol::Limits{}.header)
@@ -81,7 +73,7 @@ std::shared_ptr<const Emission> Emission::without_receipt() const
 
 protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel, const Share& share) const
 {
-    auto header = share.group.empty() ? header_ : std::make_shared<const std::string>(to_text(header_of(event_, share)));
+    auto header = share.group.empty() ? header_ : std::make_shared<const std::string>(header_text(event_, share));
     return {type, channel, std::move(header), type == protocol::PacketType::notification ? Body() : event_.body};
 }
 
@@ -100,17 +92,10 @@ void Emission::keep_rendition(const std::string& encoding, std::shared_ptr<const
 
 Event event_from_packet(const protocol::Packet& packet)
 {
-    const Json json = parse_json(packet.header_text());
-    const Fields fields(json, "event");
     Event event;
-    event.identity = identity_from(fields);
-    event.sender = fields.name("sender");
-    event.kind = fields.name("kind");
-    event.output = fields.name("output");
-    event.type = fields.text("type");
-    event.size = static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(packet.body.size())));
-    if (fields.has("header"))
-        event.header = fields.object("header");
+    event.size = packet.body.size();
+    if (!read_plain_header(packet.header_text(), event))
+        event = event_from_json(parse_json(packet.header_text()), packet.body.size());
     event.body = packet.body;
     event.received = std::chrono::steady_clock::now();
     return event;

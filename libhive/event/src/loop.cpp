@@ -9,6 +9,7 @@
 #include <sys/timerfd.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 namespace hive::event {
 namespace {
@@ -104,6 +105,7 @@ void Loop::serve()
 void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
 {
     take();
+    disarm();
     while (!done() && Clock::now() < deadline) {
         set_alarm(deadline);
         if (wanted()) {
@@ -161,6 +163,16 @@ void Loop::arm(std::chrono::nanoseconds after)
     itimerspec due{};
     due.it_value.tv_nsec = after.count();  // less than a second
     ::timerfd_settime(timer_, 0, &due, nullptr);
+}
+
+/// For a wait, which may be long: the network thread need not wake only to see that it is not needed.
+void Loop::disarm()
+{
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(armed_, false))
+        return;
+    const itimerspec never{};
+    ::timerfd_settime(timer_, 0, &never, nullptr);
 }
 
 bool Loop::run_one() noexcept { return context_.run_one() > 0; }

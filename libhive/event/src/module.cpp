@@ -97,8 +97,9 @@ void Module::start() { loop_.start(); }
 std::optional<Mailbox::Item> Module::next(Mailbox& mailbox, Clock::time_point deadline)
 {
     const auto ready = [&] { return mailbox.ready(!halted_); };
-    loop_.serve();  // what the last item left behind: its receipt, what it emitted
-    if (!ready())   // the network thread may have filled it, and may keep the turn
+    if (ready())
+        loop_.serve();  // what the last item left behind, its receipt and what it emitted, is not for later
+    else
         loop_.wait(deadline, ready);
     return mailbox.pop(!halted_);
 }

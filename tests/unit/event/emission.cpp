@@ -69,4 +69,91 @@ TEST_CASE("emission: a packet with a wrong header is malformed")
         CHECK_THROWS_AS(event_from_packet(protocol::make_packet(PacketType::event, header)), Error);
 }
 
+namespace {
+
+/// What a header is read as: the event written again, or the code of the refusal.
+std::string outcome(const std::string& header)
+{
+    try {
+        const auto event = event_from_packet({PacketType::event, 1, std::make_shared<const std::string>(header), emission(1)->event().body});
+        return std::string(Emission(event).packet(PacketType::event, 1).header_text()) + std::to_string(event.size);
+    } catch (const Error& error) {
+        return std::string(info(error.code()).token);
+    }
+}
+
+/// White space before it is allowed, and leaves a header to the reader of all JSON.
+std::string outcome_in_general(const std::string& header) { return outcome(' ' + header); }
+
+std::string full_header()
+{
+    Event event = emission(42, true)->event();
+    event.identity.captured_us = 1'700'000'000'000'000;
+    event.identity.part = 3;
+    event.identity.hops = {{"face", 10, 20}, {"blur", 0, 7}};
+    event.header = {{"faces", {1, -2.5, "a \"quoted\" {"}}, {"more", {{"deep", {{}, nullptr, true}}}}};
+    return std::string(Emission(event).packet(PacketType::event, 1, {"workers", 17, 3}).header_text());
+}
+
+std::string repeated(const std::string& text, std::size_t times)
+{
+    std::string all;
+    while (times-- > 0)
+        all += text;
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("emission: a header is read the same directly and as JSON, whichever byte of it is changed, left out or doubled")
+{
+    const std::string header = full_header();
+    REQUIRE(outcome(header) == header + "10");
+    const std::string bytes = std::string("\"\\{}[],:0-19.eE tn\x7f\xc3") + '\0';
+    for (std::size_t i = 0; i < header.size(); ++i) {
+        std::vector<std::string> changed{header.substr(0, i) + header.substr(i + 1), header.substr(0, i) + header.substr(i), header.substr(0, i)};
+        changed[1].insert(i, 1, header[i]);
+        for (const char byte : bytes)
+            (changed.emplace_back(header))[i] = byte;
+        for (const auto& text : changed)
+            if (outcome(text) != outcome_in_general(text))
+                FAIL_CHECK(text << " is read as " << outcome(text) << ", and in general as " << outcome_in_general(text));
+    }
+}
+
+TEST_CASE("emission: the limits of a header are the same, directly and as JSON")
+{
+    const std::string hop = R"({"drone":"face","wait_us":1,"work_us":2})";
+    const std::string header = R"({"sender":"a","kind":"a","output":"a","type":"a/b","source":"a","epoch":1,"seq":1)";
+    const std::pair<std::string, std::string> expected[]{
+        {header + R"(,"turn":9007199254740992})", ""},
+        {header + R"(,"turn":9007199254740993})", "malformed"},
+        {header + R"(,"turn":01})", "malformed"},
+        {header + R"(,"attempt":1001})", "malformed"},
+        {header + R"(,"seq":1})", "malformed"},
+        {header + R"(,"unknown":{"a":[1]}})", ""},
+        {header + R"(,"hops":[]})", ""},
+        {header + R"(,"hops":[)" + repeated(hop + ",", 15) + hop + "]}", ""},
+        {header + R"(,"hops":[)" + repeated(hop + ",", 16) + hop + "]}", "malformed"},
+        {header + R"(,"header":{"a":)" + repeated("[", 14) + repeated("]", 14) + "}}", ""},
+        {header + R"(,"header":{"a":)" + repeated("[", 15) + repeated("]", 15) + "}}", "too_large"},
+        {header + R"(,"header":{"a":1,"a":2}})", "malformed"},
+        {header + R"(,"header":[]})", "malformed"},
+        {header.substr(0, header.size() - 8) + "}", "malformed"},
+        {R"({"sender":"a b")" + header.substr(13) + "}", "malformed"},
+    };
+    for (const auto& [text, code] : expected) {
+        CAPTURE(text);
+        CHECK(outcome(text) == outcome_in_general(text));
+        CHECK((code.empty() ? outcome(text).front() == '{' : outcome(text) == code));
+    }
+}
+
+TEST_CASE("emission: text that is not plain is escaped, and bytes that are no UTF-8 are replaced")
+{
+    Event event = emission(1)->event();
+    event.type = "a/\"b\\\n\xff";
+    CHECK(event_from_packet(Emission(event).packet(PacketType::event, 1)).type == "a/\"b\\\n\xEF\xBF\xBD");
+}
+
 }  // namespace hive::event

@@ -39,25 +39,25 @@ struct Running {
 
 }  // namespace
 
-TEST_CASE("loop: a task is run at once by a thread that finds the turn free")
+TEST_CASE("loop: a thread that finds the turn free runs a task at once, after what was posted, and is served what is ready")
 {
-    Running running;
-    std::thread::id by;
-    running.loop.perform([&] {
-        by = self();
-        CHECK(running.loop.has_turn());
+    Loop loop;  // without its thread, so the turn is free
+    std::vector<int> order;
+    loop.post([&] { order.push_back(1); });
+    loop.perform([&] {
+        order.push_back(2);
+        CHECK(loop.has_turn());
     });
-    CHECK(by == self());
-    CHECK_FALSE(running.loop.has_turn());
+    CHECK(order == std::vector{1, 2});
+    loop.post([&] { order.push_back(3); });
+    loop.serve();
+    CHECK(order == std::vector{1, 2, 3});
+    CHECK_FALSE(loop.has_turn());
 }
 
 TEST_CASE("loop: what is left alone for longer than the patience is run by the network thread, and the turn comes back")
 {
     Running running;
-    std::promise<std::thread::id> by;
-    running.loop.post([&] { by.set_value(self()); });
-    running.loop.serve();
-    CHECK(by.get_future().get() == self());
     for (int i = 0; i < 20; ++i) {
         std::promise<std::thread::id> other;
         auto taken_over = other.get_future();
@@ -73,9 +73,15 @@ TEST_CASE("loop: a thread that waits runs the handlers itself, however long it w
 {
     Running running;
     std::thread::id by;
-    asio::steady_timer timer(running.loop.context(), 10 * Loop::patience);
-    running.loop.call([&] { timer.async_wait([&](std::error_code) { by = self(); }); });
-    running.loop.wait(in(long_enough), [&] { return by != std::thread::id(); });
+    asio::steady_timer timer(running.loop.context());
+    bool begun = false;
+    running.loop.wait(in(long_enough), [&] {
+        if (!std::exchange(begun, true)) {
+            timer.expires_after(10 * Loop::patience);
+            timer.async_wait([&](std::error_code) { by = self(); });
+        }
+        return by != std::thread::id();
+    });
     CHECK(by == self());
 }
 

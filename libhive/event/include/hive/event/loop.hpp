@@ -61,6 +61,7 @@ private:
     void leave();
     bool wanted();
     void arm(std::chrono::nanoseconds after);
+    void disarm();
     bool run_one() noexcept;
     void run_after_posted(const Task& task);
     void set_alarm(Clock::time_point deadline);
