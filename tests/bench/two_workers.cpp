@@ -1,6 +1,6 @@
 // The paper's table: one face worker, then two that share one camera, beside the same OpenCV loop without Hive.
 //
-//     bench_two_workers [--rounds N] [--seconds S] [--json]
+//     bench_two_workers [--rounds N] [--seconds S] [--json] [--out FILE]
 //
 // Each round measures, one after the other: one bare loop (decode, detect, draw, encode), two bare loops at the same time,
 // one worker in a swarm, two workers in a swarm; all on the same clip of 640x480 JPEGs at scale 1.05, OpenCV's own threads
@@ -155,7 +155,8 @@ double ratio(const std::vector<double>& of, const std::vector<double>& to)
     return median(ratios);
 }
 
-int run(int rounds, double seconds, bool json)
+/// @param out  what --json prints is appended there as well; empty: nowhere
+int run(int rounds, double seconds, bool json, const fs::path& out)
 {
     char folder[] = "/tmp/hive-bench-XXXXXX";
     const fs::path scratch = ::mkdtemp(folder);
@@ -170,10 +171,12 @@ int run(int rounds, double seconds, bool json)
         std::fprintf(stderr, "round %d: bare %.2f and %.2f, Hive %.2f and %.2f pictures/s\n", round + 1, bare1.back(), bare2.back(), hive1.back(), hive2.back());
     }
     fs::remove_all(scratch);
+    const hive::Json figures{{"rounds", rounds}, {"bare_fps", {median(bare1), median(bare2)}}, {"hive_fps", {median(hive1), median(hive2)}},
+                             {"hive_to_bare", {ratio(hive1, bare1), ratio(hive2, bare2)}}, {"gain", ratio(hive2, hive1)}, {"bare_gain", ratio(bare2, bare1)}};
+    if (!out.empty() && !(std::ofstream(out, std::ios::app) << figures << '\n'))
+        throw std::runtime_error("cannot write " + out.string());
     if (json) {
-        std::cout << hive::Json{{"rounds", rounds}, {"bare_fps", {median(bare1), median(bare2)}}, {"hive_fps", {median(hive1), median(hive2)}},
-                                {"hive_to_bare", {ratio(hive1, bare1), ratio(hive2, bare2)}}, {"gain", ratio(hive2, hive1)}, {"bare_gain", ratio(bare2, bare1)}}
-                  << '\n';
+        std::cout << figures << '\n';
         return 0;
     }
     std::printf("%-24s %12s %12s %12s %14s\n", "", "bare OpenCV", "Hive", "Hive/bare", "the paper");
@@ -191,6 +194,7 @@ int main(int argc, char** argv)
     int rounds = 5;
     double seconds = 8;
     bool json = false;
+    fs::path out;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
         const bool value = i + 1 < argc;
@@ -202,13 +206,15 @@ int main(int argc, char** argv)
             seconds = std::atof(argv[++i]);
         else if (word == "--json")
             json = true;
+        else if (word == "--out" && value)
+            out = argv[++i];
         else {
-            std::cerr << "usage: bench_two_workers [--rounds N] [--seconds S] [--json]\n";
+            std::cerr << "usage: bench_two_workers [--rounds N] [--seconds S] [--json] [--out FILE]\n";
             return 2;
         }
     }
     try {
-        return run(rounds, seconds, json);
+        return run(rounds, seconds, json, out);
     } catch (const std::exception& error) {
         std::cerr << "bench_two_workers: " << error.what() << '\n';
         return 1;
