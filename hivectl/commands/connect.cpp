@@ -82,7 +82,7 @@ Run declare(CLI::App& app, Session& session)
     app.add_option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
         ->type_name("SECONDS")->check(seconds());
     app.add_option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
-        ->type_name("NAME")->check(encoding_word());
+        ->type_name("NAME")->check(encoding_word())->excludes(notify);
     app.add_flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
     return [options, &session] { return run(*options, session); };
 }

@@ -54,8 +54,8 @@ Verb edges_verb()
             .summary = "Lists the connections, as both ends know them",
             .details = "For each, produced = delivered + skipped + dropped + abandoned + in flight, counted at the sender. skipped: "
                        "the receiver was not ready; dropped: the queue of a stream was full; abandoned: given up after failures. "
-                       "ENCODING is how the bodies travel. KNOWN-BY sender: the receiver is an application, or does not know of it; receiver: the sender does not "
-                       "(yet, or no longer) run.",
+                       "ENCODING is how the bodies travel. KNOWN-BY sender: the receiver is an application, or does not know of it; "
+                       "receiver: the sender does not (yet, or no longer) run.",
             .examples = "hivectl edges\n"
                         "hivectl edges camera --json | jq -r '.[].to'",
             .timeout = "how long to wait for drones that do not answer (default 1)",

@@ -156,6 +156,26 @@ TEST_CASE("encoding: a JPEG file travels byte for byte, on one machine and over 
     CHECK(coarse.next().body.size() < size);
 }
 
+TEST_CASE("encoding: a picture that cannot be encoded is an exception, and goes as it is")
+{
+    const Swarm swarm;
+    const auto file = swarm.home() / "picture.jpg";
+    {
+        const auto scene = swarm.drone("camera", "camera", {"fps=30"});
+        swarm.hivectl_done({"snap", "camera", file.string()});
+    }
+    // Half of the pixels and an end: a whole file by its structure, which only decoding finds wanting.
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    std::ofstream(file, std::ios::binary | std::ios::app) << "\xff\xd9";
+    const auto size = std::filesystem::file_size(file);
+    const auto camera = swarm.drone("camera", "camera", {"source=" + file.string(), "fps=10"});
+    Receiver receiver("viewer", local_address(swarm, "camera"), "image", "*/*", "jpeg:60");
+    CHECK(receiver.next().body.size() == size);
+    const auto exception = swarm.application().status("camera").at("last_exception");
+    CHECK(exception.at("code") == "malformed");
+    CHECK(exception.at("text").get<std::string>().starts_with("jpeg:60: "));
+}
+
 TEST_CASE("encoding: the shell asks for it, edges show it, and a wrong word is refused in words")
 {
     const Swarm swarm;

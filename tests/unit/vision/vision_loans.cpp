@@ -7,6 +7,7 @@
 #include <hive/vision/image.hpp>
 #include <hive/vision/loans.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 
 #include <memory>
 
@@ -122,6 +123,25 @@ TEST_CASE("loans: a picture file is decoded into one loan")
     CHECK(media::same(frame->image, picture));
     CHECK(lender.loans == 1);
     CHECK(vision::LoanAllocator::loan_of(frame->image));
+}
+
+TEST_CASE("loans: a video is read into a loan of its own for each picture")
+{
+    Lender lender;
+    const media::Folder folder;
+    camera::SourceSettings settings;
+    settings.text = (folder.path() / "v.avi").string();
+    cv::VideoWriter writer(settings.text, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 12, {64, 48});
+    for (int i = 0; i < 3; ++i)
+        writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(50 * i)));
+    writer.release();
+    const auto source = camera::open_source(settings, &lender.allocator);
+    const auto first = source->next(), second = source->next();
+    REQUIRE((first && second));
+    CHECK(lender.loans == 2);
+    CHECK(vision::LoanAllocator::loan_of(first->image));
+    CHECK(vision::LoanAllocator::loan_of(second->image));
+    CHECK(cv::mean(first->image)[0] < cv::mean(second->image)[0]);
 }
 
 TEST_CASE("plain form: pixels as they are, but a picture of more than a body may hold is a JPEG")

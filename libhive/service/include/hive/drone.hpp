@@ -39,7 +39,7 @@ inline Constraint one_of(std::initializer_list<const char*> choices) { return {s
 /// A handle on one of the drone's outputs; cheap to copy. For the user thread.
 class Output {
 public:
-    /// Does anybody receive the bodies of this output? If not, there is no need to encode one.
+    /// Does anybody receive the bodies of this output? If not, there is no need to make one.
     [[nodiscard]] bool wanted() const;
     /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
     [[nodiscard]] bool asked() const;

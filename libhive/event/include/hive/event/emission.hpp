@@ -19,8 +19,8 @@ struct Share {
     int attempt = 0;
 };
 
-/// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then for the network
-/// thread and, what is const, for the encoder thread.
+/// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then read by the
+/// network thread and the encoder thread.
 class Emission {
 public:
     /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header
