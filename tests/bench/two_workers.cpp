@@ -117,6 +117,7 @@ double swarm_rate(const fs::path& clip, int workers, double seconds)
         outputs.push_back({name, "annotated"});
     }
     hive::CollectOptions collecting;
+    collecting.connection.encoding = "jpeg";  // as the bare loop ends
     collecting.ordered = true;
     const auto collector = application.collect(outputs, collecting);
     for (const auto& output : outputs)
