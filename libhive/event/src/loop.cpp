@@ -105,15 +105,16 @@ void Loop::serve()
 void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
 {
     take();
-    disarm();
     while (!done() && Clock::now() < deadline) {
-        set_alarm(deadline);
         if (wanted()) {
             leave();
             take();
-        } else if (!run_one()) {
-            break;
+            continue;
         }
+        set_alarm(deadline);
+        disarm();
+        if (!run_one())
+            break;
     }
     leave();
 }
@@ -165,7 +166,7 @@ void Loop::arm(std::chrono::nanoseconds after)
     ::timerfd_settime(timer_, 0, &due, nullptr);
 }
 
-/// For a wait, which may be long: the network thread need not wake only to see that it is not needed.
+/// Before what may be a long wait: the network thread need not wake only to see that it is not needed.
 void Loop::disarm()
 {
     const std::lock_guard lock(mutex_);
