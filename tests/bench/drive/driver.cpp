@@ -21,7 +21,8 @@ constexpr Nanoseconds quiet_for = 250 * millisecond, wait_for_quiet = 750 * mill
 class Driving {
 public:
     explicit Driving(const DriveOptions& options)
-        : options_(options), only_(options.only), column_(options.column), daemon_(programs()), out_(options.out), end_(now_ns() + nanoseconds_of(options.budget))
+        : options_(options), only_(options.only), column_(options.column), daemon_(programs()), out_(options.out),
+          end_(now_ns() + nanoseconds_of(options.budget))
     {
         if (!out_)
             throw std::runtime_error("cannot write " + options.out.string());
@@ -120,34 +121,6 @@ void drive(const DriveOptions& options)
     if (options.out.has_parent_path())
         std::filesystem::create_directories(options.out.parent_path());
     Driving(options).run();
-}
-
-bool smoke()
-{
-    const std::vector<Column> few{
-        {.name = "lat", .test = Test::latency, .size = 64, .pairs = {}, .once = {}},
-        {.name = "thr", .test = Test::throughput, .size = 100'000, .pairs = {}, .once = {}},
-        {.name = "large", .test = Test::throughput, .size = 1'500'000, .subscribers = 4, .pairs = {}, .once = {}},
-        {.name = "sync", .test = Test::sync, .size = 100'000, .window = 1, .pairs = {}, .once = {}},
-        {.name = "prefetch", .test = Test::sync, .size = 100'000, .window = 2, .pairs = {}, .once = {}},
-        {.name = "rpc", .test = Test::rpc, .size = 64, .pairs = {}, .once = {}},
-    };
-    bool well = true;
-    for (const auto& row : rows())
-        for (const auto& column : few) {
-            if (!row.starts_with("hive/") && !row.starts_with("raw_"))
-                continue;
-            Run run = run_of(row, column);
-            run.frames = 6;
-            run.rate = 200;
-            run.seconds = 0.01;
-            const auto outcome = execute(run).value_or(Json::object());
-            const bool good = outcome.value("ok", false) && outcome.value("received", 0) > 0;
-            std::cout << (good ? "ok      " : "FAILED  ") << row << ' ' << column.name << ": " << outcome.value("received", 0) << " received, "
-                      << outcome.value("lost", -1) << " lost, " << outcome.value("bad", -1) << " bad\n";
-            well = well && good;
-        }
-    return well;
 }
 
 }  // namespace hive::bench

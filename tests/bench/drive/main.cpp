@@ -10,12 +10,12 @@
 
 #include <iostream>
 
-int main(int argc, char** argv)
+namespace {
+
+using namespace hive::bench;
+
+CLI::App* add_run(CLI::App& app, DriveOptions& options)
 {
-    using namespace hive::bench;
-    CLI::App app("Hive beside its peers and the machine's limits.", "bench_drive");
-    app.require_subcommand(1);
-    DriveOptions options;
     auto* run = app.add_subcommand("run", "measure");
     run->add_option("--out", options.out, "where the JSON goes; an older file is replaced")->capture_default_str();
     run->add_option("--only", options.only, "rows: a regular expression, as in 'local|raw_shm'")->capture_default_str();
@@ -25,6 +25,24 @@ int main(int argc, char** argv)
     run->add_option("--budget", options.budget, "seconds; what is not run by then is left out")->check(CLI::PositiveNumber)->capture_default_str();
     run->add_option("--frames", options.frames, "of each latency run")->check(CLI::Range(2, 10000))->capture_default_str();
     run->add_option("--seconds", options.seconds, "of each other run")->check(CLI::PositiveNumber)->capture_default_str();
+    return run;
+}
+
+void print_all(const std::string& file)
+{
+    const Records records(file);
+    print_report(records);
+    print_targets(records);
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    CLI::App app("Hive beside its peers and the machine's limits.", "bench_drive");
+    app.require_subcommand(1);
+    DriveOptions options;
+    const auto* run = add_run(app, options);
     auto* report = app.add_subcommand("report", "print the tables");
     std::string file;
     report->add_option("file", file, "what `run` wrote")->required();
@@ -33,11 +51,8 @@ int main(int argc, char** argv)
     try {
         if (run->parsed())
             drive(options);
-        if (report->parsed()) {
-            const Records records(file);
-            print_report(records);
-            print_targets(records);
-        }
+        if (report->parsed())
+            print_all(file);
         return short_run->parsed() && !smoke() ? 1 : 0;
     } catch (const std::exception& error) {
         std::cerr << "bench_drive: " << error.what() << '\n';

@@ -35,7 +35,8 @@ public:
         table({"Throughput 1 -> 1 and fan-out 1 -> 4 (frames a second that each of the four gets), nothing lost. frac: of the limit's rate.\n"
                "CPU: seconds for 1000 frames, publisher and subscribers; xL: over the limit's. switches: times a thread went to sleep, for one frame.",
                {"thr100K", "thr6.2M", "fan4"},
-               {"row", "100KB f/s", "GB/s", "frac", "switches", "6.22MB f/s", "GB/s", "frac", "switches", "CPU", "1->4 f/s", "frac", "CPU", "xL", "pub CPU", "60Hz CPU"}},
+               {"row", "100KB f/s", "GB/s", "frac", "switches", "6.22MB f/s", "GB/s", "frac", "switches", "CPU", "1->4 f/s", "frac", "CPU", "xL",
+                "pub CPU", "60Hz CPU"}},
               [&](const Row& row) {
                   Cells cells = rate(row, "thr100K");
                   add(cells, rate(row, "thr6.2M"));
@@ -63,11 +64,12 @@ public:
 
     void busy_core() const
     {
-        table({"The same while other work takes one core.", {"rpc64-busy", "sync100K-busy"}, {"row", "RPC", "/s", "frac", "100 KB", "f/s", "frac"}}, [&](const Row& row) {
-            Cells cells = round_trip(row, "rpc64-busy");
-            add(cells, round_trip(row, "sync100K-busy"));
-            return cells;
-        });
+        table({"The same while other work takes one core.", {"rpc64-busy", "sync100K-busy"}, {"row", "RPC", "/s", "frac", "100 KB", "f/s", "frac"}},
+              [&](const Row& row) {
+                  Cells cells = round_trip(row, "rpc64-busy");
+                  add(cells, round_trip(row, "sync100K-busy"));
+                  return cells;
+              });
     }
 
     void failures() const

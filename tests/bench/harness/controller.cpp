@@ -77,9 +77,23 @@ private:
     std::vector<Process> others_;
 };
 
+/// Plays the run; false when it did not end well.
+bool play_all(const Transport& transport, const Run& run)
+{
+    Roles roles(run, transport);
+    bool wired = true;
+    try {
+        transport.wire(run);
+    } catch (const std::exception& error) {
+        std::cerr << "bench_" << run.program << ": " << error.what() << '\n';
+        wired = false;
+    }
+    return roles.wait() && wired;
+}  // whatever still runs is ended here, so that its usage counts
+
 Json control(const Transport& transport, Run run)
 {
-    Board& board = make_board();
+    const Board& board = make_board();
     run.place = "hive-bench-" + std::to_string(::getpid());
     run.port = free_port();
     if (run.size > 1'000'000)
@@ -87,22 +101,11 @@ Json control(const Transport& transport, Run run)
     transport.prepare(run);
     const double busy = machine_cpu();
     const auto begin = now_ns();
-    bool well = true;
-    {
-        Roles roles(run, transport);
-        try {
-            transport.wire(run);
-        } catch (const std::exception& error) {
-            std::cerr << "bench_" << run.program << ": " << error.what() << '\n';
-            well = false;
-        }
-        well = roles.wait() && well;
-    }  // whatever still runs is ended here, and its usage counted
+    const bool well = play_all(transport, run);
     const double took = seconds_of(now_ns() - begin);
-    const double ours = children_usage().cpu + own_usage().cpu;
     transport.clean(run);
     Json json = outcome_of(run, board, well);
-    json["foreign"] = std::max(0.0, machine_cpu() - busy - ours) / took;
+    json["foreign"] = std::max(0.0, machine_cpu() - busy - children_usage().cpu - own_usage().cpu) / took;
     json["took"] = took;
     return json;
 }

@@ -94,7 +94,8 @@ std::uint16_t free_port()
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
-    const bool known = ::bind(socket, reinterpret_cast<sockaddr*>(&address), size) == 0 && ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    const bool known = ::bind(socket, any, size) == 0 && ::getsockname(socket, any, &size) == 0;
     ::close(socket);
     if (!known)
         throw std::runtime_error("no free TCP port on 127.0.0.1");

@@ -10,7 +10,8 @@ namespace hive::bench {
 
 class Caller::Module : public event::Module {
 public:
-    Module() : event::Module({.self = {.name = "bench-caller", .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()}, .limits = {}, .timing = {}})
+    Module()
+        : event::Module({.self = {.name = "bench-caller", .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()}, .limits = {}, .timing = {}})
     {
         start();
     }

@@ -57,10 +57,9 @@ void connect_tcp(const Run& run)
 {
     Caller caller;
     const Json from{{"drone", source_name}, {"output", frame_port}, {"address", tcp_address(run)}};
+    const Json connect{{"from", from}, {"input", frame_port}, {"options", to_json(options_of(run))}};
     for (int i = 0; i < run.subscribers; ++i)
-        within(10 * second, [&] {
-            caller.ask(local_address(run, sink_name(i)), protocol::PacketType::connect, {{"from", from}, {"input", frame_port}, {"options", to_json(options_of(run))}});
-        });
+        within(10 * second, [&] { caller.ask(local_address(run, sink_name(i)), protocol::PacketType::connect, connect); });
 }
 
 class LocalClient : public Client {

@@ -3,101 +3,11 @@
 //
 //     bench_raw_shm copy  the picture is copied from the camera's buffer into the slot
 //     bench_raw_shm zc    the camera has written into the slot: only header and tail are stamped
-#include "../harness/board.hpp"
 #include "../harness/transport.hpp"
-
-#include <cstring>
-#include <stdexcept>
-#include <sys/mman.h>
-#include <sys/stat.h>
+#include "segment.hpp"
 
 namespace hive::bench {
 namespace {
-
-constexpr std::uint32_t slots = 8, ring = 64;
-constexpr std::size_t page = 4096;
-
-struct Control {
-    alignas(64) Word head{0};      ///< frames published, or requests answered
-    alignas(64) Word sleepers{0};  ///< receivers that sleep on head
-    alignas(64) Word freed{0};     ///< rung when a frame was read while the publisher waits
-    Word publisher_waits{0};
-    alignas(64) std::array<std::atomic<std::uint8_t>, ring> slot_of;  ///< the slot of a frame
-    struct alignas(64) Reader {
-        Word tail{0};  ///< frames read
-    };
-    std::array<Reader, most_subscribers> readers;
-    alignas(64) Word requests{0}, server_sleeps{0};
-    Request request;
-    Word ready{0};
-};
-static_assert(sizeof(Control) <= page);
-
-/// The shared memory, made by the publisher or server, then mapped by the others.
-class Segment {
-public:
-    Segment(std::size_t frame, Role role) : frame_(frame), stride_((frame + page - 1) / page * page)
-    {
-        const std::size_t size = page + slots * stride_;
-        const bool maker = role == Role::publisher || role == Role::server;
-        if (maker && ::ftruncate(frame_memory(), static_cast<off_t>(size)) != 0)
-            throw std::runtime_error("cannot size the shared memory");
-        if (!maker)
-            await_size(size);
-        void* memory = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, frame_memory(), 0);
-        if (memory == MAP_FAILED)
-            throw std::runtime_error("cannot map the shared memory");
-        base_ = static_cast<std::byte*>(memory);
-        maker ? fill() : read_all(size);
-    }
-
-    [[nodiscard]] Control& control() const { return *reinterpret_cast<Control*>(base_); }
-    [[nodiscard]] std::span<std::byte> slot(std::uint32_t index) const { return {base_ + page + index * stride_, frame_}; }
-
-private:
-    static void await_size(std::size_t size)
-    {
-        struct stat status{};
-        for (const auto end = now_ns() + 5 * second; ::fstat(frame_memory(), &status) == 0 && status.st_size < static_cast<off_t>(size); sleep_for(millisecond))
-            if (now_ns() > end)
-                throw std::runtime_error("nobody made the shared memory");
-    }
-    void fill()
-    {
-        for (std::uint32_t i = 0; i < slots; ++i)
-            draw(slot(i), i % cameras);
-        (new (base_) Control)->ready = 1;
-    }
-    void read_all(std::size_t size) const
-    {
-        while (control().ready == 0)
-            sleep_for(millisecond);
-        for (std::size_t i = 0; i < size; i += page)
-            (void)*static_cast<volatile std::byte*>(base_ + i);
-    }
-
-    std::size_t frame_, stride_;
-    std::byte* base_ = nullptr;
-};
-
-void put(const Frame& frame, std::span<std::byte> slot, std::uint32_t index, bool in_place)
-{
-    if (!in_place)
-        return frame.produce(slot.data());
-    Frame drawn = frame;
-    drawn.header.camera = index % cameras;
-    drawn.stamp(slot.data());
-}
-
-/// Sleeps until the word has this value.
-void await(Word& word, std::uint32_t value, Word& sleepers)
-{
-    for (auto now = word.load(); now != value; now = word.load()) {
-        ++sleepers;
-        futex_wait(word, now);
-        --sleepers;
-    }
-}
 
 class ShmPublisher : public PushPublisher {
 public:
@@ -115,7 +25,7 @@ private:
         const auto slot = newest_free(slowest(control));
         held_by_[slot] = head_;
         control.slot_of[head_ % ring] = static_cast<std::uint8_t>(slot);
-        put(frame, segment_.slot(slot), slot, in_place_);
+        segment_.put(frame, slot, in_place_);
         control.head = ++head_;
         if (control.sleepers > 0)
             futex_wake(control.head);
@@ -199,7 +109,7 @@ public:
         for (std::uint32_t number = 1;; ++number) {
             await(control.requests, number, control.server_sleeps);
             const bool more = on_request(control.request, answer);
-            put(answer, segment_.slot(0), 0, in_place_);
+            segment_.put(answer, 0, in_place_);
             control.head = number;
             if (control.sleepers > 0)
                 futex_wake(control.head);
