@@ -42,14 +42,28 @@ std::string state_of(const BothEnds& ends)
     return "connected";
 }
 
+/// How the bodies travel: through shared memory, or through the socket; null as long as none did.
+hive::Json way_of(const hive::Json* at_sender)
+{
+    const auto count = [&](const char* key) {
+        const auto value = field(at_sender, key);
+        return value.is_number() ? value.get<std::int64_t>() : 0;
+    };
+    const auto shared = count("shared"), fallback = count("fallback");
+    if (shared == 0)
+        return count("delivered") > 0 ? hive::Json("socket") : hive::Json();
+    return fallback == 0 ? "memory" : "memory, " + std::to_string(fallback) + " by socket";
+}
+
 Row row_of(const Ends& names, const BothEnds& ends)
 {
     Row row{{"from", names.first}, {"to", names.second}};
     for (const char* key : {"transfer", "delivery", "window", "group", "encoding"})
         row.add(key, field(ends.at_sender ? ends.at_sender : ends.at_receiver, key));
+    row.add("way", way_of(ends.at_sender));
     row.add("state", state_of(ends));
     row.add("known_by", !ends.at_receiver ? "sender" : !ends.at_sender ? "receiver" : "both");
-    for (const char* key : {"produced", "delivered", "skipped", "dropped", "abandoned", "in_flight"})
+    for (const char* key : {"produced", "delivered", "skipped", "dropped", "abandoned", "in_flight", "shared", "fallback"})
         row.add(key, field(ends.at_sender, key));
     row.add("age_us", field(ends.at_receiver, "last_age_us"));
     row.add("error", field(ends.at_receiver, "error"));

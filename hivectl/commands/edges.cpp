@@ -31,7 +31,7 @@ int run(const std::vector<std::string>& words, Session& session)
     auto rows = connection_rows(statuses);
     if (!words.empty())
         std::erase_if(rows, [drones = drones_named(application, words)](const Row& row) { return !concerns(row, drones); });
-    print_rows(session.json, {{"FROM", "from"}, {"TO", "to"}, {"TRANSFER", "transfer"}, {"WINDOW", "window"}, {"GROUP", "group"}, {"ENCODING", "encoding"},
+    print_rows(session.json, {{"FROM", "from"}, {"TO", "to"}, {"TRANSFER", "transfer"}, {"WINDOW", "window"}, {"GROUP", "group"}, {"ENCODING", "encoding"}, {"BY", "way"},
                               {"STATE", "state"}, {"KNOWN-BY", "known_by"}, {"PRODUCED", "produced"}, {"DELIVERED", "delivered"},
                               {"SKIPPED", "skipped"}, {"DROPPED", "dropped"}, {"ABANDONED", "abandoned"}, {"IN-FLIGHT", "in_flight"}}, rows);
     return exit_code::done;
@@ -54,7 +54,7 @@ Verb edges_verb()
             .summary = "Lists the connections, as both ends know them",
             .details = "For each, produced = delivered + skipped + dropped + abandoned + in flight, counted at the sender. skipped: "
                        "the receiver was not ready; dropped: the queue of a stream was full; abandoned: given up after failures. "
-                       "ENCODING is how the bodies travel. KNOWN-BY sender: the receiver is an application, or does not know of it; "
+                       "ENCODING and BY are how the bodies travel: by shared memory within a machine, unless they are small; 'N by socket': there was no room. KNOWN-BY sender: the receiver is an application, or does not know of it; "
                        "receiver: the sender does not (yet, or no longer) run.",
             .examples = "hivectl edges\n"
                         "hivectl edges camera --json | jq -r '.[].to'",

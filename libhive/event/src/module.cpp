@@ -115,6 +115,12 @@ void Module::halt(bool halted)
 
 Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
 {
+    if (encoder.encode)
+        encoder.encode = [pool = pool_, encode = std::move(encoder.encode)](const Event& event, const std::string& encoding) {
+            Event encoded = encode(event, encoding);
+            encoded.body = pool->copied_in(encoded.body);
+            return encoded;
+        };
     Outlet::Hooks hooks{.changed = [this] { demand_changed(); },
                         .failed = [this](const EmissionPtr& event) { on_failed(event); },
                         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },

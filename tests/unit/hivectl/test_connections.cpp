@@ -40,6 +40,21 @@ TEST_CASE("connections: what both ends know is one row with the sender's counter
     CHECK(rows[0]["age_us"] == 40'000);
 }
 
+TEST_CASE("connections: the way of the bodies is told by what went through shared memory and what could not")
+{
+    const auto way = [](std::int64_t shared, std::int64_t fallback) {
+        auto answer = camera(1, 0, 10, 4);
+        auto& receiver = answer.result["outputs"][0]["receivers"][0];
+        receiver["shared"] = shared;
+        receiver["fallback"] = fallback;
+        return connection_rows({answer})[0].text("way");
+    };
+    CHECK(way(6, 0) == "memory");
+    CHECK(way(4, 2) == "memory, 2 by socket");
+    CHECK(way(0, 6) == "socket");
+    CHECK(connection_rows({camera(1, 0, 4, 4)})[0]["way"].is_null());
+}
+
 TEST_CASE("connections: what only one end knows says which one")
 {
     const auto sender_only = connection_rows({camera(1, 0, 10, 4)});
