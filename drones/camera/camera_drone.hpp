@@ -39,7 +39,7 @@ private:
     hive::Drone& drone_;
     hive::Output image_;
     std::string source_ = "scene", encoding_ = "jpeg", pace_ = "live";
-    int width_ = 0, height_ = 0, quality_ = 80, faces_ = 1, seed_ = 1;
+    int width_ = 0, height_ = 0, quality_ = 80, faces_ = 1, walkers_ = 0, seed_ = 1;
     double fps_ = 0, noise_ = 3;
     bool loop_ = true;
 
