@@ -21,6 +21,10 @@ cv::Ptr<cv::BackgroundSubtractor> make(const ModelSettings& settings)
     throw std::invalid_argument("no method " + settings.method + "; there are mog2 and knn");
 }
 
+/// By itself a young mixture takes a thing that stays for a few pictures into the background; at an even rate it takes a tenth of the history from
+/// the beginning. The samples of knn have to be filled quickly first.
+double learning_rate(const ModelSettings& settings) { return settings.method == "mog2" ? 1.0 / settings.history : -1; }
+
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
 
 }  // namespace
@@ -30,10 +34,10 @@ Foreground ForegroundFinder::find(const cv::Mat& picture)
     if (!subtractor_ || model != begun_with_ || picture.size() != size_ || picture.type() != type_)
         begin(picture);
     Foreground result;
-    subtractor_->apply(picture, result.mask, 1.0 / model.history);
+    subtractor_->apply(picture, result.mask, learning_rate(model));
     result.learned = ++learned_;
-    if (learned_ == 1)
-        result.mask.setTo(0);  // there is nothing yet that it could differ from
+    if (learned_ <= young)
+        result.mask.setTo(0);  // there is hardly anything yet that it could differ from
     tidy(result.mask);
     result.blobs = blobs_of(result.mask);
     return result;

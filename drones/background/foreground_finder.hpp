@@ -38,6 +38,7 @@ struct Foreground {
 class ForegroundFinder {
 public:
     static constexpr std::size_t most_blobs = 256;
+    static constexpr int young = 4;  ///< the first pictures of a model are all background
     static constexpr unsigned char foreground = 255, shadow = 127;
 
     ModelSettings model;
@@ -45,7 +46,7 @@ public:
     int close = 5;       ///< gaps narrower than about twice this are filled, px; 0: none
     int min_area = 300;  ///< of a blob, px
 
-    /// The next picture. The first one, and one of another size or number of channels, begins a new model: all of it is background.
+    /// The next picture. The first one, and one of another size or number of channels, begins a new model.
     /// @param picture  8 bit, BGR or grey; not changed
     [[nodiscard]] Foreground find(const cv::Mat& picture);
 

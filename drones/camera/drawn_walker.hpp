@@ -12,7 +12,7 @@ struct Walker {
     double height;
     double phase;   ///< of the step, radians: the legs are together at 0 and furthest apart a quarter of a turn later
 
-    /// From head to feet, and as wide as its largest step.
+    /// From head to feet, as wide as people detectors frame it: hands and feet of large steps reach a little beyond.
     [[nodiscard]] cv::Rect2d box() const { return {middle - 0.17 * height, top, 0.34 * height, height}; }
     bool operator==(const Walker&) const = default;
 };

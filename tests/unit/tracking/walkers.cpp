@@ -24,32 +24,38 @@ SceneSettings with_walkers(int walkers, cv::Size size = {640, 480})
     return settings;
 }
 
+/// 255 where two pictures differ clearly.
+cv::Mat differing(const cv::Mat& a, const cv::Mat& b)
+{
+    cv::Mat difference, channels[3];
+    cv::absdiff(a, b, difference);
+    cv::split(difference, channels);
+    return cv::max(channels[0], cv::max(channels[1], channels[2])) > 25;
+}
+
 }  // namespace
 
-TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the walkers, and fills them")
+TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the walkers (but for swinging hands and feet), and fills them")
 {
     for (const cv::Size size : {cv::Size(640, 480), cv::Size(320, 240)}) {
         const Scene scene(with_walkers(4, size)), empty(with_walkers(0, size));
         const cv::Mat wall = empty.picture(0).image;
         for (int index = 0; index < 700; index += 23) {
             const auto [image, truth] = scene.picture(index);
-            cv::Mat difference;
-            cv::absdiff(image, wall, difference);
-            cv::Mat grey = difference.reshape(1, 1) > 25;
-            grey = grey.reshape(3, size.height);
+            cv::Mat drawn = differing(image, wall);
+            CAPTURE(index);
             for (const auto& [kind, id, box] : truth) {
                 CHECK(kind == "walker");
                 CHECK((box & cv::Rect2d({}, cv::Size2d(size))) == box);
-                cv::Mat part = grey(cv::Rect(box));
-                CAPTURE(index);
-                CHECK(cv::countNonZero(part.reshape(1, 1)) > 3 * 0.25 * box.area());
+                CHECK(cv::countNonZero(drawn(cv::Rect(box))) > 0.25 * box.area());
             }
-            // Those that are hardly in the picture yet are not told; everything else is.
-            grey.colRange(0, size.width / 10).setTo(cv::Scalar::all(0));
-            grey.colRange(size.width - size.width / 10, size.width).setTo(cv::Scalar::all(0));
+            // Those that are hardly in the picture yet are not told; everything else is, but for swinging hands and feet.
+            drawn.colRange(0, size.width / 10).setTo(0);
+            drawn.colRange(size.width - size.width / 10, size.width).setTo(0);
+            const int all = cv::countNonZero(drawn);
             for (const auto& one : truth)
-                grey((cv::Rect(one.box) + cv::Size(2, 2)) & cv::Rect({}, size)).setTo(cv::Scalar::all(0));
-            CHECK(cv::countNonZero(grey.reshape(1, 1)) == 0);
+                drawn((cv::Rect(one.box) + cv::Size(2, 2)) & cv::Rect({}, size)).setTo(0);
+            CHECK(cv::countNonZero(drawn) <= 0.06 * all);
         }
     }
 }
