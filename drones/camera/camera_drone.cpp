@@ -31,8 +31,8 @@ hive::Json truth_of(const Frame& frame)
 {
     const auto tenths = [](double value) { return std::round(value * 10) / 10; };
     hive::Json boxes = hive::Json::array();
-    for (const cv::Rect2d& box : frame.truth)
-        boxes.push_back({{"x", tenths(box.x)}, {"y", tenths(box.y)}, {"w", tenths(box.width)}, {"h", tenths(box.height)}});
+    for (const auto& [kind, id, box] : frame.truth)
+        boxes.push_back({{"kind", kind}, {"id", id}, {"x", tenths(box.x)}, {"y", tenths(box.y)}, {"w", tenths(box.width)}, {"h", tenths(box.height)}});
     return boxes;
 }
 
@@ -61,6 +61,7 @@ void CameraDrone::declare()
     drone_.parameter("loop", loop_, hive::anything(), "files begin again at their end");
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next picture when all receivers ask");
     drone_.parameter("faces", faces_, hive::between(0, 3), "in the scene");
+    drone_.parameter("walkers", walkers_, hive::between(0, 4), "in the scene");
     drone_.parameter("noise", noise_, hive::between(0, 50), "of the scene: standard deviation in grey levels");
     drone_.parameter("seed", seed_, hive::at_least(0), "of the scene: the same seed gives the same pictures");
 }
@@ -69,6 +70,7 @@ CameraDrone::Wanted CameraDrone::wanted() const
 {
     Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}}, fps_, pace_};
     wanted.source.scene.faces = faces_;
+    wanted.source.scene.walkers = walkers_;
     wanted.source.scene.noise = noise_;
     wanted.source.scene.seed = static_cast<std::uint64_t>(seed_);
     return wanted;

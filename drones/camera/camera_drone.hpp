@@ -47,7 +47,7 @@ private:
     hive::Output image_;
     std::shared_ptr<hive::vision::LoanAllocator> memory_;  ///< of the pictures, also those that the capture reads
     std::string source_ = "scene", pace_ = "live";
-    int width_ = 0, height_ = 0, faces_ = 1, seed_ = 1;
+    int width_ = 0, height_ = 0, faces_ = 1, walkers_ = 0, seed_ = 1;
     double fps_ = 0, noise_ = 3;
     bool loop_ = true;
 

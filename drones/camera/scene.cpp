@@ -1,4 +1,4 @@
-// Composes the scene: background, faces on their paths, noise.
+// Composes the scene: background, walkers, faces on their paths, noise.
 #include "scene.hpp"
 
 #include "drawn_face.hpp"
@@ -38,13 +38,16 @@ const SceneSettings& checked(const SceneSettings& settings)
         throw std::invalid_argument("the scene needs at least 64x64 pixels");
     if (settings.faces < 0 || settings.faces > 3)
         throw std::invalid_argument("the scene has 0 to 3 faces");
+    if (settings.walkers < 0 || settings.walkers > Walkers::most)
+        throw std::invalid_argument("the scene has 0 to 4 walkers");
     return settings;
 }
 
 }  // namespace
 
 Scene::Scene(const SceneSettings& settings)
-    : settings_(checked(settings)), background_(draw_background(settings.background, settings.size, settings.seed))
+    : settings_(checked(settings)), walkers_(settings.walkers, settings.size, settings.seed),
+      background_(draw_background(settings.background, settings.size, settings.seed))
 {
     cv::RNG random(settings.seed + 2);
     const int bytes = settings.size.area() * 3 + static_cast<int>(noise_offsets);
@@ -59,12 +62,27 @@ ScenePicture Scene::picture(std::int64_t index, cv::MatAllocator* memory) const
     ScenePicture result;
     result.image.allocator = memory;
     background_.copyTo(result.image);
-    for (int face = 0; face < settings_.faces; ++face) {
-        result.truth.push_back(face_box(face, index));
-        draw_face(result.image, result.truth.back());
-    }
+    add_walkers(result, index);
+    add_faces(result, index);
     add_noise(result.image, index);
     return result;
+}
+
+void Scene::add_walkers(ScenePicture& picture, std::int64_t index) const
+{
+    for (const auto& [id, walker] : walkers_.at(index)) {
+        draw_walker(picture.image, walker);
+        if (const auto box = visible_box(walker, settings_.size))
+            picture.truth.push_back({"walker", id, *box});
+    }
+}
+
+void Scene::add_faces(ScenePicture& picture, std::int64_t index) const
+{
+    for (int face = 0; face < settings_.faces; ++face) {
+        picture.truth.push_back({"face", face + 1, face_box(face, index)});
+        draw_face(picture.image, picture.truth.back().box);
+    }
 }
 
 /// A Lissajous path inside the face's own upright strip of the picture, so that faces never meet. Above the box there is

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "background.hpp"
+#include "walkers.hpp"
 
 #include <opencv2/core/mat.hpp>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace camera {
@@ -14,16 +16,25 @@ struct SceneSettings {
     cv::Size size{640, 480};  ///< at least 64x64
     Background background = Background::brick;
     int faces = 1;        ///< 0 to 3
+    int walkers = 0;      ///< 0 to 4
     double noise = 3;     ///< standard deviation of the gaussian sensor noise, grey levels
     std::uint64_t seed = 1;
 
     bool operator==(const SceneSettings&) const = default;
 };
 
+/// A thing that was drawn, and where.
+struct Truth {
+    std::string kind;  ///< "face", "walker"
+    int id;            ///< of this thing among its kind, the same in all pictures
+    cv::Rect2d box;    ///< px, inside the picture
+    bool operator==(const Truth&) const = default;
+};
+
 /// One picture of the scene and what is in it.
 struct ScenePicture {
-    cv::Mat image;                   ///< BGR
-    std::vector<cv::Rect2d> truth;   ///< the boxes of the faces, wholly inside
+    cv::Mat image;             ///< BGR
+    std::vector<Truth> truth;  ///< faces are wholly inside; a walker is here while half of it is, with that part of its box
 };
 
 /// Everything that does not move is made once; a picture depends on the settings and its index alone.
@@ -35,10 +46,13 @@ public:
     [[nodiscard]] ScenePicture picture(std::int64_t index, cv::MatAllocator* memory = nullptr) const;
 
 private:
+    void add_walkers(ScenePicture& picture, std::int64_t index) const;
+    void add_faces(ScenePicture& picture, std::int64_t index) const;
     [[nodiscard]] cv::Rect2d face_box(int face, std::int64_t index) const;
     void add_noise(cv::Mat& image, std::int64_t index) const;
 
     SceneSettings settings_;
+    Walkers walkers_;
     cv::Mat background_;
     cv::Mat brighter_, darker_;  ///< the noise, one row of bytes each: what it adds and what it takes away
 };

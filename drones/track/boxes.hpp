@@ -1,0 +1,21 @@
+// Finds the boxes in the header of an event, whoever made it, and writes tracks into one.
+#pragma once
+
+#include "tracker.hpp"
+
+#include <hive/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace track {
+
+/// The boxes in the array `name`, or, without a name, in the only field that is an array of boxes (objects with numbers "x", "y", "w", "h" in px;
+/// what else they say does not matter; an empty array counts).
+/// @throws hive::Error  malformed: no such array, or several, or a box without area; too_large: more than most_boxes
+std::vector<Box> boxes_in(const hive::Json& header, const std::string& name);
+
+/// The `tracks` of the drone's output; px to tenths, seconds to thousandths.
+hive::Json to_json(const std::vector<Track>& tracks);
+
+}  // namespace track

@@ -1,0 +1,70 @@
+// The track drone: boxes in, tracks with lasting numbers out.
+#include "boxes.hpp"
+
+#include <hive/drone.hpp>
+
+#include <optional>
+#include <tuple>
+
+namespace {
+
+/// Events of one source in their order; anything else is not one sequence of pictures.
+class Order {
+public:
+    /// Does it go on from the last one? Throws hive::Error (refused) when it comes too late.
+    bool goes_on(const hive::Identity& identity)
+    {
+        const auto begin = std::tuple(identity.source, identity.epoch);
+        const bool same = last_ && std::tuple(last_->source, last_->epoch) == begin;
+        if (same && identity.sequence <= last_->sequence)
+            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(identity.sequence) + " of " + identity.source + " comes after picture " +
+                                                       std::to_string(last_->sequence) + ": tracks need one connection, in order");
+        last_ = identity;
+        return same;
+    }
+
+private:
+    std::optional<hive::Identity> last_;
+};
+
+/// When the picture was taken, s. At a rate that was told, pictures are counted instead.
+double time_of(const hive::Identity& identity, double fps)
+{
+    return fps > 0 ? static_cast<double>(identity.sequence) / fps : static_cast<double>(identity.monotonic_us) / 1e6;
+}
+
+void track_drone(hive::Drone& drone)
+{
+    track::Tracker tracker;
+    Order order;
+    std::string boxes;
+    double fps = 0, used_fps = 0;
+    drone.parameter("boxes", boxes, hive::anything(), "name of the array of boxes in the header; empty: the only one");
+    drone.parameter("confirm", tracker.confirm, hive::between(1, 1000), "boxes in a row until a track is confirmed");
+    drone.parameter("forget", tracker.forget, hive::between(1, 10000), "pictures in a row without a box until a confirmed track ends");
+    drone.parameter("gate", tracker.gate, hive::between(0.01, 10), "how far a box may be from where it is expected, in diagonals of the box");
+    drone.parameter("agility", tracker.agility, hive::between(0.01, 100), "how much the speed may change, in sides of the box per s^2");
+    drone.parameter("max_gap", tracker.max_gap, hive::between(0.01, 3600).in("s"), "all tracks end when pictures are further apart");
+    drone.parameter("fps", fps, hive::between(0, 1000).in("fps"), "of a file read on demand: time is counted in pictures; 0: the time of the capture");
+    const hive::Output tracks = drone.output("tracks", "application/json", "the tracks, in the header; no body");
+    drone.on_change([&] {
+        if (fps != used_fps)
+            tracker.restart();  // times before and after do not compare
+        used_fps = fps;
+    });
+    drone.on_event("boxes", "application/json", [&](const hive::Event& event) {
+        const auto found = track::boxes_in(event.header, boxes);
+        if (!order.goes_on(event.identity))
+            tracker.restart();
+        hive::Json header{{"tracks", track::to_json(tracker.next(time_of(event.identity, fps), found))}};
+        for (const char* size : {"width", "height"})
+            if (event.header.contains(size))
+                header[size] = event.header[size];
+        tracks.emit(std::move(header));
+    }, "boxes of one picture after the other");
+    drone.run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return hive::run_drone(argc, argv, {"track", "Follows things through boxes.", true}, track_drone); }

@@ -1,0 +1,83 @@
+// Follows things through a sequence of boxes, and gives each a number that stays with it.
+#pragma once
+
+#include "motion.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace track {
+
+/// px; x and y are the left upper corner.
+struct Box {
+    double x = 0, y = 0, w = 0, h = 0;
+    bool operator==(const Box&) const = default;
+};
+
+double intersection_over_union(const Box& a, const Box& b);
+
+/// A thing that is followed, as seen from outside.
+struct Track {
+    std::int64_t id = 0;    ///< from 1, never used again
+    Box box;                ///< where it is, or without a box of its own: where it should be
+    int age = 1;            ///< pictures since its first box, that one included
+    double seconds = 0;     ///< since its first box
+    double speed_x = 0, speed_y = 0;  ///< px/s
+    int hits = 1;           ///< boxes that it had for itself
+    int missing = 0;        ///< pictures since it was seen last, alone or in one box with others
+    bool confirmed = false; ///< had enough boxes to be believed
+    bool operator==(const Track&) const = default;
+};
+
+/// The most boxes of one picture, and the most tracks at a time: more boxes are an error, further births wait.
+inline constexpr std::size_t most_boxes = 256;
+
+/// The same boxes at the same times give the same tracks.
+class Tracker {
+public:
+    int confirm = 3;       ///< boxes, one in each picture, until a track is confirmed; before, its first miss ends it. At least 1
+    int forget = 30;       ///< pictures in a row without a box that end a confirmed track. At least 1
+    double gate = 0.7;     ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
+    double agility = 2;    ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
+    double max_gap = 2;    ///< pictures further apart have nothing to do with each other, s: all tracks end. Above 0
+
+    /// The next picture. @param seconds  its time on any clock; earlier than the last one: all tracks end
+    /// @param boxes  with sides above 0, at most most_boxes
+    /// @return  all tracks, by id
+    std::vector<Track> next(double seconds, std::span<const Box> boxes);
+    /// Ends all tracks; their ids are not used again.
+    void restart();
+
+private:
+    /// A track and what is known about its motion.
+    struct Followed {
+        Followed(std::int64_t id, const Box& box);
+        void predict(double passed, double agility);
+        void take(const Box& box, double passed_since_hit);
+        [[nodiscard]] Box box() const;
+        void tell();
+
+        Track track;
+        Motion x, y;   ///< of the middle
+        double w, h;
+        double since_hit = 0;  ///< s
+        int shared = 0;        ///< pictures in one box with others since its last own one
+    };
+
+    void predict(double seconds);
+    [[nodiscard]] std::vector<bool> match(std::span<const Box> boxes);
+    [[nodiscard]] std::vector<bool> share(std::span<const Box> boxes);
+    [[nodiscard]] std::vector<std::vector<Followed*>> gathered(std::span<const Box> boxes);
+    [[nodiscard]] double cost(const Box& expected, const Box& box) const;
+    void bury();
+    void bear(std::span<const Box> boxes, const std::vector<bool>& taken);
+
+    std::vector<Followed> followed_;  ///< by id
+    std::optional<double> last_;      ///< time of the last picture
+    std::int64_t ids_ = 0;
+};
+
+}  // namespace track

@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# People who walk before a camera, and their tracks: scripts/swarms/tracking.sh [camera settings...], for example source=street.avi
+. "$(dirname "$0")/common.sh"
+
+hivectl start camera faces=0 walkers=3 "$@"
+hivectl start background
+hivectl start track
+hivectl connect camera background
+hivectl connect background track
+swarm_is_up camera background track

@@ -1,0 +1,108 @@
+// The tracking swarm, camera to tracks: the same tracks as one program that calls the same algorithms in a loop.
+#include "swarm.hpp"
+
+#include "../../drones/track/boxes.hpp"
+
+#include <doctest/doctest.h>
+#include <foreground_finder.hpp>
+#include <opencv2/core/utility.hpp>
+#include <scene.hpp>
+
+#include <map>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+constexpr int pictures = sanitized() ? 60 : 240, fps = 30;
+
+camera::SceneSettings settings()
+{
+    camera::SceneSettings result;
+    result.size = {320, 240};
+    result.faces = 0;
+    result.walkers = 3;
+    return result;
+}
+
+std::vector<track::Box> boxes_of(const background::Foreground& found)
+{
+    std::vector<track::Box> boxes;
+    for (const auto& [box, area] : found.blobs)
+        boxes.push_back({double(box.x), double(box.y), double(box.width), double(box.height)});
+    return boxes;
+}
+
+/// Tracks of each picture, by its sequence (which begins at 1), as the swarm writes them.
+std::map<std::int64_t, Json> plain_program(std::int64_t first)
+{
+    cv::setNumThreads(1);
+    const camera::Scene scene(settings());
+    background::ForegroundFinder finder;
+    finder.min_area = 75;
+    track::Tracker tracker;
+    std::map<std::int64_t, Json> tracks;
+    for (std::int64_t sequence = first; sequence < first + pictures; ++sequence) {
+        const auto found = finder.find(scene.picture(sequence - 1).image);
+        tracks[sequence] = track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
+    }
+    return tracks;
+}
+
+std::size_t confirmed(const Json& tracks)
+{
+    return static_cast<std::size_t>(std::ranges::count_if(tracks, [](const Json& one) { return one.at("confirmed") == true; }));
+}
+
+}  // namespace
+
+TEST_CASE("tracking swarm: the tracks of every picture on demand are those of one plain program")
+{
+    const Swarm swarm;
+    const auto track = swarm.drone("track", "track", {"fps=" + std::to_string(fps)});
+    const auto background = swarm.drone("background", "background", {"min_area=75"});
+    const auto camera = swarm.drone("camera", "camera", {"width=320", "height=240", "faces=0", "walkers=3", "pace=demand", "encoding=png"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"track", "tracks"}});
+    swarm.hivectl_done({"connect", "background", "track"});
+    swarm.hivectl_done({"connect", "camera", "background"});
+    std::map<std::int64_t, Json> expected;
+    std::size_t most = 0;
+    for (int seen = 0; seen < pictures; ++seen) {
+        const auto event = collector->next(patient(5000ms));
+        REQUIRE(event);
+        if (seen == 0)
+            expected = plain_program(event->identity.sequence);
+        const auto picture = event->identity.sequence;
+        REQUIRE_MESSAGE(expected.contains(picture), "picture ", picture);
+        CHECK_MESSAGE(event->header.at("tracks") == expected.at(picture), "picture ", picture);
+        CHECK(event->header.at("width") == 320);
+        most = std::max(most, confirmed(event->header.at("tracks")));
+    }
+    CHECK(most == (sanitized() ? 2 : 3));
+}
+
+TEST_CASE("tracking swarm: the script starts it, live, and tracks come to the shell")
+{
+    const Swarm swarm;
+    const auto script = std::filesystem::path(HIVE_SOURCE_DIR) / "scripts/swarms/tracking.sh";
+    const auto started = swarm.run({script.string(), "width=320", "height=240", "fps=60"});
+    CAPTURE(started.out);
+    CAPTURE(started.err);
+    REQUIRE(started.exit_code == 0);
+    auto application = swarm.application();
+    const auto collector = application.collect({{"track", "tracks"}}), masks = application.collect({{"background", "mask"}});
+    const auto followed = [&] {
+        const auto event = collector->next(patient(1000ms));
+        return event && confirmed(event->header.at("tracks")) > 0;
+    };
+    CHECK(eventually(followed, patient(20'000ms)));
+    const auto mask = masks->next(patient(5000ms));
+    REQUIRE(mask);
+    CHECK(mask->type == "image/raw");
+    CHECK(mask->header.at("pixel_format") == "gray8");
+    CHECK(mask->body.size() == 320 * 240);
+    swarm.hivectl_done({"stop", "--all"});
+}

@@ -1,0 +1,172 @@
+// The foreground finder: things that move are found where they are; changes begin a new model.
+#include "media.hpp"
+#include "overlap.hpp"
+
+#include <doctest/doctest.h>
+#include <foreground_finder.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+using background::Foreground;
+using background::ForegroundFinder;
+
+namespace {
+
+const cv::Size size(160, 120);
+
+/// A grainy wall, and from picture 20 on a disc that moves before it.
+class Clip {
+public:
+    cv::Mat picture(int index)
+    {
+        cv::Mat image(size, CV_8UC3), grain(size, CV_16SC3);
+        image.setTo(cv::Scalar(90, 110, 130));
+        random_.fill(grain, cv::RNG::NORMAL, 0, 3);
+        cv::add(image, grain, image, cv::noArray(), CV_8U);
+        if (index >= 20)
+            cv::circle(image, middle(index), radius, {200, 40, 40}, cv::FILLED);
+        return image;
+    }
+    [[nodiscard]] static cv::Point middle(int index) { return {20 + 2 * (index - 20), 60}; }
+    [[nodiscard]] static cv::Rect2d box(int index) { return {middle(index).x - radius - 0.0, 60.0 - radius, 2 * radius + 1, 2 * radius + 1}; }
+
+private:
+    static constexpr int radius = 12;
+    cv::RNG random_{7};
+};
+
+}  // namespace
+
+TEST_CASE("foreground: a moving disc is the only blob and lies where it was drawn, with both methods")
+{
+    for (const char* method : {"mog2", "knn"}) {
+        CAPTURE(method);
+        ForegroundFinder finder;
+        finder.model.method = method;
+        Clip clip;
+        for (int index = 0; index < 60; ++index) {
+            const Foreground found = finder.find(clip.picture(index));
+            CHECK(found.learned == index + 1);
+            CAPTURE(index);
+            if (index < 20) {
+                CHECK(found.blobs.empty());
+                continue;
+            }
+            REQUIRE(found.blobs.size() == 1);
+            CHECK(overlap::intersection_over_union(found.blobs[0].box, Clip::box(index)) > 0.8);
+            CHECK(found.blobs[0].area == cv::countNonZero(found.mask == ForegroundFinder::foreground));
+            CHECK(found.mask.at<unsigned char>(Clip::middle(index)) == 255);
+        }
+    }
+}
+
+TEST_CASE("foreground: in the first pictures of a model everything is background")
+{
+    for (const char* method : {"mog2", "knn"}) {
+        ForegroundFinder finder;
+        finder.model.method = method;
+        Clip clip;
+        for (int index = 30; index < 30 + ForegroundFinder::young; ++index) {
+            const Foreground found = finder.find(clip.picture(index));
+            CHECK(found.blobs.empty());
+            CHECK(cv::countNonZero(found.mask) == 0);
+        }
+        CHECK_FALSE(finder.find(clip.picture(50)).blobs.empty());
+    }
+}
+
+TEST_CASE("foreground: a change of the model, the size or the channels begins anew; one of the morphology does not")
+{
+    ForegroundFinder finder;
+    Clip clip;
+    const auto learned_after = [&](const auto& change) {
+        for (int i = 0; i < 3; ++i)
+            static_cast<void>(finder.find(clip.picture(i)));
+        cv::Mat picture = clip.picture(5);
+        change(picture);
+        return finder.find(picture).learned;
+    };
+    CHECK(learned_after([](cv::Mat&) {}) == 4);
+    CHECK(learned_after([&](cv::Mat&) { finder.open = 2; }) == 8);
+    CHECK(learned_after([&](cv::Mat&) { finder.min_area = 10; }) == 12);
+    CHECK(learned_after([&](cv::Mat&) { finder.model.history = 50; }) == 1);
+    CHECK(learned_after([&](cv::Mat&) { finder.model.threshold = 30; }) == 1);
+    CHECK(learned_after([&](cv::Mat&) { finder.model.shadows = true; }) == 1);
+    CHECK(learned_after([&](cv::Mat&) { finder.model.method = "knn"; }) == 1);
+    CHECK(learned_after([](cv::Mat& picture) { cv::resize(picture, picture, {80, 60}); }) == 1);
+    CHECK(learned_after([](cv::Mat& picture) { cv::cvtColor(picture, picture, cv::COLOR_BGR2GRAY); }) == 1);
+}
+
+TEST_CASE("foreground: a shadow is told only if asked, and is part of no blob")
+{
+    for (const bool shadows : {false, true}) {
+        ForegroundFinder finder;
+        finder.model.shadows = shadows;
+        Clip clip;
+        cv::Mat picture;
+        Foreground found;
+        for (int index = 0; index < 20; ++index)
+            found = finder.find(clip.picture(index));
+        picture = clip.picture(0);
+        cv::Mat part = picture(cv::Rect(40, 30, 60, 50));
+        part.convertTo(part, -1, 0.7);
+        found = finder.find(picture);
+        CAPTURE(shadows);
+        CHECK((cv::countNonZero(found.mask == ForegroundFinder::shadow) > 2000) == shadows);
+        CHECK(found.blobs.empty() == shadows);
+    }
+}
+
+TEST_CASE("foreground: at most so many blobs, and those the largest; specks and small parts are left out")
+{
+    ForegroundFinder finder;
+    finder.open = finder.close = 0;
+    finder.min_area = 1;
+    const cv::Mat wall(200, 400, CV_8UC1, cv::Scalar(100));
+    cv::Mat dots = wall.clone();
+    for (int i = 0; i < 300; ++i)
+        dots(cv::Rect(i % 30 * 10, i / 30 * 10, i < 60 ? 1 : 2, 2)) = 250;
+    for (int i = 0; i < 5; ++i)
+        static_cast<void>(finder.find(wall));
+    const Foreground found = finder.find(dots);
+    CHECK(found.blobs.size() == ForegroundFinder::most_blobs);
+    CHECK(std::ranges::count(found.blobs, 4, &background::Blob::area) == 240);
+    CHECK(std::ranges::is_sorted(found.blobs, {}, [](const background::Blob& blob) { return std::pair(blob.box.y, blob.box.x); }));
+    finder.min_area = 3;
+    CHECK(finder.find(dots).blobs.size() == 240);
+    finder.open = 2;
+    CHECK(finder.find(dots).blobs.empty());
+}
+
+TEST_CASE("foreground: a method that nobody knows is refused")
+{
+    ForegroundFinder finder;
+    finder.model.method = "magic";
+    CHECK_THROWS_AS(static_cast<void>(finder.find(Clip().picture(0))), std::invalid_argument);
+}
+
+TEST_CASE("foreground: on the clip of two blobs the mask is the true one")
+{
+    const auto clip = media::shared("media/bgs_two_blobs_brick.mp4"), truth = media::shared("media/bgs_two_blobs_brick_mask.avi");
+    if (!clip || !truth)
+        return;
+    for (const char* method : {"mog2", "knn"}) {
+        ForegroundFinder finder;
+        finder.model.method = method;
+        cv::VideoCapture pictures(clip->string()), masks(truth->string());
+        cv::Mat picture, mask;
+        double both = 0, either = 0;
+        while (pictures.read(picture) && masks.read(mask)) {
+            const Foreground found = finder.find(picture);
+            if (found.learned <= 30)
+                continue;
+            cv::extractChannel(mask, mask, 0);
+            const cv::Mat expected = mask > 127;
+            both += cv::countNonZero(found.mask & expected);
+            either += cv::countNonZero(found.mask | expected);
+        }
+        MESSAGE(std::string(method), ": IoU of the masks ", both / either);
+        CHECK(both / either > 0.9);
+    }
+}

@@ -1,0 +1,123 @@
+// Background and tracker together, against the truth: how often does a thing change its number?
+#include "media.hpp"
+#include "scoring.hpp"
+
+#include <doctest/doctest.h>
+#include <foreground_finder.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <scene.hpp>
+
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+/// @param scale  of the truth's pixels to the found ones
+std::vector<track::Box> boxes_of(const background::Foreground& found, double scale)
+{
+    std::vector<track::Box> boxes;
+    for (const auto& [box, area] : found.blobs)
+        boxes.push_back({box.x * scale, box.y * scale, box.width * scale, box.height * scale});
+    return boxes;
+}
+
+scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
+{
+    camera::SceneSettings settings;
+    settings.size = {320, 240};
+    settings.faces = 0;
+    settings.walkers = walkers;
+    settings.seed = seed;
+    const camera::Scene scene(settings);
+    background::ForegroundFinder finder;
+    finder.min_area = 75;
+    finder.close = 3;
+    track::Tracker tracker;
+    scoring::Identities score;
+    for (int index = 0; index < pictures; ++index) {
+        const auto [image, truth] = scene.picture(index);
+        const auto tracks = tracker.next(index / 30.0, boxes_of(finder.find(image), 1));
+        std::vector<scoring::TrueBox> walking;
+        for (const auto& [kind, id, box] : truth)
+            walking.push_back({id, box});
+        score.add(tracks, walking, 0.3);
+    }
+    return score;
+}
+
+void report(const std::string& what, const scoring::Identities& score)
+{
+    MESSAGE(what, ": ", score.switches, " identity switches, ", score.covered, " of ", score.truths, " true boxes followed, ", score.false_tracks,
+            " boxes of tracks that follow nothing");
+}
+
+std::map<int, std::vector<scoring::TrueBox>> pedestrians(const std::filesystem::path& path)
+{
+    std::map<int, std::vector<scoring::TrueBox>> boxes;
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    while (std::getline(file, line)) {
+        std::ranges::replace(line, ',', ' ');
+        std::istringstream fields(line);
+        int picture = 0;
+        scoring::TrueBox one{};
+        fields >> picture >> one.id >> one.box.x >> one.box.y >> one.box.width >> one.box.height;
+        boxes[picture].push_back(one);
+    }
+    return boxes;
+}
+
+}  // namespace
+
+TEST_CASE("identities: walkers of the scene that cross and hide one another keep their ids, but for one crossing in many")
+{
+    struct Bound { int walkers, switches; };
+    for (const Bound bound : {Bound{1, 0}, {2, 1}, {4, 6}}) {
+        const auto score = on_scene(bound.walkers, 1, 900);
+        report(std::to_string(bound.walkers) + " walkers", score);
+        CHECK(score.switches <= bound.switches);
+        CHECK(score.covered >= 0.95 * score.truths);
+    }
+}
+
+TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the true identities")
+{
+    const auto list = media::shared("media/pedestrians_0001-0400.gt.csv");
+    if (!list)
+        return;
+    track::Tracker tracker;
+    scoring::Identities score;
+    for (const auto& [picture, boxes] : pedestrians(*list)) {
+        std::vector<track::Box> seen;
+        for (const auto& one : boxes)
+            seen.push_back({one.box.x, one.box.y, one.box.width, one.box.height});
+        score.add(tracker.next(picture / 10.0, seen), boxes, 0.3);
+    }
+    report("true boxes", score);
+    CHECK(score.switches == 0);
+    CHECK(score.covered >= 0.98 * score.truths);
+}
+
+TEST_CASE("identities: pedestrians in the open, by background subtraction alone")
+{
+    const auto clip = media::shared("media/pedestrians_0001-0400.avi"), list = media::shared("media/pedestrians_0001-0400.gt.csv");
+    if (!clip || !list)
+        return;
+    auto truth = pedestrians(*list);
+    background::ForegroundFinder finder;
+    finder.min_area = 75;
+    finder.close = 3;
+    track::Tracker tracker;
+    scoring::Identities score;
+    cv::VideoCapture pictures(clip->string());
+    cv::Mat picture, half;
+    for (int number = 1; pictures.read(picture); ++number) {
+        cv::resize(picture, half, {}, 0.5, 0.5, cv::INTER_AREA);
+        score.add(tracker.next(number / 10.0, boxes_of(finder.find(half), 2)), truth[number], 0.3);
+    }
+    report("background", score);
+    CHECK(score.switches <= 30);                    // people who stand still melt into the background, groups into one box
+    CHECK(score.covered >= 0.5 * score.truths);
+}

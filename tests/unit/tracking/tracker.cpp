@@ -1,0 +1,221 @@
+// The tracker: births, deaths, crossings, gaps, and the same tracks for the same boxes.
+#include <doctest/doctest.h>
+#include <tracker.hpp>
+
+#include <cmath>
+#include <map>
+
+using track::Box;
+using track::Track;
+using track::Tracker;
+
+namespace {
+
+constexpr double rate = 0.04;  // s between pictures
+
+/// A box that moves evenly.
+struct Walk {
+    double x, y, speed_x, speed_y, w = 40, h = 100;
+    [[nodiscard]] Box at(double time) const { return {x + speed_x * time, y + speed_y * time, w, h}; }
+};
+
+std::vector<Track> follow(Tracker& tracker, const std::vector<Walk>& walks, int from, int to)
+{
+    std::vector<Track> tracks;
+    for (int picture = from; picture < to; ++picture) {
+        std::vector<Box> boxes;
+        for (const Walk& walk : walks)
+            boxes.push_back(walk.at(picture * rate));
+        tracks = tracker.next(picture * rate, boxes);
+    }
+    return tracks;
+}
+
+}  // namespace
+
+TEST_CASE("tracker: overlap of boxes")
+{
+    CHECK(track::intersection_over_union({0, 0, 10, 10}, {0, 0, 10, 10}) == doctest::Approx(1));
+    CHECK(track::intersection_over_union({0, 0, 10, 10}, {5, 0, 10, 10}) == doctest::Approx(1.0 / 3));
+    CHECK(track::intersection_over_union({0, 0, 10, 10}, {10, 10, 5, 5}) == 0);
+    CHECK(track::intersection_over_union({0, 0, 10, 10}, {30, 40, 5, 5}) == 0);
+}
+
+TEST_CASE("tracker: a track is confirmed by its third box, and one that misses earlier is forgotten")
+{
+    Tracker tracker;
+    const std::vector<Box> box{{10, 20, 30, 60}};
+    auto tracks = tracker.next(0, box);
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].id == 1);
+    CHECK(tracks[0].box == box[0]);
+    CHECK_FALSE(tracks[0].confirmed);
+    CHECK(tracker.next(rate, {}).empty());
+    CHECK(tracker.next(2 * rate, box)[0].id == 2);
+    CHECK_FALSE(tracker.next(3 * rate, box)[0].confirmed);
+    tracks = tracker.next(4 * rate, box);
+    CHECK(tracks[0].confirmed);
+    CHECK(tracks[0].id == 2);
+    CHECK(tracks[0].hits == 3);
+    CHECK(tracks[0].age == 3);
+    CHECK(tracks[0].seconds == doctest::Approx(2 * rate));
+}
+
+TEST_CASE("tracker: a confirmed track without boxes moves on, and ends after as many pictures as it may miss")
+{
+    Tracker tracker;
+    tracker.forget = 5;
+    const Walk walk{0, 50, 200, 0};
+    follow(tracker, {walk}, 0, 15);
+    for (int missed = 1; missed < 5; ++missed) {
+        const auto tracks = tracker.next((14 + missed) * rate, {});
+        REQUIRE(tracks.size() == 1);
+        CHECK(tracks[0].missing == missed);
+        CHECK(tracks[0].hits == 15);
+        CHECK(tracks[0].confirmed);
+        CHECK(tracks[0].box.x == doctest::Approx(walk.at((14 + missed) * rate).x).epsilon(0.05));
+    }
+    CHECK(tracker.next(19 * rate, {}).empty());
+}
+
+TEST_CASE("tracker: who comes back in time where expected keeps the id; the speed is told in px/s")
+{
+    Tracker tracker;
+    const Walk walk{0, 50, 150, -30};
+    follow(tracker, {walk}, 0, 20);
+    follow(tracker, {}, 20, 40);
+    const auto tracks = follow(tracker, {walk}, 40, 50);
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].id == 1);
+    CHECK(tracks[0].missing == 0);
+    CHECK(tracks[0].speed_x == doctest::Approx(150).epsilon(0.05));
+    CHECK(tracks[0].speed_y == doctest::Approx(-30).epsilon(0.05));
+}
+
+TEST_CASE("tracker: two that cross keep their ids, whether both are seen all the time or one is hidden meanwhile")
+{
+    const Walk right{0, 50, 160, 0}, left{400, 70, -160, 0};
+    for (const bool hidden : {false, true}) {
+        CAPTURE(hidden);
+        Tracker tracker;
+        auto tracks = follow(tracker, {right, left}, 0, 26);  // they meet at 1.25 s
+        tracks = follow(tracker, hidden ? std::vector{right} : std::vector{left, right}, 26, 36);
+        tracks = follow(tracker, {left, right}, 36, 60);
+        REQUIRE(tracks.size() == 2);
+        CHECK(tracks[0].id == 1);
+        CHECK(tracks[1].id == 2);
+        CHECK(tracks[0].box.x > tracks[1].box.x + 200);
+        CHECK(tracks[0].speed_x > 100);
+        CHECK(tracks[1].speed_x < -100);
+    }
+}
+
+TEST_CASE("tracker: two that melt into one box for a while keep their ids, their speeds and their sizes")
+{
+    const Walk right{0, 50, 120, 0}, left{300, 60, -120, 0};  // their boxes touch from 1.08 s to 1.42 s; then they are one for 1.2 s
+    Tracker tracker;
+    tracker.forget = 10;
+    auto tracks = follow(tracker, {right, left}, 0, 26);
+    for (int picture = 26; picture < 45; ++picture) {
+        const Box a = right.at(picture * rate), b = left.at(picture * rate);
+        const double x = std::min(a.x, b.x), end = std::max(a.x, b.x) + 40;
+        tracks = tracker.next(picture * rate, std::vector<Box>{{x, 50, end - x, 110}});
+        REQUIRE(tracks.size() == 2);
+        CHECK(tracks[0].missing == 0);
+        CHECK(tracks[0].hits == 26);
+    }
+    tracks = follow(tracker, {left, right}, 45, 50);
+    REQUIRE(tracks.size() == 2);
+    CHECK(tracks[0].id == 1);
+    CHECK(tracks[0].box.x > tracks[1].box.x);
+    CHECK(tracks[0].speed_x == doctest::Approx(120).epsilon(0.05));
+    CHECK(tracks[0].box.w == doctest::Approx(40).epsilon(0.02));
+}
+
+TEST_CASE("tracker: of two tracks that stay in one box only one is left in the end")
+{
+    Tracker tracker;
+    tracker.forget = 5;
+    for (int picture = 0; picture < 10; ++picture)
+        CHECK(tracker.next(picture * rate, std::vector<Box>{{100, 50, 40, 40}, {100, 95, 40, 50}}).size() == 2);
+    const std::vector<Box> whole{{100, 50, 40, 95}};
+    for (int picture = 10; picture < 30; ++picture)
+        CHECK(tracker.next(picture * rate, whole).size() == 2);
+    std::vector<Track> tracks;
+    for (int picture = 30; picture < 40; ++picture)
+        tracks = tracker.next(picture * rate, whole);
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].id <= 2);
+    CHECK(tracks[0].box.h == doctest::Approx(95).epsilon(0.05));
+}
+
+TEST_CASE("tracker: skipped pictures are bridged by the time that really passed")
+{
+    const Walk walk{0, 50, 300, 0};
+    for (const bool honest : {true, false}) {
+        Tracker tracker;
+        follow(tracker, {walk}, 0, 20);
+        const double time = 19 * rate + 0.8;  // 240 px further
+        const auto tracks = tracker.next(honest ? time : 20 * rate, std::vector{walk.at(time)});
+        CAPTURE(honest);
+        CHECK((tracks[0].id == 1 && tracks[0].missing == 0) == honest);  // a clock that counts pictures would lose it
+    }
+}
+
+TEST_CASE("tracker: after a gap that is too long, and when time goes backwards, everything begins anew with new ids")
+{
+    const Walk walk{100, 50, 0, 0};
+    for (const double later : {2.1, -0.1}) {
+        Tracker tracker;
+        follow(tracker, {walk}, 0, 10);
+        const auto tracks = tracker.next(9 * rate + later, std::vector{walk.at(0)});
+        REQUIRE(tracks.size() == 1);
+        CHECK(tracks[0].id == 2);
+        CHECK(tracks[0].hits == 1);
+    }
+    Tracker tracker;
+    follow(tracker, {walk}, 0, 10);
+    CHECK(tracker.next(9 * rate + 1.9, std::vector{walk.at(0)})[0].id == 1);
+}
+
+TEST_CASE("tracker: two pictures of the same moment are no trouble")
+{
+    Tracker tracker;
+    const std::vector<Box> box{{10, 20, 30, 60}};
+    for (int i = 0; i < 5; ++i) {
+        const auto tracks = tracker.next(1, box);
+        REQUIRE(tracks.size() == 1);
+        CHECK(tracks[0].id == 1);
+        CHECK(tracks[0].speed_x == 0);
+        CHECK(std::isfinite(tracks[0].box.x));
+    }
+}
+
+TEST_CASE("tracker: beyond the gate a box is somebody else")
+{
+    for (const double gate : {0.2, 0.7, 1.0}) {
+        Tracker tracker;
+        tracker.gate = gate;
+        const Walk still{200, 200, 0, 0, 60, 80};  // its diagonal is 100 px
+        follow(tracker, {still}, 0, 10);
+        const auto tracks = tracker.next(10 * rate, std::vector<Box>{{240, 200, 60, 80}});
+        CHECK(tracks.size() == (gate < 0.4 ? 2 : 1));
+    }
+}
+
+TEST_CASE("tracker: there are never more tracks than may be, and the same boxes give the same tracks")
+{
+    const auto run = [] {
+        Tracker tracker;
+        std::vector<std::vector<Track>> all;
+        for (int picture = 0; picture < 6; ++picture) {
+            std::vector<Box> boxes;
+            for (std::size_t i = 0; i < track::most_boxes; ++i)
+                boxes.push_back({static_cast<double>(i % 16) * 50 + (picture % 2) * 30, static_cast<double>(i / 16) * 50, 20, 20});
+            all.push_back(tracker.next(picture * rate, boxes));
+            CHECK(all.back().size() <= track::most_boxes);
+        }
+        return all;
+    };
+    CHECK(run() == run());
+}
