@@ -41,7 +41,7 @@ private:
     std::string source_ = "scene", encoding_ = "jpeg", pace_ = "live";
     int width_ = 0, height_ = 0, quality_ = 80, faces_ = 1, seed_ = 1;
     double fps_ = 0, noise_ = 3;
-    bool loop_ = true;
+    bool loop_ = true, hand_ = false;
 
     std::optional<Wanted> opened_;
     std::unique_ptr<Capture> capture_;  ///< pace=live

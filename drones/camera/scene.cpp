@@ -2,6 +2,7 @@
 #include "scene.hpp"
 
 #include "drawn_face.hpp"
+#include "hand_path.hpp"
 
 #include <opencv2/core.hpp>
 
@@ -56,10 +57,14 @@ Scene::Scene(const SceneSettings& settings)
 
 ScenePicture Scene::picture(std::int64_t index) const
 {
-    ScenePicture result{background_.clone(), {}};
+    ScenePicture result{background_.clone(), {}, {}};
     for (int face = 0; face < settings_.faces; ++face) {
         result.truth.push_back(face_box(face, index));
         draw_face(result.image, result.truth.back());
+    }
+    if (const auto hand = settings_.hand ? hand_at(index, settings_.size) : std::nullopt) {
+        draw_hand(result.image, *hand);
+        result.hands.push_back(*hand);
     }
     add_noise(result.image, index);
     return result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "background.hpp"
+#include "drawn_hand.hpp"
 
 #include <opencv2/core/mat.hpp>
 
@@ -14,6 +15,7 @@ struct SceneSettings {
     cv::Size size{640, 480};  ///< at least 64x64
     Background background = Background::brick;
     int faces = 1;        ///< 0 to 3
+    bool hand = false;    ///< one hand that shows changing numbers of fingers, see hand_path.hpp
     double noise = 3;     ///< standard deviation of the gaussian sensor noise, grey levels
     std::uint64_t seed = 1;
 
@@ -24,6 +26,7 @@ struct SceneSettings {
 struct ScenePicture {
     cv::Mat image;                   ///< BGR
     std::vector<cv::Rect2d> truth;   ///< the boxes of the faces, wholly inside
+    std::vector<DrawnHand> hands;    ///< none in the pictures without the hand
 };
 
 /// Everything that does not move is made once; a picture depends on the settings and its index alone.
