@@ -149,7 +149,7 @@ private:
         const cv::Point left = contour_[begin % count], right = contour_[(end - 1) % count];
         const double width = length(left - right) / hand_.radius;
         const double length_seen = distance(tip) - std::max(distance(left), distance(right));
-        if (width <= finger_width && length_seen >= finger_length)
+        if (width <= finger_width && length_seen >= finger_length && !at_border(tip))  // what is cut off there may be anything
             fingers_.push_back({tip, distance(tip)});
         else if (width > finger_width && width > arm_width_) {
             arm_width_ = width;
