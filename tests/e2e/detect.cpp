@@ -1,4 +1,5 @@
 // The detect drone with real processes: what plain OpenCV finds in the same pictures, and models that are refused.
+#include "onnx_writer.hpp"
 #include "page.hpp"
 #include "swarm.hpp"
 
@@ -77,4 +78,28 @@ TEST_CASE("detect: a model that cannot be used is refused in a sentence, by set 
     const auto started = swarm.run({swarm.program("hive-detect").string(), "--name", "other", "--set", "model=" + garbage});
     CHECK(started.exit_code != 0);
     CHECK(started.err.find("is not an ONNX model") != std::string::npos);
+}
+
+TEST_CASE("detect: a model that is set while pictures come is used, with the names of its classes, and people again without it")
+{
+    const Swarm swarm;
+    // One cup in the left half of what it is shown, always.
+    const onnx::File model(".onnx", onnx::bytes_of({.shape = {1, 1, 1, 7}, .constants = {0, 1, 0.75F, 0, 0, 0.5F, 1}, .wires = {}})),
+        names(".names", "background\ncup\n");
+    const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "faces=0"});
+    const auto detect = swarm.drone("detect", "detect");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"detect", "objects"}});
+    application.connect({"camera", ""}, {"detect", ""});
+    const auto comes = [&](const Json& objects) {
+        return eventually([&] {
+            const auto result = collector->next(Milliseconds(200));
+            return result && result->header.at("objects") == objects;
+        }, Milliseconds(10'000));
+    };
+    CHECK(comes(Json::array()));
+    swarm.hivectl_done({"set", "detect", "model=" + model.path(), "classes=" + names.path(), "input_width=8", "input_height=8", "fit=stretch"});
+    CHECK(comes({{{"x", 0}, {"y", 0}, {"w", 320}, {"h", 480}, {"class", "cup"}, {"score", 0.75}}}));
+    swarm.hivectl_done({"set", "detect", "model="});
+    CHECK(comes(Json::array()));
 }

@@ -143,9 +143,9 @@ TEST_CASE("network: a model or a file of classes that is not there, or is none, 
 TEST_CASE("network: a model that does not run with that input, or gives something else, is refused with the shape")
 {
     const onnx::File model(".onnx", onnx::bytes_of(yolo5())), classifier(".onnx", onnx::bytes_of(constant({1, 10}, std::vector<float>(10)))),
-        names(".names", "a\nb\nc\n");
+        names(".names", "a\nb\nc\nd\n");
     CHECK(refusal(settings(classifier)).find("gives 1x10, which is no output of a known detector") != std::string::npos);
-    CHECK(refusal(settings(model, &names)).find("gives 1x7x7, which is no output of a known detector for the 3 classes") != std::string::npos);
+    CHECK(refusal(settings(model, &names)).find("gives 1x7x7, which is no output of a known detector for the 4 classes") != std::string::npos);
     NetworkSettings large = settings(model);
     large.input = {640, 640};
     CHECK(refusal(large).find("does not run with an input of 640x640") != std::string::npos);
