@@ -36,6 +36,16 @@ hive::Json truth_of(const Frame& frame)
     return boxes;
 }
 
+hive::Json hands_of(const Frame& frame)
+{
+    const auto tenths = [](double value) { return std::round(value * 10) / 10; };
+    hive::Json hands = hive::Json::array();
+    for (const DrawnHand& hand : frame.hands)
+        hands.push_back({{"fingers", hand.fingers}, {"angle", tenths(hand.rotation)},
+                         {"palm", {{"x", tenths(hand.palm.x)}, {"y", tenths(hand.palm.y)}, {"radius", tenths(hand.radius)}}}});
+    return hands;
+}
+
 }  // namespace
 
 CameraDrone::CameraDrone(hive::Drone& drone)
@@ -62,6 +72,7 @@ void CameraDrone::declare()
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next picture when all receivers ask");
     drone_.parameter("faces", faces_, hive::between(0, 3), "in the scene");
     drone_.parameter("walkers", walkers_, hive::between(0, 4), "in the scene");
+    drone_.parameter("hand", hand_, hive::anything(), "in the scene: a hand that shows changing numbers of fingers");
     drone_.parameter("noise", noise_, hive::between(0, 50), "of the scene: standard deviation in grey levels");
     drone_.parameter("seed", seed_, hive::at_least(0), "of the scene: the same seed gives the same pictures");
 }
@@ -71,6 +82,7 @@ CameraDrone::Wanted CameraDrone::wanted() const
     Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}}, fps_, pace_};
     wanted.source.scene.faces = faces_;
     wanted.source.scene.walkers = walkers_;
+    wanted.source.scene.hand = hand_;
     wanted.source.scene.noise = noise_;
     wanted.source.scene.seed = static_cast<std::uint64_t>(seed_);
     return wanted;
@@ -142,6 +154,8 @@ void CameraDrone::send(const Frame& frame, bool lossless)
     header.update({{"index", frame.index}, {"source", shown_source(source_)}});
     if (frame.knows_truth)
         header["truth"] = truth_of(frame);
+    if (hand_ && frame.knows_truth)
+        header["hands"] = hands_of(frame);
     image_.emit_captured(frame.captured, lossless, std::move(header),
                          [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
 }

@@ -49,7 +49,7 @@ private:
     std::string source_ = "scene", pace_ = "live";
     int width_ = 0, height_ = 0, faces_ = 1, walkers_ = 0, seed_ = 1;
     double fps_ = 0, noise_ = 3;
-    bool loop_ = true;
+    bool loop_ = true, hand_ = false;
 
     std::optional<Wanted> opened_;
     std::unique_ptr<Capture> capture_;  ///< pace=live

@@ -2,6 +2,7 @@
 #include "scene.hpp"
 
 #include "drawn_face.hpp"
+#include "hand_path.hpp"
 
 #include <opencv2/core.hpp>
 
@@ -64,6 +65,10 @@ ScenePicture Scene::picture(std::int64_t index, cv::MatAllocator* memory) const
     background_.copyTo(result.image);
     add_walkers(result, index);
     add_faces(result, index);
+    if (const auto hand = settings_.hand ? hand_at(index, settings_.size) : std::nullopt) {
+        draw_hand(result.image, *hand);
+        result.hands.push_back(*hand);
+    }
     add_noise(result.image, index);
     return result;
 }

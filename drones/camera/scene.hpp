@@ -2,6 +2,7 @@
 #pragma once
 
 #include "background.hpp"
+#include "drawn_hand.hpp"
 #include "walkers.hpp"
 
 #include <opencv2/core/mat.hpp>
@@ -17,6 +18,7 @@ struct SceneSettings {
     Background background = Background::brick;
     int faces = 1;        ///< 0 to 3
     int walkers = 0;      ///< 0 to 4
+    bool hand = false;    ///< one hand that shows changing numbers of fingers, see hand_path.hpp
     double noise = 3;     ///< standard deviation of the gaussian sensor noise, grey levels
     std::uint64_t seed = 1;
 
@@ -35,6 +37,7 @@ struct Truth {
 struct ScenePicture {
     cv::Mat image;             ///< BGR
     std::vector<Truth> truth;  ///< faces are wholly inside; a walker is here while half of it is, with that part of its box
+    std::vector<DrawnHand> hands;    ///< none in the pictures without the hand
 };
 
 /// Everything that does not move is made once; a picture depends on the settings and its index alone.

@@ -55,6 +55,7 @@ public:
         ScenePicture picture = scene_.picture(frame.index, memory_);
         frame.image = std::move(picture.image);
         frame.truth = std::move(picture.truth);
+        frame.hands = std::move(picture.hands);
         frame.knows_truth = true;
         return frame;
     }

@@ -19,6 +19,7 @@ struct Frame {
     cv::Mat image;                                           ///< BGR or grey; empty if there is `jpeg`
     std::shared_ptr<const std::vector<unsigned char>> jpeg;  ///< a whole JPEG file, not checked
     std::vector<Truth> truth;                                ///< of the scene: what was drawn, and where
+    std::vector<DrawnHand> hands;                            ///< of the scene
     bool knows_truth = false;
     std::int64_t index = 0;  ///< in the source, from 0; begins again when the source is looped
     std::chrono::system_clock::time_point captured{};

@@ -1,0 +1,23 @@
+// A hand drawn from a disc and thick lines, which shows a number of fingers.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace camera {
+
+/// What is drawn, and so the truth about it.
+struct DrawnHand {
+    cv::Point2d palm;       ///< its centre, px
+    double radius = 45;     ///< of the palm, px
+    int fingers = 5;        ///< 0, a fist, to 5
+    double rotation = 0;    ///< degrees clockwise; 0: fingers up, arm down
+    double arm = 1.9;       ///< what there is of it below the centre of the palm, in radii
+
+    bool operator==(const DrawnHand&) const = default;
+};
+
+/// Draws the hand in skin colour into a BGR picture. Fingers reach 2.55 radii from the centre, a thumb 1.95. What lies
+/// outside the picture is cut off.
+void draw_hand(cv::Mat& picture, const DrawnHand& hand);
+
+}  // namespace camera

@@ -1,0 +1,21 @@
+// Where the hand of the scene is and what it shows.
+#pragma once
+
+#include "drawn_hand.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace camera {
+
+/// Each for so many pictures, one after the other, again and again: no hand first, so that whoever subtracts the
+/// background learns it.
+inline constexpr int pictures_per_gesture = 30;
+inline constexpr int no_hand = -1;
+inline constexpr std::array fingers_shown{no_hand, 5, 2, 1, 4, 0, 3};
+
+/// The hand moves slowly, fingers wholly inside a picture of `size`; its arm reaches the lower border.
+std::optional<DrawnHand> hand_at(std::int64_t index, cv::Size size);
+
+}  // namespace camera

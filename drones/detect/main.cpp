@@ -1,0 +1,136 @@
+// The detect drone: pictures in, boxes of people or of a model's classes out.
+#include "network.hpp"
+#include "people_finder.hpp"
+
+#include <hive/drone.hpp>
+#include <hive/vision/image.hpp>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cmath>
+#include <optional>
+
+namespace {
+
+using detect::Object;
+
+hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& picture)
+{
+    hive::Json list = hive::Json::array();
+    for (const Object& object : objects)
+        list.push_back({{"x", object.box.x}, {"y", object.box.y}, {"w", object.box.width}, {"h", object.box.height},
+                        {"class", object.name}, {"score", std::round(object.score * 1000) / 1000}});
+    return {{"objects", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+}
+
+/// Sends a copy of the picture with the objects framed, drawn in the memory that receivers map.
+void emit_annotated(const hive::Output& output, hive::Json header, const cv::Mat& picture, const std::vector<Object>& objects)
+{
+    header.update({{"pixel_format", "bgr8"}, {"stride", picture.cols * 3}});
+    output.emit(std::move(header), [&]() -> hive::Body {
+        hive::Loan loan = output.loan(picture.total() * 3);
+        cv::Mat canvas(picture.size(), CV_8UC3, loan.data());
+        if (picture.channels() == 3)
+            picture.copyTo(canvas);
+        else
+            cv::cvtColor(picture, canvas, cv::COLOR_GRAY2BGR);
+        detect::draw(canvas, objects);
+        return loan;
+    }, "image/raw");
+}
+
+/// The parameters, and the detector that they ask for.
+class Detector {
+public:
+    void declare(hive::Drone& drone)
+    {
+        declare_people(drone);
+        declare_network(drone);
+    }
+
+    /// Makes what the parameters say ready; throws a sentence when that cannot be, and goes on as it was.
+    void apply()
+    {
+        if (people_.stride % 4 != 0)
+            throw hive::Error(hive::Errc::refused, "stride is a multiple of 4");
+        detect::NetworkSettings wanted = settings_;
+        wanted.mean = detect::mean_from(mean_);
+        if (wanted.model.empty())
+            network_.reset();
+        else if (!network_ || loaded_ != wanted)
+            network_ = detect::Network(wanted);  // when it throws, the old one stays
+        loaded_ = wanted;
+    }
+
+    std::vector<Object> find(const cv::Mat& picture)
+    {
+        if (!network_)
+            return people_.find(picture);
+        network_->min_score = min_score_;
+        network_->overlap = overlap_;
+        return network_->find(picture);
+    }
+
+private:
+    void declare_people(hive::Drone& drone)
+    {
+        drone.parameter("hit_threshold", people_.hit_threshold, hive::between(-1, 4), "of people: margin that a window needs; higher finds fewer");
+        drone.parameter("enlarge", people_.enlarge, hive::between(1, 4), "of people: the picture first, to find smaller ones");
+        drone.parameter("scale", people_.scale, hive::between(1.01, 2), "of people: step between image scales");
+        drone.parameter("stride", people_.stride, hive::between(4, 32).in("px"), "of people: between windows, a multiple of 4");
+        drone.parameter("padding", people_.padding, hive::between(0, 64).in("px"), "of people: around the picture");
+        drone.parameter("grouping", people_.grouping, hive::between(0, 20), "of people: windows that must agree");
+        drone.parameter("shrink", people_.shrink, hive::anything(), "of people: boxes that fit, without the margin of the classifier's window");
+    }
+
+    void declare_network(hive::Drone& drone)
+    {
+        drone.parameter("model", settings_.model, hive::anything(), "ONNX file of a detector; empty: people are looked for");
+        drone.parameter("classes", settings_.classes, hive::anything(), "file of the model's class names, one a line; empty: numbers");
+        drone.parameter("input_width", settings_.input.width, hive::between(8, 4096).in("px"), "of the model's input");
+        drone.parameter("input_height", settings_.input.height, hive::between(8, 4096).in("px"), "of the model's input");
+        drone.parameter("fit", settings_.fit, hive::one_of({"letterbox", "stretch"}), "how a picture becomes the model's input");
+        drone.parameter("input_scale", settings_.scale, hive::between(0, 255), "the model sees (pixel - mean) times this");
+        drone.parameter("mean", mean_, hive::anything(), "one number, or three in the model's order of colours");
+        drone.parameter("swap", settings_.swap, hive::anything(), "the model takes RGB instead of BGR");
+        drone.parameter("min_score", min_score_, hive::between(0, 1), "of the model's objects");
+        drone.parameter("overlap", overlap_, hive::between(0, 1), "of the model: more of it with a better box of its class, and a box is left out");
+    }
+
+    detect::PeopleFinder people_;
+    detect::NetworkSettings settings_, loaded_;
+    std::string mean_ = "0";
+    double min_score_ = 0.5, overlap_ = 0.45;
+    std::optional<detect::Network> network_;
+};
+
+void detect_drone(hive::Drone& drone)
+{
+    Detector detector;
+    detector.declare(drone);
+    const hive::Output objects = drone.output("objects", "application/json", "the boxes, in the header; no body");
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the objects framed");
+    drone.on_start([&] {
+        cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
+        detector.apply();
+    });
+    drone.on_change([&] { detector.apply(); });
+    drone.on_event("image", hive::vision::image_types, [&](const hive::Event& event) {
+        const cv::Mat picture = hive::vision::view(event);
+        const auto found = detector.find(picture);
+        const hive::Json header = to_header(found, picture);
+        objects.emit(header);
+        emit_annotated(annotated, header, picture, found);
+    }, "pictures to look for objects in");
+    drone.run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"detect", "Finds people, or the objects that an ONNX model knows, in pictures."}, detect_drone);
+}

@@ -1,0 +1,63 @@
+// Finds objects with a detector network from an ONNX file, through OpenCV's DNN.
+#pragma once
+
+#include "model_output.hpp"
+#include "object.hpp"
+
+#include <opencv2/dnn.hpp>
+
+#include <string>
+#include <vector>
+
+namespace detect {
+
+/// What has to be known about a model; each model's page tells.
+struct NetworkSettings {
+    std::string model;            ///< path of the .onnx file
+    std::string classes;          ///< path of a text file, one name a line in the order of the model; empty: numbers are names
+    cv::Size input{640, 640};     ///< px
+    std::string fit = "letterbox";///< how a picture becomes the input: "letterbox" (grey margins) or "stretch"
+    double scale = 1.0 / 255;     ///< the input is (pixel - mean) * scale
+    cv::Scalar mean;              ///< for each channel, in the order of the model
+    bool swap = true;             ///< the model wants RGB; pictures are BGR
+
+    bool operator==(const NetworkSettings&) const = default;
+};
+
+class Network {
+public:
+    double min_score = 0.5;  ///< 0 to 1
+    double overlap = 0.45;   ///< of two boxes of one class that overlap more (intersection over union), the better one is kept
+    static constexpr std::size_t most_objects = 300;  ///< of one picture; the best
+
+    /// Reads the files and runs the model once, to see that it can run and what its output is.
+    /// @throws std::runtime_error  a sentence about what is wrong
+    explicit Network(const NetworkSettings& settings);
+
+    /// @param picture  8 bit, BGR or grey; not changed
+    [[nodiscard]] std::vector<Object> find(const cv::Mat& picture);
+    [[nodiscard]] Layout layout() const { return layout_; }
+
+private:
+    /// From px of the picture to px of the input: times `scale`, plus `offset`.
+    struct Fit {
+        cv::Point2d scale, offset;
+    };
+
+    void choose_output();
+    [[nodiscard]] Fit fit(cv::Size picture) const;
+    [[nodiscard]] cv::Mat input_from(const cv::Mat& picture, const Fit& fit) const;
+    [[nodiscard]] std::vector<cv::Mat> run(const cv::Mat& input);
+    [[nodiscard]] std::string name(int class_index) const;
+
+    NetworkSettings settings_;
+    std::vector<std::string> names_;
+    cv::dnn::Net net_;
+    std::size_t output_ = 0;  ///< which of the model's outputs has the objects
+    Layout layout_ = Layout::rows;
+};
+
+/// "104,177,123" or one number for all channels. @throws std::runtime_error
+cv::Scalar mean_from(const std::string& text);
+
+}  // namespace detect

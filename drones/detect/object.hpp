@@ -1,0 +1,22 @@
+// A detected object, as every detector gives it.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <string>
+#include <vector>
+
+namespace detect {
+
+struct Object {
+    cv::Rect box;      ///< px, within the picture
+    std::string name;  ///< of its class
+    double score = 0;  ///< of a network 0 to 1; of the people finder the margin of its classifier, mostly 0 to 4
+};
+
+/// The best first; of equal ones from top to bottom, then from left to right.
+void sort(std::vector<Object>& objects);
+/// Frames and names the objects in a BGR picture.
+void draw(cv::Mat& picture, const std::vector<Object>& objects);
+
+}  // namespace detect

@@ -1,0 +1,25 @@
+// Reads hands from a silhouette: palm, extended fingers, direction. The algorithm of the gesture drone, plain OpenCV.
+#pragma once
+
+#include "hand.hpp"
+
+#include <opencv2/core/mat.hpp>
+
+#include <vector>
+
+namespace gesture {
+
+/// The palm is the largest disc inside the silhouette. The outline is cut where it comes near that disc and at the deep
+/// convexity defects between fingers; a narrow piece that reaches far enough is a finger, a wide one is the arm.
+class GestureFinder {
+public:
+    int max_hands = 1;      ///< the largest so many silhouettes are read
+    int smooth = 5;         ///< narrower specks, hairs and gaps of the silhouette are not looked at, px; 0: all are
+    double min_area = 0.5;  ///< of the smallest silhouette, % of the picture
+
+    /// @param silhouette  8 bit, one channel, not 0 in the silhouette; not changed
+    /// @return  the largest first; a silhouette that is not of a hand is read as if it were
+    [[nodiscard]] std::vector<Hand> find(const cv::Mat& silhouette) const;
+};
+
+}  // namespace gesture

@@ -1,0 +1,32 @@
+// Thresholds of grey levels and of colours.
+#include "silhouette.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+namespace gesture {
+namespace {
+
+cv::Mat skin_in(const cv::Mat& picture, const SkinRange& range)
+{
+    if (picture.channels() != 3)
+        return cv::Mat::zeros(picture.size(), CV_8UC1);
+    cv::Mat colours, result;
+    cv::cvtColor(picture, colours, cv::COLOR_BGR2YCrCb);
+    cv::inRange(colours, cv::Scalar(range.y_min, range.cr_min, range.cb_min), cv::Scalar(range.y_max, range.cr_max, range.cb_max), result);
+    return result;
+}
+
+}  // namespace
+
+cv::Mat Silhouette::of(const cv::Mat& picture) const
+{
+    if (from == "skin")
+        return skin_in(picture, skin);
+    cv::Mat grey = picture, result;
+    if (picture.channels() == 3)
+        cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    cv::threshold(grey, result, level - 1, 255, cv::THRESH_BINARY);
+    return result;
+}
+
+}  // namespace gesture

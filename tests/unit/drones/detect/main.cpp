@@ -1,0 +1,12 @@
+// The entry of the tests of the detect drone's algorithm.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <doctest/doctest.h>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
+
+int main(int argc, char** argv)
+{
+    cv::setNumThreads(1);  // as in the drone
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    return doctest::Context(argc, argv).run();
+}
