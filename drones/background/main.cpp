@@ -2,6 +2,7 @@
 #include "foreground_finder.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
@@ -44,7 +45,7 @@ void background_drone(hive::Drone& drone)
     drone.parameter("close", finder.close, hive::between(0, 100).in("px"), "radius: narrower gaps are filled; 0: none");
     drone.parameter("min_area", finder.min_area, hive::between(1, 100000000).in("px"), "foreground that makes a box");
     const hive::Output boxes = drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
-    const hive::Output mask = drone.output("mask", hive::vision::image_types, "255 where there is foreground");
+    const hive::Output mask = drone.output("mask", hive::vision::image_types, "255 where there is foreground", hive::vision::encoder());
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core
     drone.on_event("image", hive::vision::image_types, [&](const hive::Event& event) {
         const Foreground found = finder.find(hive::vision::view(event));

@@ -3,6 +3,7 @@
 #include "people_finder.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
@@ -111,7 +112,7 @@ void detect_drone(hive::Drone& drone)
     Detector detector;
     detector.declare(drone);
     const hive::Output objects = drone.output("objects", "application/json", "the boxes, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the objects framed");
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the objects framed", hive::vision::encoder());
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown

@@ -3,6 +3,7 @@
 #include "silhouette.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
@@ -77,7 +78,7 @@ void gesture_drone(hive::Drone& drone)
     gesture::GestureFinder finder;
     declare(drone, silhouette, finder);
     const hive::Output gestures = drone.output("gesture", "application/json", "the hands, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the hands marked");
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the hands marked", hive::vision::encoder());
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core: to use more, start more drones
     drone.on_event("mask", hive::vision::image_types, [&](const hive::Event& event) {
         const cv::Mat picture = hive::vision::view(event);

@@ -25,7 +25,7 @@ TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture
     constexpr int pictures = sanitized() ? 2 : 6;
     cv::setNumThreads(1);
     const Swarm swarm;
-    const auto camera = swarm.drone("camera", "camera", {"source=" + video->string(), "pace=demand", "encoding=raw"});
+    const auto camera = swarm.drone("camera", "camera", {"source=" + video->string(), "pace=demand"});
     const auto detect = swarm.drone("detect", "detect", {"enlarge=2"});
     auto application = swarm.application();
     const auto collector = application.collect({{"detect", "objects"}});

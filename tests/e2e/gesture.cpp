@@ -50,7 +50,7 @@ TEST_CASE("gesture swarm: on demand, every picture of the scene is read as a pla
     constexpr int pictures = sanitized() ? 40 : 210;  // 210: once through all gestures
     cv::setNumThreads(1);
     const Swarm swarm;
-    const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "hand=on", "faces=0", "pace=demand", "encoding=raw"});
+    const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "hand=on", "faces=0", "pace=demand"});
     const auto gesture = swarm.drone("gesture", "gesture", {"silhouette=skin"});
     auto application = swarm.application();
     const auto collector = application.collect({{"gesture", "gesture"}});

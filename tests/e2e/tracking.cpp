@@ -63,7 +63,7 @@ TEST_CASE("tracking swarm: the tracks of every picture on demand are those of on
     const Swarm swarm;
     const auto track = swarm.drone("track", "track", {"fps=" + std::to_string(fps)});
     const auto background = swarm.drone("background", "background", {"min_area=75"});
-    const auto camera = swarm.drone("camera", "camera", {"width=320", "height=240", "faces=0", "walkers=3", "pace=demand", "encoding=png"});
+    const auto camera = swarm.drone("camera", "camera", {"width=320", "height=240", "faces=0", "walkers=3", "pace=demand"});
     auto application = swarm.application();
     const auto collector = application.collect({{"track", "tracks"}});
     swarm.hivectl_done({"connect", "background", "track"});
