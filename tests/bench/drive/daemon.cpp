@@ -1,7 +1,6 @@
 // Starting and ending iox-roudi.
 #include "daemon.hpp"
 
-#include <csignal>
 #include <iostream>
 #include <pwd.h>
 #include <unistd.h>
@@ -11,14 +10,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr auto roudi = "/usr/bin/iox-roudi";
-
-std::set<fs::path> shared_memory()
-{
-    std::set<fs::path> files;
-    for (const auto& entry : fs::directory_iterator("/dev/shm"))
-        files.insert(entry.path());
-    return files;
-}
 
 std::string user_name()
 {
@@ -31,7 +22,7 @@ bool of_iceoryx(const fs::path& file) { return file.filename().string().starts_w
 
 }  // namespace
 
-Daemon::Daemon(const fs::path& programs) : log_("/tmp/hive-bench-roudi-" + std::to_string(::getpid()) + ".log"), before_(shared_memory())
+Daemon::Daemon(const fs::path& programs) : log_("/tmp/hive-bench-roudi-" + std::to_string(::getpid()) + ".log")
 {
     if (!fs::exists(roudi) || !fs::exists(programs / "bench_iceoryx"))
         return;
@@ -47,12 +38,11 @@ Daemon::~Daemon()
 {
     std::error_code ignored;
     if (process_) {
-        process_->signal(SIGTERM);
-        if (!process_->wait(test::Milliseconds(3000)))
-            process_->kill();
-        for (const auto& file : shared_memory())
-            if (!before_.contains(file) && of_iceoryx(file))
-                fs::remove(file, ignored);
+        // Not by SIGTERM: it would pass that on to the ids of clients that ended badly, and the kernel may have given those to others.
+        process_->kill();
+        for (const auto& entry : fs::directory_iterator("/dev/shm"))
+            if (of_iceoryx(entry.path()))
+                fs::remove(entry.path(), ignored);
     }
     fs::remove(log_, ignored);
 }

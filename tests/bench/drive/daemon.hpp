@@ -1,11 +1,11 @@
-// iox-roudi for the iceoryx row: started when both are there, ended by its id, its shared memory removed.
+// iox-roudi for the iceoryx row: started when both are there, ended by its id, its shared memory removed. There can be only
+// one on a machine: where another runs already, ours does not start and the row is left out.
 #pragma once
 
 #include "process.hpp"
 
 #include <filesystem>
 #include <optional>
-#include <set>
 
 namespace hive::bench {
 
@@ -22,7 +22,6 @@ public:
 
 private:
     std::filesystem::path log_;
-    std::set<std::filesystem::path> before_;  ///< the shared memory of others
     std::optional<test::Process> process_;
 };
 

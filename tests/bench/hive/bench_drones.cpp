@@ -5,7 +5,9 @@
 
 #include <hive/drone.hpp>
 
+#include <algorithm>
 #include <csignal>
+#include <cstring>
 #include <exception>
 #include <map>
 #include <stdexcept>
@@ -41,31 +43,32 @@ public:
     void fill(Loan& loan, Frame frame)
     {
         auto* memory = reinterpret_cast<std::byte*>(loan.data());
-        const auto [known, fresh] = drawn_.try_emplace(memory, frame.header.camera);
-        if (fresh || !still_drawn(memory, frame.picture.size(), known->second))
-            draw({memory, frame.picture.size()}, known->second);
-        frame.header.camera = known->second;
+        const auto [place, fresh] = drawn_.try_emplace(memory, Drawn{frame.header.camera, frame.picture});
+        const auto& [camera, picture] = place->second;
+        if (fresh || !still_there(picture, memory))
+            std::memcpy(memory, picture.data(), picture.size());
+        frame.header.camera = camera;
         frame.stamp(memory);
     }
 
 private:
+    struct Drawn {
+        std::uint32_t camera;
+        std::span<const std::byte> picture;
+    };
+
     /// Memory that was given back to the system has lost its picture; a few places show it.
-    bool still_drawn(const std::byte* memory, std::size_t size, std::uint32_t camera)
+    static bool still_there(std::span<const std::byte> picture, const std::byte* memory)
     {
-        auto& picture = pictures_[camera];
-        if (!picture) {
-            picture = make_pages(size);
-            draw({picture.get(), size}, camera);
-        }
         constexpr std::size_t places = 16;
-        for (std::size_t i = sizeof(FrameHeader); i + sizeof(FrameTail) < size; i += std::max<std::size_t>(1, size / places))
+        const auto step = std::max<std::size_t>(1, picture.size() / places);
+        for (std::size_t i = sizeof(FrameHeader); i + sizeof(FrameTail) < picture.size(); i += step)
             if (memory[i] != picture[i])
                 return false;
         return true;
     }
 
-    std::map<const std::byte*, std::uint32_t> drawn_;  ///< the camera whose picture is there
-    std::array<Pages, cameras> pictures_;
+    std::map<const std::byte*, Drawn> drawn_;
 };
 
 class Source : public Publisher {
