@@ -38,12 +38,12 @@ void background_drone(hive::Drone& drone)
 {
     ForegroundFinder finder;
     drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}), "mixture of gaussians or nearest neighbours, for each pixel");
-    drone.parameter("history", finder.model.history, hive::between(1, 100000), "pictures that the model remembers");
+    drone.parameter("history", finder.model.history, hive::between(1, 10000), "pictures that the model remembers");
     drone.parameter("threshold", finder.model.threshold, hive::between(0, 65025), "squared distance that makes foreground; 0: 16 (mog2), 400 (knn)");
     drone.parameter("shadows", finder.model.shadows, hive::anything(), "tell shadows from things: 127 in the mask");
     drone.parameter("open", finder.open, hive::between(0, 100).in("px"), "radius: thinner specks are erased; 0: none");
     drone.parameter("close", finder.close, hive::between(0, 100).in("px"), "radius: narrower gaps are filled; 0: none");
-    drone.parameter("min_area", finder.min_area, hive::between(1, 100000000).in("px"), "foreground that makes a box");
+    drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"), "foreground that makes a box");
     const hive::Output boxes = drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
     const hive::Output mask = drone.output("mask", hive::vision::image_types, "255 where there is foreground", hive::vision::encoder());
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core

@@ -1,42 +1,15 @@
 // The track drone: boxes in, tracks with lasting numbers out.
 #include "boxes.hpp"
+#include "order.hpp"
 
 #include <hive/drone.hpp>
 
-#include <optional>
-#include <tuple>
-
 namespace {
-
-/// Events of one source in their order; anything else is not one sequence of pictures.
-class Order {
-public:
-    /// Does it go on from the last one? Throws hive::Error (refused) when it comes too late.
-    bool goes_on(const hive::Identity& identity)
-    {
-        const auto begin = std::tuple(identity.source, identity.epoch);
-        const bool same = last_ && std::tuple(last_->source, last_->epoch) == begin;
-        if (same && identity.sequence <= last_->sequence)
-            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(identity.sequence) + " of " + identity.source + " comes after picture " +
-                                                       std::to_string(last_->sequence) + ": tracks need one connection, in order");
-        last_ = identity;
-        return same;
-    }
-
-private:
-    std::optional<hive::Identity> last_;
-};
-
-/// When the picture was taken, s. At a rate that was told, pictures are counted instead.
-double time_of(const hive::Identity& identity, double fps)
-{
-    return fps > 0 ? static_cast<double>(identity.sequence) / fps : static_cast<double>(identity.monotonic_us) / 1e6;
-}
 
 void track_drone(hive::Drone& drone)
 {
     track::Tracker tracker;
-    Order order;
+    track::Order order;
     std::string boxes;
     double fps = 0, used_fps = 0;
     drone.parameter("boxes", boxes, hive::anything(), "name of the array of boxes in the header; empty: the only one");
@@ -56,7 +29,7 @@ void track_drone(hive::Drone& drone)
         const auto found = track::boxes_in(event.header, boxes);
         if (!order.goes_on(event.identity))
             tracker.restart();
-        hive::Json header{{"tracks", track::to_json(tracker.next(time_of(event.identity, fps), found))}};
+        hive::Json header{{"tracks", track::to_json(tracker.next(track::time_of(event.identity, fps), found))}};
         for (const char* size : {"width", "height"})
             if (event.header.contains(size))
                 header[size] = event.header[size];

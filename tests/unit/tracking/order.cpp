@@ -1,0 +1,48 @@
+// One source, in order, with times.
+#include "../../../drones/track/order.hpp"
+
+#include <doctest/doctest.h>
+
+using hive::Identity;
+using track::Order;
+
+namespace {
+
+Identity picture(const std::string& source, std::int64_t epoch, std::int64_t sequence)
+{
+    Identity identity;
+    identity.source = source;
+    identity.epoch = epoch;
+    identity.sequence = sequence;
+    return identity;
+}
+
+}  // namespace
+
+TEST_CASE("order: later pictures of one source go on, skipped ones or not; another or a restarted source begins anew")
+{
+    Order order;
+    CHECK_FALSE(order.goes_on(picture("camera", 1, 5)));
+    CHECK(order.goes_on(picture("camera", 1, 6)));
+    CHECK(order.goes_on(picture("camera", 1, 60)));
+    CHECK_FALSE(order.goes_on(picture("camera", 2, 1)));
+    CHECK_FALSE(order.goes_on(picture("door", 2, 2)));
+    CHECK(order.goes_on(picture("door", 2, 3)));
+}
+
+TEST_CASE("order: a picture that comes late or twice is refused, and the sequence goes on without it")
+{
+    Order order;
+    order.goes_on(picture("camera", 1, 5));
+    for (const std::int64_t late : {5, 4})
+        CHECK_THROWS_AS(order.goes_on(picture("camera", 1, late)), hive::Error);
+    CHECK(order.goes_on(picture("camera", 1, 6)));
+}
+
+TEST_CASE("order: time is that of the capture, not of the arrival, or counts pictures at a rate that was told")
+{
+    Identity identity = picture("camera", 1, 45);
+    identity.monotonic_us = 2'500'000;
+    CHECK(track::time_of(identity, 0) == doctest::Approx(2.5));
+    CHECK(track::time_of(identity, 30) == doctest::Approx(1.5));
+}
