@@ -2,10 +2,10 @@
 # Camera, background, gesture: scripts/swarms/gesture.sh [camera settings...], for example source=/dev/video0
 . "$(dirname "$0")/common.sh"
 
-[ $# -gt 0 ] || set -- hand=on faces=0
-hivectl start camera "$@"
+hivectl start camera faces=0 "$@"
 hivectl start background
 hivectl start gesture
 hivectl connect camera background
 hivectl connect background.mask gesture
+hivectl set camera hand=on  # the scene begins again: first without the hand, so that the background is learned
 swarm_is_up camera background gesture
