@@ -107,10 +107,9 @@ void AxisDrone::apply()
 {
     if (opened_ != place_)
         return open();
-    const Parameters now = wanted();
-    if (link_ && now != told_)
-        tell_camera(now);
-    told_ = now;
+    if (link_)
+        tell_camera(changes(told_, wanted()));
+    told_ = wanted();
 }
 
 void AxisDrone::open()
@@ -129,8 +128,10 @@ void AxisDrone::open()
     opened_ = place_;
 }
 
-void AxisDrone::tell_camera(const Parameters& wanted)
+void AxisDrone::tell_camera(const Parameters& changed)
 {
+    if (changed.empty())
+        return link_->wanted(wanted());
     if (link_->locked_out())
         throw hive::Error(hive::Errc::refused, link_->condition());
     const auto until = std::chrono::steady_clock::now() + most_set_time;
@@ -138,9 +139,8 @@ void AxisDrone::tell_camera(const Parameters& wanted)
         if (std::chrono::steady_clock::now() > until)
             throw CameraError(Trouble::silent, "the camera took too long");
     });
-    const Parameters before = told_, changed = changes(before, wanted);
     take_over(camera.apply(changed));
-    link_->wanted(this->wanted());
+    link_->wanted(wanted());
     if (changed.contains(resolution_name) || changed.contains(compression_name) || changed.contains(fps_name))
         link_->restart();
 }

@@ -27,7 +27,7 @@ private:
     void declare();
     void apply();
     void open();
-    void tell_camera(const Parameters& wanted);
+    void tell_camera(const Parameters& changed);
     [[nodiscard]] Access access() const;
     [[nodiscard]] Parameters wanted() const;
     void take_over(const Parameters& applied);

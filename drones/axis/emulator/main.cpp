@@ -15,7 +15,7 @@ An Axis camera that is none, at http://127.0.0.1:PORT; prints where it listens.
   port=8080 control=8081    0, the default: any free ones
   address=127.0.0.1         that the camera listens at; the control stays on 127.0.0.1
   credentials=FILE          user:password of its owner; default root:pass
-  auth=digest, stall_after=20 ...   how it behaves: drones/axis/README.md
+  auth=digest, stall_after=20 ...   how it behaves: drones/axis/emulator/README.md
 )";
 
 unsigned short port(const std::string& text)

@@ -1,4 +1,5 @@
-// Coroutines on one io_context; what they share needs no lock.
+// Coroutines on one io_context; what they share needs no lock. No co_await has temporaries with destructors in its expression:
+// g++ 12 destroys some of them twice.
 #include "server.hpp"
 
 #include "painter.hpp"
@@ -32,6 +33,8 @@ std::string answer_text(const std::string& status, const std::string& type, cons
     return "HTTP/1.0 " + status + "\r\nCache-Control: no-cache\r\nConnection: close\r\n" + fields + "Content-Type: " + type +
            "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
 }
+
+bool is_stream(const Request& request) { return request.path == "/axis-cgi/mjpg/video.cgi" || request.path == "/mjpg/video.mjpg"; }
 
 std::string plain(const std::string& body) { return answer_text("200 OK", "text/plain; charset=iso-8859-1", body); }
 std::string page(const std::string& status, const std::string& fields = "")
@@ -88,14 +91,18 @@ private:
 
     awaitable<void> accept_camera()
     {
-        while (camera_.is_open())
-            asio::co_spawn(context_, serve(co_await camera_.async_accept(use_awaitable)), [](std::exception_ptr) {});  // a client that goes is normal
+        while (camera_.is_open()) {
+            tcp::socket socket = co_await camera_.async_accept(use_awaitable);
+            asio::co_spawn(context_, serve(std::move(socket)), [](std::exception_ptr) {});  // a client that goes is normal
+        }
     }
 
     awaitable<void> accept_control()
     {
-        while (true)
-            asio::co_spawn(context_, serve_control(co_await control_.async_accept(use_awaitable)), [](std::exception_ptr) {});
+        while (true) {
+            tcp::socket socket = co_await control_.async_accept(use_awaitable);
+            asio::co_spawn(context_, serve_control(std::move(socket)), [](std::exception_ptr) {});
+        }
     }
 
     static awaitable<std::optional<Request>> read_request(tcp::socket& socket)
@@ -116,8 +123,8 @@ private:
     awaitable<void> serve_control(tcp::socket socket)
     {
         const auto request = co_await read_request(socket);
-        std::string answer = request ? plain(control(*request)) : page("400 Bad Request");
-        co_await asio::async_write(socket, asio::buffer(answer), use_awaitable);
+        const std::string text = request ? plain(control(*request)) : page("400 Bad Request");
+        co_await asio::async_write(socket, asio::buffer(text), use_awaitable);
     }
 
     std::string control(const Request& request)
@@ -151,16 +158,26 @@ private:
 
     awaitable<void> answer(tcp::socket& socket, const Request& request)
     {
+        const auto refusal = refuse(request);
+        if (!refusal && is_stream(request) && parameters_.has_resolution(resolution(request)) && behaviour_.status == 200 && !behaviour_.html) {
+            co_await stream(socket, request);
+        } else {
+            const std::string text = refusal ? *refusal : simple_answer(request);
+            co_await send(socket, text);
+        }
+    }
+
+    /// What is answered whatever was asked.
+    std::optional<std::string> refuse(const Request& request)
+    {
         const auto verdict = login_.check(behaviour_.login(), request.method, request.target, request.authorization);
         if (!behaviour_.redirect.empty())
-            co_return co_await send(socket, page("302 Found", "Location: " + behaviour_.redirect + "\r\n"));
+            return page("302 Found", "Location: " + behaviour_.redirect + "\r\n");
         if (behaviour_.foreign)
-            co_return co_await send(socket, page("404 Not Found"));
+            return page("404 Not Found");
         if (behaviour_.unauthorised || verdict != Login::Verdict::welcome)
-            co_return co_await send(socket, unauthorised(request, verdict));
-        if (request.path == "/axis-cgi/mjpg/video.cgi" || request.path == "/mjpg/video.mjpg")
-            co_return co_await stream(socket, request);
-        co_await send(socket, simple_answer(request));
+            return unauthorised(request, verdict);
+        return std::nullopt;
     }
 
     std::string unauthorised(const Request& request, Login::Verdict verdict)
@@ -177,7 +194,7 @@ private:
     {
         if (request.path == "/axis-cgi/param.cgi" || request.path == "/axis-cgi/admin/param.cgi")
             return parameter_answer(request);
-        if (request.path == "/axis-cgi/jpg/image.cgi" || request.path == "/jpg/image.jpg")
+        if (is_stream(request) || request.path == "/axis-cgi/jpg/image.cgi" || request.path == "/jpg/image.jpg")
             return image_answer(request);
         if (request.path == "/axis-cgi/imagesize.cgi") {
             const std::string size = resolution(request);
@@ -236,46 +253,52 @@ private:
 
     awaitable<void> stream(tcp::socket& socket, const Request& request)
     {
-        if (!parameters_.has_resolution(resolution(request)))
-            co_return co_await send(socket, page("400 Bad Request"));
-        if (behaviour_.status != 200 || behaviour_.html)
-            co_return co_await send(socket, page(std::to_string(behaviour_.status) + " Status"));
-        co_await send(socket, "HTTP/1.0 200 OK\r\nCache-Control: no-cache\r\nConnection: close\r\nContent-Type: " + stream_type(behaviour_) + "\r\n\r\n");
+        const std::string head = "HTTP/1.0 200 OK\r\nCache-Control: no-cache\r\nConnection: close\r\nContent-Type: " + stream_type(behaviour_) + "\r\n\r\n";
+        co_await send(socket, head);
         const int most = std::atoi(request.word("nbrofframes").c_str());
         const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate(request)));
+        const auto reached = [](int count, int limit) { return limit >= 0 && count >= limit; };
         auto due = Clock::now();
-        for (int count = 0; most == 0 || count < most; ++count, due = std::max(due + period, Clock::now() - period)) {
+        for (int count = 0; (most == 0 || count < most) && !reached(count, behaviour_.close_after); ++count) {
             co_await wait_until(due);
-            while (behaviour_.stall || (behaviour_.stall_after >= 0 && count >= behaviour_.stall_after))
+            while (behaviour_.stall || reached(count, behaviour_.stall_after))
                 co_await wait_until(Clock::now() + 10ms);
-            if (behaviour_.close_after >= 0 && count >= behaviour_.close_after)
+            std::string part = stream_part(behaviour_, picture(request));
+            if (reached(count, behaviour_.cut_after)) {
+                part.resize(part.size() / 2);
+                co_await send(socket, part);
                 co_return;
-            const bool last = behaviour_.cut_after >= 0 && count >= behaviour_.cut_after;
-            co_await send_part(socket, stream_part(behaviour_, picture(request)), last);
-            if (last)
-                co_return;
+            }
+            co_await send_endless(socket);
+            co_await send(socket, part);
+            due = std::max(due + period, Clock::now() - period);
         }
     }
 
-    awaitable<void> send_part(tcp::socket& socket, const std::string& part, bool cut)
+    awaitable<void> send_endless(tcp::socket& socket)
     {
-        if (behaviour_.endless_head || behaviour_.endless_part)
-            co_await send(socket, behaviour_.endless_head ? "--myboundary\r\n" : "--myboundary\r\nContent-Type: image/jpeg\r\n\r\n\xFF\xD8");
-        for (std::size_t sent = 0; (behaviour_.endless_head || behaviour_.endless_part) && sent < most_part; sent += 65536)
-            co_await send(socket, std::string(65536, 'x'));
-        co_await send(socket, cut ? part.substr(0, part.size() / 2) : part);
+        if (!behaviour_.endless_head && !behaviour_.endless_part)
+            co_return;
+        std::string begin = "--myboundary\r\n";
+        if (behaviour_.endless_part)
+            begin += "Content-Type: image/jpeg\r\n\r\n\xFF\xD8";
+        co_await send(socket, begin);
+        const std::string much(65536, 'x');
+        for (std::size_t sent = 0; sent < most_part; sent += much.size())
+            co_await send(socket, much);
     }
 
     /// All at once, or in slices of 50 ms.
-    awaitable<void> send(tcp::socket& socket, std::string text)
+    awaitable<void> send(tcp::socket& socket, const std::string& text)
     {
-        while (behaviour_.bytes_per_s > 0 && !text.empty()) {
-            const auto slice = std::min<std::size_t>(text.size(), std::max(1, behaviour_.bytes_per_s / 20));
-            co_await asio::async_write(socket, asio::buffer(text.data(), slice), use_awaitable);
-            text.erase(0, slice);
+        std::size_t sent = 0;
+        while (behaviour_.bytes_per_s > 0 && sent < text.size()) {
+            const auto slice = std::min<std::size_t>(text.size() - sent, std::max(1, behaviour_.bytes_per_s / 20));
+            co_await asio::async_write(socket, asio::buffer(text.data() + sent, slice), use_awaitable);
+            sent += slice;
             co_await wait_until(Clock::now() + 50ms);
         }
-        co_await asio::async_write(socket, asio::buffer(text), use_awaitable);
+        co_await asio::async_write(socket, asio::buffer(text.data() + sent, text.size() - sent), use_awaitable);
     }
 
     asio::io_context context_;
