@@ -1,7 +1,6 @@
 // The link's thread. Everything it touches is in Shared, which it keeps alive itself.
 #include "camera_link.hpp"
 
-#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <utility>
@@ -31,16 +30,16 @@ struct CameraLink::Shared {
     bool stopping = false, ended = false, asked = false, restart = false;
     std::optional<Picture> newest;
     Lifeline lifeline{Clock::now()};
-    std::string settings_trouble, last_told;
+    std::string settings_trouble, last_told, greeting;
 
     void run();
     void session();
     void set_up(Camera& camera);
+    void greet(const Model& model);
     void live(Camera& camera);
     void on_demand(Camera& camera);
     void accept(std::string bytes);
     void check();
-    void log(const std::string& text);
     void pause();
     void look_for_credentials();
 
@@ -106,8 +105,7 @@ void CameraLink::Shared::set_up(Camera& camera)
     }
     std::string trouble;
     try {
-        const Model model = camera.identify();
-        log("connected to " + model.name + ", firmware " + model.firmware + ", serial number " + model.serial);
+        greet(camera.identify());
         camera.apply(wanted);
     } catch (const CameraError& error) {
         const bool anonymous = error.trouble() == Trouble::login_needed && !settings.access.credentials;
@@ -118,6 +116,15 @@ void CameraLink::Shared::set_up(Camera& camera)
     }
     const std::lock_guard lock(mutex);
     settings_trouble = trouble;
+}
+
+/// A camera that comes and goes is named once.
+void CameraLink::Shared::greet(const Model& model)
+{
+    const std::string text = masked("connected to " + model.name + ", firmware " + model.firmware + ", serial number " + model.serial);
+    const std::lock_guard lock(mutex);
+    if (!stopping && std::exchange(greeting, text) != text)
+        hooks.log(text);
 }
 
 void CameraLink::Shared::live(Camera& camera)
@@ -176,13 +183,6 @@ void CameraLink::Shared::check()
         throw CameraError(Trouble::cancelled, "not wanted any more");
     if (std::exchange(restart, false))
         throw Restart();
-}
-
-void CameraLink::Shared::log(const std::string& text)
-{
-    const std::lock_guard lock(mutex);
-    if (!stopping)
-        hooks.log(masked(text));
 }
 
 /// Until the next try is due.

@@ -53,7 +53,6 @@ public:
     Transfer(Handles& handles, const Access& access, const Patience& patience, const Sink& sink)
         : easy_(handles.easy), multi_(handles.multi), access_(access), patience_(patience), sink_(sink)
     {
-        option(CURLOPT_PRIVATE, this);
     }
     ~Transfer() { curl_multi_remove_handle(multi_, easy_); }
     Transfer(const Transfer&) = delete;

@@ -17,7 +17,7 @@ TEST_CASE("axis login: pictures come with no login, basic, and digest with and w
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
     take_pictures(*collector, 2);
-    for (const char* words : {"auth=basic", "auth=digest", "auth=digest&qop=off", "auth=basic_digest&qop=on", "auth=digest&nonce_uses=1"}) {
+    for (const std::string words : {"auth=basic", "auth=digest", "auth=digest&qop=off", "auth=basic_digest&qop=on", "auth=digest&nonce_uses=1"}) {
         CAPTURE(words);
         camera.behave(words);
         application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // another link, which logs in anew

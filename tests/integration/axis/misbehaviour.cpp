@@ -14,11 +14,11 @@ struct Wrong {
 
 void suffer(const EmulatedCamera& camera, hive::Application& application, hive::Collector& collector, const Wrong& wrong)
 {
-    CAPTURE(wrong.words);
+    CAPTURE(std::string(wrong.words));
     camera.behave(wrong.words);
-    CHECK(comes_to_say(application, wrong.condition, 8000ms));
+    CHECK(comes_to_say(application, collector, wrong.condition, 8000ms));
     camera.behave(wrong.undone);
-    CHECK(comes_to_say(application, "", 12'000ms));
+    CHECK(comes_to_say(application, collector, "", 12'000ms));
     take_pictures(collector, 3);
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("axis misbehaviour: quirks of streams cost nothing")
     const auto drone = axis_drone(swarm, camera, {"resolution=160x120"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    for (const char* words : {"boundary=dashed", "boundary=quoted", "boundary=tight", "length=missing", "line_end=lf", "garbage=on&length=right", "length=text&garbage=off"}) {
+    for (const std::string words : {"boundary=dashed", "boundary=quoted", "boundary=tight", "length=missing", "line_end=lf", "garbage=on&length=right", "length=text&garbage=off"}) {
         CAPTURE(words);
         camera.behave(words);
         take_pictures(*collector, 10);

@@ -67,24 +67,49 @@ Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector
 
 std::string condition(hive::Application& application) { return application.status("axis").at("condition"); }
 
+namespace {
+
+/// Throws when it is broken.
+void check_picture(const hive::Event& event)
+{
+    const cv::Mat picture = hive::vision::decode(event);
+    CHECK(event.type == "image/jpeg");
+    CHECK(picture.cols == event.header.at("width"));
+    CHECK(picture.rows == event.header.at("height"));
+}
+
+bool says(hive::Application& application, const std::string& beginning)
+{
+    const std::string text = condition(application);
+    return beginning.empty() ? text.empty() : text.starts_with(beginning);
+}
+
+}  // namespace
+
 bool comes_to_say(hive::Application& application, const std::string& beginning, Milliseconds patience)
 {
-    const bool said = eventually([&] { return condition(application).starts_with(beginning) && (!beginning.empty() || condition(application).empty()); }, patience);
-    if (!said)
-        MESSAGE("it says: ", condition(application));
-    return said;
+    return eventually([&] { return says(application, beginning); }, patience);
+}
+
+bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning, Milliseconds patience)
+{
+    return eventually([&] {
+        while (const auto event = collector.next(Milliseconds(1)))
+            check_picture(*event);
+        return says(application, beginning);
+    }, patience);
 }
 
 void take_pictures(hive::Collector& collector, int count, Milliseconds patience)
 {
-    for (int i = 0; i < count; ++i) {
+    using namespace std::chrono;
+    const auto begin = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+    while (count > 0) {
         const auto event = collector.next(patient(patience));
         if (!event)
             throw std::runtime_error("no picture came");
-        const cv::Mat picture = hive::vision::decode(*event);
-        CHECK(event->type == "image/jpeg");
-        CHECK(picture.cols == event->header.at("width"));
-        CHECK(picture.rows == event->header.at("height"));
+        check_picture(*event);
+        count -= event->identity.captured_us > begin ? 1 : 0;
     }
 }
 

@@ -27,7 +27,7 @@ public:
     [[nodiscard]] std::string parameter(const std::string& name) const;
 
 private:
-    [[nodiscard]] std::string control(const std::string& words) const;
+    std::string control(const std::string& words) const;
 
     std::filesystem::path log_;
     Process process_;
@@ -44,7 +44,10 @@ std::string condition(hive::Application& application);
 /// Does the condition become one that begins so?
 bool comes_to_say(hive::Application& application, const std::string& beginning, Milliseconds patience = Milliseconds(6000));
 
-/// Takes `count` pictures and decodes each, strictly: throws when one is broken or does not come.
+/// As above, while the pictures are taken that come, each decoded strictly.
+bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning, Milliseconds patience);
+
+/// Takes `count` pictures that were captured from now on and decodes each, strictly: throws when one is broken or does not come.
 void take_pictures(hive::Collector& collector, int count, Milliseconds patience = Milliseconds(5000));
 
 }  // namespace stage

@@ -87,7 +87,7 @@ TEST_CASE("multipart: parts with their length, without it, and with line ends of
 TEST_CASE("multipart: dashes of the boundary may be too many or too few, where it is told and where it stands")
 {
     for (const char* told : {"myboundary", "--myboundary", "----myboundary"}) {
-        check_parts(counted(one) + part(two) + "--myboundary", {one, two + "\r\n--myboundary"}, told);  // no end of line: not yet a boundary
+        check_parts(counted(one) + part(two) + "--myboundary", {one, two}, told);
         check_parts(part(one) + "--" + part(two) + "----myboundary--\r\n", {one, two}, told);
     }
 }
