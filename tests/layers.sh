@@ -21,7 +21,9 @@ refuse "service and manager are siblings" 'hive/application\.hpp|hive/vision/' l
 refuse "service and manager are siblings" 'hive/drone\.hpp|hive/vision/' libhive/manager
 refuse "hivectl uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/drone\.hpp' hivectl
 refuse "drones use the public API and vision alone" 'hive/(transport|event|protocol)/|hive/application\.hpp' drones
-refuse "Asio belongs to transport and event" 'asio' protocol libhive/service libhive/manager libhive/vision hivectl drones
+mapfile -t no_asio < <(find drones \( -name '*.hpp' -o -name '*.cpp' \) -not -path 'drones/axis/emulator/*')
+refuse "Asio belongs to transport, event and the emulated camera" 'asio' protocol libhive/service libhive/manager libhive/vision hivectl "${no_asio[@]}"
+refuse "the emulated camera is no part of Hive" 'hive/' drones/axis/emulator
 refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/event libhive/service libhive/manager hivectl
 refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/event libhive/manager libhive/vision drones
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl

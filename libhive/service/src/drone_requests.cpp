@@ -85,7 +85,7 @@ void DroneCore::on_set(const Incoming& incoming)
             const Json before = names.empty() ? Json::object() : parameters.values(names);
             apply(values);
             module_->post([this] { remember(); });
-            answer(Json{{"parameters", values}, {"previous", before}});
+            answer(Json{{"parameters", names.empty() ? Json::object() : parameters.values(names)}, {"previous", before}});
         } catch (const Error& error) {
             answer(Error(error.code() == Errc::failed ? Errc::refused : error.code(), error.what()));
         } catch (const std::exception& error) {

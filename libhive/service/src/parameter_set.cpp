@@ -46,7 +46,8 @@ void ParameterSet::apply(const Json& checked_values, const std::function<void()>
         throw;
     }
     const std::lock_guard lock(mutex_);
-    values_.update(checked_values);
+    for (const auto& [name, read] : read_)
+        values_[name] = read();
 }
 
 Json ParameterSet::values(const std::vector<std::string>& names) const

@@ -88,8 +88,9 @@ public:
     Output output(const std::string& name, const std::string& type, const std::string& help = "", Encoder encoder = {});
     /// Declares an input and what to do with its events. If `callback` throws, the exception policy decides.
     void on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help = "");
-    /// Called after the parameters of one `set` have been assigned, all together. If it throws, all are put back, it is
-    /// called again, and the `set` is refused with its text. Also called once before the first event, after on_start.
+    /// Called after the parameters of one `set` have been assigned, all together. It may change the variables: what they hold
+    /// when it returns is what was applied, and the answer to the `set`. If it throws, all are put back, it is called again,
+    /// and the `set` is refused with its text. Also called once before the first event, after on_start.
     void on_change(std::function<void()> callback);
     /// Called once when the drone runs for real (not for --describe): the place to open devices and load models. If it
     /// throws, the drone ends and says why.

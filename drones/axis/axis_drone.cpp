@@ -1,0 +1,190 @@
+// The wiring: parameters to VAPIX names, pictures to events.
+#include "axis_drone.hpp"
+
+#include <hive/vision/image.hpp>
+
+#include <opencv2/core/utility.hpp>
+
+#include <charconv>
+
+namespace axis {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* resolution_name = "Image.I0.Appearance.Resolution";
+constexpr const char* compression_name = "Image.I0.Appearance.Compression";
+constexpr const char* fps_name = "Image.I0.Stream.FPS";
+constexpr const char* exposure_name = "ImageSource.I0.Sensor.Exposure";
+constexpr const char* brightness_name = "ImageSource.I0.Sensor.Brightness";
+constexpr const char* colour_name = "ImageSource.I0.Sensor.ColorLevel";
+constexpr auto most_set_time = 4s;
+
+Size measure(const std::string& jpeg)
+{
+    if (!jpeg.starts_with("\xFF\xD8") || !jpeg.ends_with("\xFF\xD9"))
+        throw std::runtime_error(jpeg.starts_with("\xFF\xD8") ? "it is cut short" : "it is no JPEG");
+    const hive::Body view(std::as_bytes(std::span(jpeg)), nullptr);
+    const cv::Size size = hive::vision::size_of(view, "image/jpeg");
+    return {size.width, size.height};
+}
+
+void read_back(const Parameters& applied, const char* name, std::string& variable)
+{
+    if (const auto found = applied.find(name); found != applied.end())
+        variable = found->second;
+}
+
+void read_back(const Parameters& applied, const char* name, int& variable)
+{
+    const auto found = applied.find(name);
+    if (found == applied.end())
+        return;
+    const std::string& text = found->second;
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), variable);
+    if (problem != std::errc() || end != text.data() + text.size())
+        throw hive::Error(hive::Errc::refused, std::string("the camera has no number in ") + name);
+}
+
+/// What `before` does not have, or has with another value.
+Parameters changes(const Parameters& before, const Parameters& now)
+{
+    Parameters result;
+    for (const auto& [name, value] : now)
+        if (const auto old = before.find(name); old == before.end() || old->second != value)
+            result[name] = value;
+    return result;
+}
+
+}  // namespace
+
+AxisDrone::AxisDrone(hive::Drone& drone)
+    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the camera's pictures, as it made them"))
+{
+    declare();
+    drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
+    drone_.on_change([this] { apply(); });
+    drone_.main([this] { return step(); });
+}
+
+void AxisDrone::declare()
+{
+    place_.pace = "live";
+    drone_.parameter("url", place_.url, hive::anything(), "http:// or https:// and the host of the camera; empty: no camera");
+    drone_.parameter("credentials", place_.credentials, hive::anything(), "file with user:password, chmod 600; empty: HIVE_AXIS_USER and HIVE_AXIS_PASSWORD");
+    drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}), "live: the camera's stream; demand: a picture when all receivers ask");
+    drone_.parameter("resolution", resolution_, hive::anything(), "as 640x480; empty: as the camera has it");
+    drone_.parameter("compression", compression_, hive::between(-1, 100), "more makes smaller pictures; -1: as the camera has it");
+    drone_.parameter("fps", fps_, hive::between(-1, 100).in("fps"), "of the stream; 0: as many as it can; -1: as the camera has it");
+    drone_.parameter("exposure", exposure_, hive::anything(), "auto, hold, flickerfree50, flickerfree60 ...; empty: as the camera has it");
+    drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: as the camera has it");
+    drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: as the camera has it");
+    drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything(), "let the password travel readable when the camera knows no digest");
+    drone_.parameter("certificate", place_.certificate, hive::anything(), "file of the certificate to trust for https; empty: those of the system");
+    drone_.parameter("allow_address", place_.allow_address, hive::anything(), "loopback, link-local or multicast addresses that are meant, joined by commas");
+}
+
+Parameters AxisDrone::wanted() const
+{
+    Parameters wanted;
+    for (const auto& [name, text] : {std::pair(resolution_name, resolution_), {exposure_name, exposure_}})
+        if (!text.empty())
+            wanted[name] = text;
+    for (const auto& [name, number] : {std::pair(compression_name, compression_), {fps_name, fps_}, {brightness_name, brightness_}, {colour_name, colour_}})
+        if (number >= 0)
+            wanted[name] = std::to_string(number);
+    return wanted;
+}
+
+Access AxisDrone::access() const
+{
+    return {parse_camera_url(place_.url), read_credentials(place_.credentials), place_.basic_over_http, place_.certificate, AddressRule(place_.allow_address)};
+}
+
+/// Another place: a new link, which tells the camera what is wanted when it has found it. Otherwise the camera is told here,
+/// so that its refusal refuses the `set`.
+void AxisDrone::apply()
+{
+    if (opened_ != place_)
+        return open();
+    if (link_)
+        tell_camera(changes(told_, wanted()));
+    told_ = wanted();
+}
+
+void AxisDrone::open()
+{
+    std::optional<Access> found;
+    if (!place_.url.empty())
+        found = access();
+    else
+        AddressRule(place_.allow_address);
+    link_.reset();
+    told_ = wanted();
+    if (found)
+        link_ = std::make_unique<CameraLink>(
+            LinkSettings{std::move(*found), place_.credentials, place_.pace == "live" ? Pace::live : Pace::demand, told_},
+            LinkHooks{[this] { drone_.wake(); }, [this](const std::string& text) { drone_.log(text); }, measure});
+    opened_ = place_;
+}
+
+void AxisDrone::tell_camera(const Parameters& changed)
+{
+    if (changed.empty())
+        return link_->wanted(wanted());
+    if (link_->locked_out())
+        throw hive::Error(hive::Errc::refused, link_->condition());
+    const auto until = std::chrono::steady_clock::now() + most_set_time;
+    Camera camera(access(), [until] {
+        if (std::chrono::steady_clock::now() > until)
+            throw CameraError(Trouble::silent, "the camera took too long");
+    });
+    take_over(camera.apply(changed));
+    link_->wanted(wanted());
+    if (changed.contains(resolution_name) || changed.contains(compression_name) || changed.contains(fps_name))
+        link_->restart();
+}
+
+/// The camera has the last word.
+void AxisDrone::take_over(const Parameters& applied)
+{
+    read_back(applied, resolution_name, resolution_);
+    read_back(applied, compression_name, compression_);
+    read_back(applied, fps_name, fps_);
+    read_back(applied, exposure_name, exposure_);
+    read_back(applied, brightness_name, brightness_);
+    read_back(applied, colour_name, colour_);
+}
+
+/// Looks several times a second even without a picture, to notice a stall.
+std::chrono::microseconds AxisDrone::step()
+{
+    if (!link_) {
+        say("no camera: set url");
+        return 1h;
+    }
+    const auto picture = link_->take();
+    if (picture)
+        send(*picture);
+    say(link_->condition());
+    if (place_.pace == "demand" && !picture && image_.asked())
+        link_->ask();
+    return 250ms;
+}
+
+void AxisDrone::send(const Picture& picture)
+{
+    const hive::Json header{{"width", picture.size.width}, {"height", picture.size.height}, {"index", picture.index}, {"source", opened_->url}};
+    const std::function<hive::Body()> body = [&] { return hive::Body(std::as_bytes(std::span(*picture.jpeg)), picture.jpeg); };
+    image_.emit_captured(picture.captured, place_.pace == "demand", header, body, "image/jpeg");
+}
+
+void AxisDrone::say(const std::string& condition)
+{
+    if (condition == condition_)
+        return;
+    condition_ = condition;
+    drone_.condition(condition);
+}
+
+}  // namespace axis

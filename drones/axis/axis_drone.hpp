@@ -1,0 +1,50 @@
+// Ties the camera to the drone's parameters and output.
+#pragma once
+
+#include "camera_link.hpp"
+
+#include <hive/drone.hpp>
+
+#include <memory>
+#include <string>
+
+namespace axis {
+
+/// On the user thread.
+class AxisDrone {
+public:
+    explicit AxisDrone(hive::Drone& drone);
+    void run() { drone_.run(); }
+
+private:
+    /// What a link is made with; a difference means another link.
+    struct Place {
+        std::string url, credentials, certificate, allow_address, pace;
+        bool basic_over_http = false;
+        bool operator==(const Place&) const = default;
+    };
+
+    void declare();
+    void apply();
+    void open();
+    void tell_camera(const Parameters& changed);
+    [[nodiscard]] Access access() const;
+    [[nodiscard]] Parameters wanted() const;
+    void take_over(const Parameters& applied);
+    std::chrono::microseconds step();
+    void send(const Picture& picture);
+    void say(const std::string& condition);
+
+    hive::Drone& drone_;
+    hive::Output image_;
+    Place place_;
+    std::string resolution_, exposure_;
+    int compression_ = -1, fps_ = -1, brightness_ = -1, colour_ = -1;
+
+    std::optional<Place> opened_;
+    Parameters told_;  ///< what the link has been told to make of the camera
+    std::unique_ptr<CameraLink> link_;
+    std::string condition_;
+};
+
+}  // namespace axis

@@ -1,0 +1,62 @@
+// Opens first and looks then, so that what was checked is what is read.
+#include "credentials.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+namespace axis {
+namespace {
+
+class File {
+public:
+    explicit File(const std::string& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+    ~File()
+    {
+        if (descriptor >= 0)
+            ::close(descriptor);
+    }
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    const int descriptor;
+};
+
+std::string first_line(const std::string& path)
+{
+    const File file(path);
+    struct stat facts {};
+    if (file.descriptor < 0 || ::fstat(file.descriptor, &facts) != 0)
+        throw std::runtime_error("credentials: cannot open " + path + ": " + std::strerror(errno));
+    if (!S_ISREG(facts.st_mode))
+        throw std::runtime_error("credentials: " + path + " is not a file");
+    if (facts.st_uid != ::geteuid() || (facts.st_mode & 077) != 0)
+        throw std::runtime_error("credentials: others could read " + path + "; do: chmod 600 " + path + ", as its owner");
+    std::array<char, 1024> buffer{};
+    const auto size = ::read(file.descriptor, buffer.data(), buffer.size());
+    const std::string text(buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+    return text.substr(0, text.find_first_of("\r\n"));
+}
+
+}  // namespace
+
+std::optional<Credentials> read_credentials(const std::string& path)
+{
+    if (path.empty()) {
+        const char* user = std::getenv(user_variable);
+        const char* password = std::getenv(password_variable);
+        return user && *user ? std::optional(Credentials{user, password ? password : ""}) : std::nullopt;
+    }
+    const std::string line = first_line(path);
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos || colon == 0)
+        throw std::runtime_error("credentials: the first line of " + path + " must be user:password");
+    return Credentials{line.substr(0, colon), line.substr(colon + 1)};
+}
+
+}  // namespace axis

@@ -1,0 +1,22 @@
+// The user and password of the camera: from a file that only its owner can read, or from the environment.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace axis {
+
+struct Credentials {
+    std::string user, password;
+    bool operator==(const Credentials&) const = default;
+};
+
+inline constexpr const char* user_variable = "HIVE_AXIS_USER";
+inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
+
+/// @param path  a file whose first line is user:password; empty: the environment variables above
+/// @return  nothing when neither is there
+/// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too
+std::optional<Credentials> read_credentials(const std::string& path);
+
+}  // namespace axis

@@ -1,0 +1,338 @@
+// libcurl's multi interface, driven in slices of 100 ms so that our own deadlines hold.
+#include "http.hpp"
+
+#include <curl/curl.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <exception>
+#include <unistd.h>
+
+namespace axis {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t most_head = 65536;
+constexpr int slice_ms = 100;
+
+void start_library_once()
+{
+    static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
+    if (started != CURLE_OK)
+        throw std::runtime_error("libcurl does not start");
+}
+
+bool begins_with_word(const std::string& text, std::string_view word)
+{
+    return text.size() >= word.size() && std::equal(word.begin(), word.end(), text.begin(), [](char a, char b) {
+               return a == std::tolower(static_cast<unsigned char>(b));
+           });
+}
+
+bool offers(const Head& head, std::string_view scheme)
+{
+    return std::ranges::any_of(head.challenges, [&](const std::string& challenge) { return begins_with_word(challenge, scheme); });
+}
+
+}  // namespace
+
+struct Http::Handles {
+    CURL* easy = curl_easy_init();
+    CURLM* multi = curl_multi_init();
+    ~Handles()
+    {
+        curl_easy_cleanup(easy);
+        curl_multi_cleanup(multi);
+    }
+};
+
+/// One request. libcurl's callbacks must not throw: what the sink throws is kept and thrown when libcurl has returned.
+class Http::Transfer {
+public:
+    Transfer(Handles& handles, const Access& access, const Patience& patience, const Sink& sink)
+        : easy_(handles.easy), multi_(handles.multi), access_(access), patience_(patience), sink_(sink)
+    {
+    }
+    ~Transfer() { curl_multi_remove_handle(multi_, easy_); }
+    Transfer(const Transfer&) = delete;
+    Transfer& operator=(const Transfer&) = delete;
+
+    void run(const std::string& target);
+
+private:
+    template <class Value>
+    void option(CURLoption name, Value value)
+    {
+        if (curl_easy_setopt(easy_, name, value) != CURLE_OK)
+            throw std::runtime_error("this libcurl is too old or was built without what is needed");
+    }
+
+    static curl_socket_t open_socket(void* self, curlsocktype purpose, curl_sockaddr* address);
+    static int connected(void* self, char* ip, char* local_ip, int port, int local_port);
+    static std::size_t on_head(char* bytes, std::size_t size, std::size_t count, void* self);
+    static std::size_t on_body(char* bytes, std::size_t size, std::size_t count, void* self);
+
+    void prepare(const std::string& target);
+    void prepare_login();
+    void take_head_line(std::string_view line);
+    void take_body(std::string_view bytes);
+    void head_is_whole();
+    template <class Work>
+    bool guarded(Work work) noexcept;
+
+    void check_time() const;
+    std::optional<CURLcode> outcome() const;
+    void finish(CURLcode code);
+    [[noreturn]] void complain(CURLcode code) const;
+    [[noreturn]] void complain_of_status() const;
+    [[noreturn]] void complain_of_login() const;
+    [[nodiscard]] std::string host() const { return access_.url.text(); }
+
+    CURL* easy_;
+    CURLM* multi_;
+    const Access& access_;
+    const Patience& patience_;
+    const Sink& sink_;
+    Head head_;
+    std::size_t head_size_ = 0;
+    bool told_ = false, connected_ = false;
+    std::string blocked_;  ///< the address that is not allowed
+    std::exception_ptr thrown_;
+    const Clock::time_point begun_ = Clock::now();
+    Clock::time_point last_byte_ = begun_;
+};
+
+curl_socket_t Http::Transfer::open_socket(void* self, curlsocktype, curl_sockaddr* address)
+{
+    auto& transfer = *static_cast<Transfer*>(self);
+    if (!transfer.access_.addresses.allows(address->addr)) {
+        transfer.blocked_ = address_text(address->addr);
+        return CURL_SOCKET_BAD;
+    }
+    return ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+}
+
+int Http::Transfer::connected(void* self, char*, char*, int, int)
+{
+    auto& transfer = *static_cast<Transfer*>(self);
+    transfer.connected_ = true;
+    transfer.last_byte_ = Clock::now();
+    return CURL_PREREQFUNC_OK;
+}
+
+std::size_t Http::Transfer::on_head(char* bytes, std::size_t size, std::size_t count, void* self)
+{
+    auto& transfer = *static_cast<Transfer*>(self);
+    return transfer.guarded([&] { transfer.take_head_line({bytes, size * count}); }) ? size * count : 0;
+}
+
+std::size_t Http::Transfer::on_body(char* bytes, std::size_t size, std::size_t count, void* self)
+{
+    auto& transfer = *static_cast<Transfer*>(self);
+    return transfer.guarded([&] { transfer.take_body({bytes, size * count}); }) ? size * count : 0;
+}
+
+template <class Work>
+bool Http::Transfer::guarded(Work work) noexcept
+{
+    try {
+        last_byte_ = Clock::now();
+        work();
+        return true;
+    } catch (...) {
+        thrown_ = std::current_exception();
+        return false;
+    }
+}
+
+void Http::Transfer::prepare(const std::string& target)
+{
+    option(CURLOPT_URL, (access_.url.text() + target).c_str());
+    option(CURLOPT_PROTOCOLS_STR, "http,https");
+    option(CURLOPT_FOLLOWLOCATION, 0L);
+    option(CURLOPT_PROXY, "");
+    option(CURLOPT_NETRC, static_cast<long>(CURL_NETRC_IGNORED));
+    option(CURLOPT_NOSIGNAL, 1L);
+    option(CURLOPT_USERAGENT, "hive");
+    option(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(patience_.connecting.count()));
+    option(CURLOPT_OPENSOCKETFUNCTION, &Transfer::open_socket);
+    option(CURLOPT_OPENSOCKETDATA, this);
+    option(CURLOPT_PREREQFUNCTION, &Transfer::connected);
+    option(CURLOPT_PREREQDATA, this);
+    option(CURLOPT_HEADERFUNCTION, &Transfer::on_head);
+    option(CURLOPT_HEADERDATA, this);
+    option(CURLOPT_WRITEFUNCTION, &Transfer::on_body);
+    option(CURLOPT_WRITEDATA, this);
+    if (!access_.certificate.empty())
+        option(CURLOPT_CAINFO, access_.certificate.c_str());
+    prepare_login();
+}
+
+/// With two schemes, or digest alone, libcurl asks without a login first and obeys the camera's answer.
+void Http::Transfer::prepare_login()
+{
+    if (!access_.credentials)
+        return;
+    const bool basic = access_.url.encrypted() || access_.basic_over_http;
+    option(CURLOPT_HTTPAUTH, static_cast<long>(basic ? CURLAUTH_BASIC | CURLAUTH_DIGEST : CURLAUTH_DIGEST));
+    option(CURLOPT_USERNAME, access_.credentials->user.c_str());
+    option(CURLOPT_PASSWORD, access_.credentials->password.c_str());
+}
+
+/// A login takes two answers; the head of the last one counts.
+void Http::Transfer::take_head_line(std::string_view line)
+{
+    head_size_ += line.size();
+    if (head_size_ > most_head)
+        throw CameraError(Trouble::too_large, "the head of the answer is larger than 64 KiB");
+    if (line.starts_with("HTTP/"))
+        head_ = {};
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())))
+        line.remove_suffix(1);
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos)
+        return;
+    const std::string name(line.substr(0, colon));
+    line.remove_prefix(std::min(line.find_first_not_of(' ', colon + 1), line.size()));
+    if (name.size() == 12 && begins_with_word(name, "content-type"))
+        head_.type = line;
+    else if (name.size() == 8 && begins_with_word(name, "location"))
+        head_.location = line;
+    else if (name.size() == 16 && begins_with_word(name, "www-authenticate"))
+        head_.challenges.emplace_back(line);
+}
+
+void Http::Transfer::head_is_whole()
+{
+    if (told_)
+        return;
+    told_ = true;
+    curl_easy_getinfo(easy_, CURLINFO_RESPONSE_CODE, &head_.status);
+    if (head_.status != 200)
+        complain_of_status();
+    sink_.head(head_);
+}
+
+void Http::Transfer::take_body(std::string_view bytes)
+{
+    head_is_whole();
+    sink_.bytes(bytes);
+}
+
+void Http::Transfer::run(const std::string& target)
+{
+    prepare(target);
+    curl_multi_add_handle(multi_, easy_);
+    for (int running = 1; running > 0;) {
+        if (curl_multi_perform(multi_, &running) != CURLM_OK)
+            throw std::runtime_error("libcurl fails");
+        if (thrown_)
+            std::rethrow_exception(thrown_);
+        if (running > 0) {
+            sink_.time();
+            check_time();
+            curl_multi_poll(multi_, nullptr, 0, slice_ms, nullptr);
+        }
+    }
+    finish(outcome().value_or(CURLE_RECV_ERROR));
+}
+
+/// Before there is a connection, libcurl watches the time.
+void Http::Transfer::check_time() const
+{
+    const auto now = Clock::now();
+    if (now - begun_ > patience_.whole)
+        throw CameraError(Trouble::silent, "no whole answer from " + host() + " in time");
+    if (connected_ && now - last_byte_ > patience_.silence)
+        throw CameraError(Trouble::silent, "no answer from " + host() + ", which is connected");
+}
+
+std::optional<CURLcode> Http::Transfer::outcome() const
+{
+    for (int left = 1; left > 0;)
+        if (const CURLMsg* message = curl_multi_info_read(multi_, &left); message && message->msg == CURLMSG_DONE)
+            return message->data.result;
+    return std::nullopt;
+}
+
+void Http::Transfer::finish(CURLcode code)
+{
+    if (code != CURLE_OK)
+        complain(code);
+    head_is_whole();
+}
+
+void Http::Transfer::complain(CURLcode code) const
+{
+    long problem = 0;
+    curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
+    if (!blocked_.empty())
+        throw CameraError(Trouble::not_allowed, "the address " + blocked_ + " is not allowed; if it is meant, set allow_address=" + blocked_);
+    if (code == CURLE_COULDNT_RESOLVE_HOST)
+        throw CameraError(Trouble::unknown_host, "no such host: " + access_.url.host);
+    if (code == CURLE_COULDNT_CONNECT && problem == ECONNREFUSED)
+        throw CameraError(Trouble::refused, "connection refused by " + host());
+    if (code == CURLE_COULDNT_CONNECT)
+        throw CameraError(Trouble::no_route, "no route to " + host());
+    if (code == CURLE_OPERATION_TIMEDOUT)
+        throw CameraError(Trouble::no_answer, "no connection to " + host() + " within " + std::to_string(patience_.connecting.count() / 1000) + " s");
+    if (code == CURLE_SSL_CONNECT_ERROR || code == CURLE_PEER_FAILED_VERIFICATION || code == CURLE_SSL_CACERT_BADFILE)
+        throw CameraError(Trouble::insecure, "no encrypted connection to " + host() + ": " + curl_easy_strerror(code));
+    if (code == CURLE_UNSUPPORTED_PROTOCOL || code == CURLE_WEIRD_SERVER_REPLY)
+        throw CameraError(Trouble::not_vapix, "not a VAPIX device: " + host() + " does not speak HTTP");
+    if (code == CURLE_OUT_OF_MEMORY)  // how libcurl says that one line of it is endless
+        throw CameraError(Trouble::too_large, "the head of the answer is too large");
+    throw CameraError(Trouble::closed, host() + " closed the connection: " + curl_easy_strerror(code));
+}
+
+void Http::Transfer::complain_of_status() const
+{
+    const std::string status = std::to_string(head_.status);
+    if (head_.status == 401)
+        complain_of_login();
+    if (head_.status >= 300 && head_.status < 400)
+        throw CameraError(Trouble::redirected, host() + " points to " + masked(head_.location) + " (" + status + "), which is not followed");
+    if (head_.status == 404)
+        throw CameraError(Trouble::not_vapix, "not a VAPIX device: " + host() + " does not know what every Axis camera knows (404)");
+    throw CameraError(Trouble::refused_status, host() + " answers with status " + status);
+}
+
+void Http::Transfer::complain_of_login() const
+{
+    if (!access_.credentials)
+        throw CameraError(Trouble::login_needed, "the camera asks for a login; set credentials");
+    if (!offers(head_, "digest") && !access_.url.encrypted() && !access_.basic_over_http)
+        throw CameraError(Trouble::login_needed, "the camera takes only a readable password (basic) over http; use https, or set basic_over_http=on");
+    throw CameraError(Trouble::login_refused, "the camera refuses the password of " + masked(access_.credentials->user));
+}
+
+Http::Http(Access access) : access_(std::move(access)), handles_((start_library_once(), std::make_unique<Handles>()))
+{
+    if (!handles_->easy || !handles_->multi)
+        throw std::runtime_error("libcurl does not start");
+}
+
+Http::~Http() = default;
+
+void Http::fetch(const std::string& target, const Patience& patience, const Sink& sink)
+{
+    Transfer(*handles_, access_, patience, sink).run(target);
+}
+
+Reply Http::get(const std::string& target, const Patience& patience, const std::function<void()>& time)
+{
+    Reply reply;
+    Sink sink;
+    sink.time = time;
+    sink.head = [&](const Head& head) { reply.type = head.type; };
+    sink.bytes = [&](std::string_view bytes) {
+        if (reply.body.size() + bytes.size() > patience.body)
+            throw CameraError(Trouble::too_large, "an answer of more than " + std::to_string(patience.body) + " bytes");
+        reply.body += bytes;
+    };
+    fetch(target, patience, sink);
+    return reply;
+}
+
+}  // namespace axis

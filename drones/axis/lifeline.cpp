@@ -1,0 +1,82 @@
+// Pauses, password attempts and sentences.
+#include "lifeline.hpp"
+
+#include <algorithm>
+
+namespace axis {
+namespace {
+
+/// Where nobody is, nobody is burdened.
+bool absent(Trouble trouble)
+{
+    return trouble == Trouble::no_route || trouble == Trouble::refused || trouble == Trouble::no_answer || trouble == Trouble::silent;
+}
+
+}  // namespace
+
+void Lifeline::expect(Time now)
+{
+    if (!due_since_)
+        due_since_ = now;
+}
+
+void Lifeline::picture(Time now)
+{
+    well();
+    due_since_ = now;
+}
+
+void Lifeline::content()
+{
+    well();
+    due_since_.reset();
+}
+
+void Lifeline::well()
+{
+    pause_ = shortest;
+    logins_ = 0;
+    trouble_.clear();
+    broken_.clear();
+}
+
+void Lifeline::failed(const CameraError& error, Time now)
+{
+    if (error.trouble() == Trouble::login_refused)
+        ++logins_;
+    trouble_ = told(error);
+    const auto pause = absent(error.trouble()) ? std::min(pause_, longest_absent) : pause_;
+    next_try_ = now + pause;
+    pause_ = absent(error.trouble()) ? pause : std::min(pause_ * 2, longest);
+}
+
+std::string Lifeline::told(const CameraError& error) const
+{
+    const std::string text = error.what();
+    switch (error.trouble()) {
+    case Trouble::silent: return broken_.empty() ? "stalled" : "stalled: " + broken_;
+    case Trouble::login_needed: return "auth_failed: " + text;
+    case Trouble::login_refused:
+        return locked_out() ? "auth_failed: " + text + "; it is not tried again until the credentials change"
+                            : text + " (try " + std::to_string(logins_) + " of " + std::to_string(most_logins) + ")";
+    default: return text;
+    }
+}
+
+void Lifeline::new_credentials(Time now)
+{
+    logins_ = 0;
+    pause_ = shortest;
+    next_try_ = now;
+}
+
+std::string Lifeline::condition(Time now) const
+{
+    if (!trouble_.empty())
+        return trouble_;
+    if (due_since_ && now - *due_since_ > stalled_after)
+        return broken_.empty() ? "stalled" : "stalled: " + broken_;
+    return "";
+}
+
+}  // namespace axis

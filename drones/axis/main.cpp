@@ -1,0 +1,7 @@
+// The axis drone: pictures from an Axis network camera, live or on demand.
+#include "axis_drone.hpp"
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"axis", "Gives pictures from an Axis network camera."}, [](hive::Drone& drone) { axis::AxisDrone(drone).run(); });
+}

@@ -1,0 +1,111 @@
+// Logging in: every scheme of a camera, wrong passwords, and secrets that stay secret.
+#include "stage.hpp"
+
+#include <doctest/doctest.h>
+
+#include <sys/stat.h>
+
+using namespace stage;
+using namespace std::chrono_literals;
+
+TEST_CASE("axis login: pictures come with no login, basic, and digest with and without qop or with nonces that grow stale")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto file = credentials_file(swarm, "root:pass");
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + file, "basic_over_http=on", "resolution=320x240"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"axis", "image"}});
+    take_pictures(*collector, 2);
+    for (const std::string words : {"auth=basic", "auth=digest", "auth=digest&qop=off", "auth=basic_digest&qop=on", "auth=digest&nonce_uses=1"}) {
+        CAPTURE(words);
+        camera.behave(words);
+        application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // another link, which logs in anew
+        REQUIRE(comes_to_say(application, ""));
+        take_pictures(*collector, 3);
+        CHECK(application.set("axis", {{"brightness", 60}}) == hive::Json{{"brightness", 60}});
+        application.set("axis", {{"allow_address", "127.0.0.1"}, {"brightness", -1}});
+    }
+    CHECK(camera.count("wrong_logins") == 0);
+}
+
+TEST_CASE("axis login: a wrong password is tried three times, told, and not tried again until the file has another")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=basic_digest"});
+    const auto file = credentials_file(swarm, "root:wrong");
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + file});
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, "auth_failed: the camera refuses the password of root"));
+    CHECK(camera.count("wrong_logins") == 3);
+    const int connections = camera.count("connections");
+    const auto set = swarm.hivectl({"set", "axis", "brightness=60"});
+    CHECK(set.exit_code != 0);
+    CHECK(has(set.err, "auth_failed"));
+    const auto collector = application.collect({{"axis", "image"}});
+    CHECK_FALSE(collector->next(2500ms));  // long enough for two more tries at its former pace
+    CHECK(camera.count("wrong_logins") == 3);
+    CHECK(camera.count("connections") == connections);
+    credentials_file(swarm, "root:pass");
+    take_pictures(*collector, 2);
+    CHECK(comes_to_say(application, ""));
+    CHECK(camera.count("wrong_logins") == 3);
+}
+
+TEST_CASE("axis login: over http a password is not sent readable unless that is allowed")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=basic"});
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + credentials_file(swarm, "root:wrong")});
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, "auth_failed: the camera takes only a readable password"));
+    CHECK(camera.count("wrong_logins") == 0);
+}
+
+TEST_CASE("axis login: a camera that wants one and a drone that has none say so; the environment can have one")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest"});
+    auto application = swarm.application();
+    {
+        const auto drone = axis_drone(swarm, camera);
+        CHECK(comes_to_say(application, "auth_failed: the camera asks for a login"));
+    }
+    const auto drone = axis_drone(swarm, camera, {}, {"HIVE_AXIS_USER=root", "HIVE_AXIS_PASSWORD=pass"});
+    CHECK(comes_to_say(application, ""));
+    take_pictures(*application.collect({{"axis", "image"}}), 1);
+}
+
+TEST_CASE("axis login: a password is neither on a command line nor in the log nor in a parameter, and a URL with one is refused")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest", "credentials=" + credentials_file(swarm, "root:hush-hush")});
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + credentials_file(swarm, "root:hush-hush")});
+    auto application = swarm.application();
+    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    const auto refused = swarm.hivectl({"set", "axis", "url=http://root:hush-hush@127.0.0.1"});
+    CHECK(refused.exit_code != 0);
+    CHECK(has(refused.err, "credentials"));
+    CHECK_FALSE(has(refused.out + refused.err, "hush-hush"));
+    const auto started = swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "url=http://root:hush-hush@127.0.0.1"});
+    CHECK(started.exit_code != 0);
+    CHECK_FALSE(has(started.out + started.err, "hush-hush"));
+    CHECK_FALSE(has(text_of("/proc/" + std::to_string(drone.pid()) + "/cmdline"), "hush-hush"));
+    CHECK_FALSE(has(swarm.log("axis"), "hush-hush"));
+    CHECK_FALSE(has(swarm.hivectl_done({"get", "axis"}), "hush-hush"));
+    CHECK_FALSE(has(text_of(swarm.home() / "axis.state"), "hush-hush"));
+}
+
+TEST_CASE("axis login: a file of credentials that others can read is refused, and the camera goes on as before")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera);
+    const auto file = credentials_file(swarm, "root:pass");
+    ::chmod(file.c_str(), 0644);
+    const auto refused = swarm.hivectl({"set", "axis", "credentials=" + file});
+    CHECK(refused.exit_code != 0);
+    CHECK(has(refused.err, "chmod 600"));
+    auto application = swarm.application();
+    take_pictures(*application.collect({{"axis", "image"}}), 1);
+}

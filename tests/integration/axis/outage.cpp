@@ -1,0 +1,101 @@
+// A camera that goes silent or away: noticed in time, told, and found again.
+#include "stage.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace stage;
+using namespace std::chrono_literals;
+
+namespace {
+
+Milliseconds since(Clock::time_point begin) { return std::chrono::duration_cast<Milliseconds>(Clock::now() - begin); }
+
+/// Empties what came before `begin`, then waits for the first picture captured after it.
+Milliseconds first_picture_after(hive::Collector& collector, Clock::time_point begin)
+{
+    const auto wall = std::chrono::duration_cast<std::chrono::microseconds>((std::chrono::system_clock::now() - (Clock::now() - begin)).time_since_epoch()).count();
+    while (const auto event = collector.next(patient(10'000ms)))
+        if (event->identity.captured_us > wall)
+            return since(begin);
+    throw std::runtime_error("no picture came any more");
+}
+
+}  // namespace
+
+TEST_CASE("axis outage: a stall is noticed within 2.5 s, everything is answered within 100 ms meanwhile, and it ends with the next picture")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera, {"resolution=320x240"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"axis", "image"}});
+    take_pictures(*collector, 3);
+    camera.behave("stall=on");
+    const auto begin = Clock::now();
+    std::vector<Milliseconds> answers;
+    while (condition(application) != "stalled" && since(begin) < patient(6000ms)) {
+        const auto asked = Clock::now();
+        application.get("axis");
+        answers.push_back(since(asked));
+    }
+    const auto noticed = since(begin);
+    std::ranges::sort(answers);
+    MESSAGE("noticed after ", noticed.count(), " ms; ", answers.size(), " answers, the slowest but 1 % after ", answers[answers.size() * 99 / 100].count(), " ms");
+    CHECK(condition(application) == "stalled");
+    CHECK(noticed <= patient(2500ms));
+    CHECK(answers[answers.size() * 99 / 100] <= patient(100ms));
+    camera.behave("stall=off");
+    const auto again = first_picture_after(*collector, Clock::now());
+    MESSAGE("a picture again after ", again.count(), " ms");
+    CHECK(again <= patient(2000ms));
+    CHECK(comes_to_say(application, ""));
+}
+
+TEST_CASE("axis outage: the first picture comes within 2 s after the camera is back, every time")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera, {"resolution=320x240"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"axis", "image"}});
+    take_pictures(*collector, 3);
+    for (int i = 0; i < 3; ++i) {
+        camera.behave("down=on");
+        REQUIRE(comes_to_say(application, "connection refused by http://127.0.0.1:"));
+        camera.behave("down=off");
+        const auto back = first_picture_after(*collector, Clock::now());
+        MESSAGE("back after ", back.count(), " ms");
+        CHECK(back <= patient(2000ms));
+    }
+}
+
+TEST_CASE("axis outage: a camera that takes connections and says nothing is told as stalled, and found soon when it speaks")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"mute=on"});
+    const auto drone = axis_drone(swarm, camera, {"resolution=320x240"});
+    auto application = swarm.application();
+    const auto begin = Clock::now();
+    CHECK(comes_to_say(application, "stalled", 2500ms));
+    MESSAGE("told after ", since(begin).count(), " ms");
+    const auto set = swarm.hivectl({"set", "axis", "brightness=60"});
+    CHECK(set.exit_code != 0);
+    CHECK(has(set.err, "no answer from http://127.0.0.1:"));
+    CHECK(set.took < patient(4000ms));
+    const auto collector = application.collect({{"axis", "image"}});
+    camera.behave("mute=off");
+    const auto back = first_picture_after(*collector, Clock::now());
+    MESSAGE("a picture after ", back.count(), " ms");
+    CHECK(back <= patient(3000ms));
+}
+
+TEST_CASE("axis outage: a drone whose camera hangs ends when it is told to, within two seconds")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"mute=on"});
+    auto drone = axis_drone(swarm, camera);
+    CHECK(swarm.hivectl({"stop", "axis"}).took < patient(2000ms));
+    CHECK(drone.wait(patient(2000ms)) == 0);
+}

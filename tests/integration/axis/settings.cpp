@@ -1,0 +1,128 @@
+// Parameters: what the camera takes, changes and refuses; and pictures on demand.
+#include "stage.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace stage;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+constexpr const char* brightness = "ImageSource.I0.Sensor.Brightness";
+constexpr const char* resolution = "Image.I0.Appearance.Resolution";
+
+/// The size of pictures becomes this one.
+bool sizes_become(hive::Collector& collector, int width)
+{
+    for (int i = 0; i < 200; ++i)
+        if (const auto event = collector.next(patient(5000ms)); event && event->header.at("width") == width)
+            return true;
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("axis settings: a set is answered with what the camera says to have, and get tells the same")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"step=5"});
+    const auto drone = axis_drone(swarm, camera);
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, ""));
+    CHECK(application.set("axis", {{"brightness", 60}, {"exposure", "hold"}}) == Json{{"brightness", 60}, {"exposure", "hold"}});
+    CHECK(camera.parameter(brightness) == "60");
+    CHECK(application.set("axis", {{"brightness", 73}}) == Json{{"brightness", 70}});
+    CHECK(application.get("axis", {"brightness", "exposure", "colour"}) == Json{{"brightness", 70}, {"exposure", "hold"}, {"colour", -1}});
+    CHECK(swarm.hivectl_done({"set", "axis", "colour=14"}) == "10\n");
+    const int updates = camera.count("updates");
+    application.set("axis", {{"colour", -1}});  // as the camera has it
+    application.set("axis", {{"colour", 10}});  // which it has already
+    CHECK(camera.count("updates") == updates);
+}
+
+TEST_CASE("axis settings: what the camera refuses is refused with its reason, and of several values none stays")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera, {"brightness=40"});
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, ""));
+    const auto refused = swarm.hivectl({"set", "axis", "resolution=9x9", "brightness=80"});
+    CHECK(refused.exit_code != 0);
+    CHECK(has(refused.err, "the camera refuses: Error: Error setting 'root.Image.I0.Appearance.Resolution' to '9x9'!"));
+    CHECK(application.get("axis", {"resolution", "brightness"}) == Json{{"resolution", ""}, {"brightness", 40}});
+    CHECK(camera.parameter(brightness) == "40");
+    CHECK(camera.parameter(resolution) == "640x480");
+    take_pictures(*application.collect({{"axis", "image"}}), 1);
+}
+
+TEST_CASE("axis settings: another resolution changes the pictures of a running stream")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera, {"resolution=160x120"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"axis", "image"}});
+    CHECK(sizes_become(*collector, 160));
+    application.set("axis", {{"resolution", "320x240"}, {"compression", 70}});
+    CHECK(sizes_become(*collector, 320));
+    CHECK(camera.parameter("Image.I0.Appearance.Compression") == "70");
+}
+
+TEST_CASE("axis settings: values from before the camera was found are applied when it is, and told when it refuses them")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"down=on"});
+    const auto drone = axis_drone(swarm, camera, {"brightness=20", "exposure=whatever"});
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, "connection refused"));
+    const auto collector = application.collect({{"axis", "image"}});
+    camera.behave("down=off");
+    CHECK(comes_to_say(application, "the camera refuses: Error: Error setting 'root.ImageSource.I0.Sensor.Exposure'"));
+    take_pictures(*collector, 2);
+    application.set("axis", {{"exposure", "auto"}});
+    CHECK(comes_to_say(application, ""));
+    application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // found again
+    CHECK(eventually([&] { return camera.parameter(brightness) == "20"; }));
+}
+
+TEST_CASE("axis settings: old firmware takes updates on its own path")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"old_firmware=on"});
+    const auto drone = axis_drone(swarm, camera);
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, ""));
+    CHECK(application.set("axis", {{"brightness", 30}}) == Json{{"brightness", 30}});
+    CHECK(camera.parameter(brightness) == "30");
+}
+
+TEST_CASE("axis settings: with pace=demand the camera is asked for one picture for each that is received")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera, {"pace=demand", "resolution=160x120"});
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, ""));
+    CHECK(camera.count("pictures") == 0);
+    const auto collector = application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
+    std::int64_t last = 0;
+    for (int i = 0; i < 20; ++i) {
+        const auto event = collector->next(patient(5000ms));
+        REQUIRE(event);
+        CHECK(event->identity.lossless);
+        CHECK(event->identity.sequence == ++last);
+    }
+    CHECK(camera.count("pictures") <= 22);  // the next is made while this one is looked at
+}
+
+TEST_CASE("axis settings: without a camera the drone runs and says what it needs")
+{
+    const Swarm swarm;
+    const auto drone = swarm.drone("axis", "axis");
+    auto application = swarm.application();
+    CHECK(comes_to_say(application, "no camera: set url"));
+    CHECK(application.set("axis", {{"brightness", 60}}) == Json{{"brightness", 60}});
+    CHECK(has(swarm.hivectl({"set", "axis", "url=ftp://x"}).err, "write http:// or https://"));
+}
