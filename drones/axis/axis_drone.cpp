@@ -1,6 +1,7 @@
 // The wiring: parameters to VAPIX names, pictures to events.
 #include "axis_drone.hpp"
 
+#include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
@@ -59,7 +60,7 @@ Parameters changes(const Parameters& before, const Parameters& now)
 }  // namespace
 
 AxisDrone::AxisDrone(hive::Drone& drone)
-    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the camera's pictures, as it made them"))
+    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the camera's pictures, as it made them", hive::vision::encoder()))
 {
     declare();
     drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core

@@ -36,7 +36,7 @@ scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
     track::Tracker tracker;
     scoring::Identities score;
     for (int index = 0; index < pictures; ++index) {
-        const auto [image, truth] = scene.picture(index);
+        const auto [image, truth, hands] = scene.picture(index);
         const auto tracks = tracker.next(index / 30.0, boxes_of(finder.find(image), 1));
         std::vector<scoring::TrueBox> walking;
         for (const auto& [kind, id, box] : truth)

@@ -41,7 +41,7 @@ TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the w
         const Scene scene(with_walkers(4, size)), empty(with_walkers(0, size));
         const cv::Mat wall = empty.picture(0).image;
         for (int index = 0; index < 700; index += 23) {
-            const auto [image, truth] = scene.picture(index);
+            const auto [image, truth, hands] = scene.picture(index);
             cv::Mat drawn = differing(image, wall);
             CAPTURE(index);
             for (const auto& [kind, id, box] : truth) {
