@@ -13,7 +13,7 @@ struct DriveOptions {
     std::string column = ".*";  ///< columns
     int rounds = 3;
     int laps = 3;               ///< pairs of Hive and limit in each round
-    double budget = 480;        ///< seconds; what is not run by then is left out
+    double budget = 450;        ///< seconds; what is not run by then is left out
     int frames = 30;            ///< of each latency run
     double seconds = 0.2;       ///< of each other run
 };

@@ -109,7 +109,7 @@ Cells line(const std::string& what, const std::string& rows, const std::optional
     if (!figure)
         return {what, rows, wanted, "-", "-", "not measured"};
     const bool met = bound == at_most ? figure->value <= value : figure->value >= value;
-    return {what, rows, wanted, ratio_text(figure), std::to_string(figure->runs), met ? "met" : "missed"};
+    return {what, rows, wanted, ratio_text(figure), std::to_string(figure->runs), std::string(met ? "met" : "missed") + (figure->disturbed ? "*" : "")};
 }
 
 Cells line(const Target& target, const std::optional<Figure>& figure)
