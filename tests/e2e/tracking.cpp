@@ -43,6 +43,8 @@ std::map<std::int64_t, Json> plain_program(std::int64_t first)
     background::ForegroundFinder finder;
     finder.min_area = 75;
     track::Tracker tracker;
+    tracker.width = 320;
+    tracker.height = 240;
     std::map<std::int64_t, Json> tracks;
     for (std::int64_t sequence = first; sequence < first + pictures; ++sequence) {
         const auto found = finder.find(scene.picture(sequence - 1).image);
