@@ -75,6 +75,12 @@ std::vector<Box> boxes_in(const hive::Json& header, const std::string& name)
     return boxes;
 }
 
+double number_in(const hive::Json& header, const char* key)
+{
+    const auto field = header.find(key);
+    return field != header.end() && field->is_number() ? field->get<double>() : 0;
+}
+
 hive::Json to_json(const std::vector<Track>& tracks)
 {
     const auto tenths = [](double value) { return rounded(value, 10); };

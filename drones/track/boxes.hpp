@@ -15,6 +15,9 @@ namespace track {
 /// @throws hive::Error  malformed: no such array, or several, or a box without area; too_large: more than most_boxes
 std::vector<Box> boxes_in(const hive::Json& header, const std::string& name);
 
+/// The number in a field; 0 if there is none.
+double number_in(const hive::Json& header, const char* key);
+
 /// The `tracks` of the drone's output; px to tenths, seconds to thousandths.
 hive::Json to_json(const std::vector<Track>& tracks);
 

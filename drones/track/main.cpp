@@ -29,6 +29,8 @@ void track_drone(hive::Drone& drone)
         const auto found = track::boxes_in(event.header, boxes);
         if (!order.goes_on(event.identity))
             tracker.restart();
+        tracker.width = track::number_in(event.header, "width");
+        tracker.height = track::number_in(event.header, "height");
         hive::Json header{{"tracks", track::to_json(tracker.next(track::time_of(event.identity, fps), found))}};
         for (const char* size : {"width", "height"})
             if (event.header.contains(size))

@@ -79,7 +79,7 @@ std::vector<Track> Tracker::next(double seconds, std::span<const Box> boxes)
 {
     predict(seconds);
     const std::vector<bool> taken = match(boxes);
-    bury();
+    std::erase_if(followed_, [this](const Followed& one) { return over(one); });
     bear(boxes, taken);
     std::vector<Track> tracks;
     for (Followed& one : followed_) {
@@ -160,9 +160,12 @@ double Tracker::cost(const Box& expected, const Box& box) const
     return far >= 1 ? alone : alone * (0.5 * far + 0.5 * (1 - intersection_over_union(expected, box)));
 }
 
-void Tracker::bury()
+/// Has it been missing for too long, or gone out of the picture?
+bool Tracker::over(const Followed& one) const
 {
-    std::erase_if(followed_, [this](const Followed& one) { return one.track.missing >= (one.track.confirmed ? forget : 1); });
+    const Box box = one.box();
+    const bool left = width > 0 && height > 0 && (box.x >= width || box.y >= height || box.x + box.w <= 0 || box.y + box.h <= 0);
+    return left || one.track.missing >= (one.track.confirmed ? forget : 1);
 }
 
 void Tracker::bear(std::span<const Box> boxes, const std::vector<bool>& taken)

@@ -42,6 +42,7 @@ public:
     int forget = 30;       ///< pictures in a row without a box that end a confirmed track. At least 1
     double gate = 0.7;     ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
     double agility = 2;    ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
+    double width = 0, height = 0;  ///< of the pictures, px: a track that has left them ends; 0: unknown
     double max_gap = 2;    ///< pictures further apart have nothing to do with each other, s: all tracks end. Above 0
 
     /// The next picture. @param seconds  its time on any clock; earlier than the last one: all tracks end
@@ -72,7 +73,7 @@ private:
     [[nodiscard]] std::vector<bool> share(std::span<const Box> boxes);
     [[nodiscard]] std::vector<std::vector<Followed*>> gathered(std::span<const Box> boxes);
     [[nodiscard]] double cost(const Box& expected, const Box& box) const;
-    void bury();
+    [[nodiscard]] bool over(const Followed& one) const;
     void bear(std::span<const Box> boxes, const std::vector<bool>& taken);
 
     std::vector<Followed> followed_;  ///< by id

@@ -34,6 +34,8 @@ scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
     finder.min_area = 75;
     finder.close = 3;
     track::Tracker tracker;
+    tracker.width = settings.size.width;
+    tracker.height = settings.size.height;
     scoring::Identities score;
     for (int index = 0; index < pictures; ++index) {
         const auto [image, truth, hands] = scene.picture(index);

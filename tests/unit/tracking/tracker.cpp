@@ -78,6 +78,19 @@ TEST_CASE("tracker: a confirmed track without boxes moves on, and ends after as 
     CHECK(tracker.next(19 * rate, {}).empty());
 }
 
+TEST_CASE("tracker: a track that has left the picture ends, if the size of the picture is known")
+{
+    for (const bool known : {false, true}) {
+        Tracker tracker;
+        tracker.width = known ? 320 : 0;
+        tracker.height = known ? 240 : 0;
+        follow(tracker, {{0, 50, 400, 0}}, 0, 20);  // to x = 304
+        CAPTURE(known);
+        CHECK(tracker.next(19.5 * rate, {}).size() == 1);
+        CHECK(follow(tracker, {}, 21, 24).size() == (known ? 0 : 1));
+    }
+}
+
 TEST_CASE("tracker: who comes back in time where expected keeps the id; the speed is told in px/s")
 {
     Tracker tracker;
