@@ -133,7 +133,7 @@ void AxisDrone::tell_camera(const Parameters& changed)
 {
     if (changed.empty())
         return link_->wanted(wanted());
-    if (link_->locked_out())
+    if (link_->login_refused())
         throw hive::Error(hive::Errc::refused, link_->condition());
     const auto until = std::chrono::steady_clock::now() + most_set_time;
     Camera camera(access(), [until] {

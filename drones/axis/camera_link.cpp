@@ -59,7 +59,8 @@ struct CameraLink::Shared {
     void notice_news()
     {
         const std::lock_guard lock(mutex);
-        if (!stopping && std::exchange(last_told, told()) != told())
+        const std::string text = told();
+        if (!stopping && std::exchange(last_told, text) != text)
             hooks.notice();
     }
 };
@@ -255,10 +256,10 @@ void CameraLink::restart()
     shared_->restart = true;
 }
 
-bool CameraLink::locked_out() const
+bool CameraLink::login_refused() const
 {
     const std::lock_guard lock(shared_->mutex);
-    return shared_->lifeline.locked_out();
+    return shared_->lifeline.login_refused();
 }
 
 std::string CameraLink::condition() const

@@ -63,7 +63,8 @@ public:
     void wanted(const Parameters& wanted);
     /// Begins the stream anew: a camera gives a running stream no other size.
     void restart();
-    [[nodiscard]] bool locked_out() const;
+    /// The password was refused when it was last tried: whoever tries it elsewhere helps to lock its user out.
+    [[nodiscard]] bool login_refused() const;
     [[nodiscard]] std::string condition() const;
 
 private:

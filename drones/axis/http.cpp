@@ -1,11 +1,12 @@
 // libcurl's multi interface, driven in slices of 100 ms so that our own deadlines hold.
 #include "http.hpp"
 
+#include "http_error.hpp"
+
 #include <curl/curl.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <exception>
 #include <unistd.h>
 
@@ -21,18 +22,6 @@ void start_library_once()
     static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
     if (started != CURLE_OK)
         throw std::runtime_error("libcurl does not start");
-}
-
-bool begins_with_word(const std::string& text, std::string_view word)
-{
-    return text.size() >= word.size() && std::equal(word.begin(), word.end(), text.begin(), [](char a, char b) {
-               return a == std::tolower(static_cast<unsigned char>(b));
-           });
-}
-
-bool offers(const Head& head, std::string_view scheme)
-{
-    return std::ranges::any_of(head.challenges, [&](const std::string& challenge) { return begins_with_word(challenge, scheme); });
 }
 
 }  // namespace
@@ -84,10 +73,6 @@ private:
     void check_time() const;
     std::optional<CURLcode> outcome() const;
     void finish(CURLcode code);
-    [[noreturn]] void complain(CURLcode code) const;
-    [[noreturn]] void complain_of_status() const;
-    [[noreturn]] void complain_of_login() const;
-    [[nodiscard]] std::string host() const { return access_.url.text(); }
 
     CURL* easy_;
     CURLM* multi_;
@@ -193,13 +178,14 @@ void Http::Transfer::take_head_line(std::string_view line)
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos)
         return;
-    const std::string name(line.substr(0, colon));
+    std::string name(line.substr(0, colon));
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     line.remove_prefix(std::min(line.find_first_not_of(' ', colon + 1), line.size()));
-    if (name.size() == 12 && begins_with_word(name, "content-type"))
+    if (name == "content-type")
         head_.type = line;
-    else if (name.size() == 8 && begins_with_word(name, "location"))
+    else if (name == "location")
         head_.location = line;
-    else if (name.size() == 16 && begins_with_word(name, "www-authenticate"))
+    else if (name == "www-authenticate")
         head_.challenges.emplace_back(line);
 }
 
@@ -210,7 +196,7 @@ void Http::Transfer::head_is_whole()
     told_ = true;
     curl_easy_getinfo(easy_, CURLINFO_RESPONSE_CODE, &head_.status);
     if (head_.status != 200)
-        complain_of_status();
+        throw error_of_status(access_, head_);
     sink_.head(head_);
 }
 
@@ -243,9 +229,9 @@ void Http::Transfer::check_time() const
 {
     const auto now = Clock::now();
     if (now - begun_ > patience_.whole)
-        throw CameraError(Trouble::silent, "no whole answer from " + host() + " in time");
+        throw CameraError(Trouble::silent, "no whole answer from " + access_.url.text() + " in time");
     if (connected_ && now - last_byte_ > patience_.silence)
-        throw CameraError(Trouble::silent, "no answer from " + host() + ", which is connected");
+        throw CameraError(Trouble::silent, "no answer from " + access_.url.text() + ", which is connected");
 }
 
 std::optional<CURLcode> Http::Transfer::outcome() const
@@ -258,53 +244,13 @@ std::optional<CURLcode> Http::Transfer::outcome() const
 
 void Http::Transfer::finish(CURLcode code)
 {
-    if (code != CURLE_OK)
-        complain(code);
-    head_is_whole();
-}
-
-void Http::Transfer::complain(CURLcode code) const
-{
-    long problem = 0;
-    curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
     if (!blocked_.empty())
         throw CameraError(Trouble::not_allowed, "the address " + blocked_ + " is not allowed; if it is meant, set allow_address=" + blocked_);
-    if (code == CURLE_COULDNT_RESOLVE_HOST)
-        throw CameraError(Trouble::unknown_host, "no such host: " + access_.url.host);
-    if (code == CURLE_COULDNT_CONNECT && problem == ECONNREFUSED)
-        throw CameraError(Trouble::refused, "connection refused by " + host());
-    if (code == CURLE_COULDNT_CONNECT)
-        throw CameraError(Trouble::no_route, "no route to " + host());
-    if (code == CURLE_OPERATION_TIMEDOUT)
-        throw CameraError(Trouble::no_answer, "no connection to " + host() + " within " + std::to_string(patience_.connecting.count() / 1000) + " s");
-    if (code == CURLE_SSL_CONNECT_ERROR || code == CURLE_PEER_FAILED_VERIFICATION || code == CURLE_SSL_CACERT_BADFILE)
-        throw CameraError(Trouble::insecure, "no encrypted connection to " + host() + ": " + curl_easy_strerror(code));
-    if (code == CURLE_UNSUPPORTED_PROTOCOL || code == CURLE_WEIRD_SERVER_REPLY)
-        throw CameraError(Trouble::not_vapix, "not a VAPIX device: " + host() + " does not speak HTTP");
-    if (code == CURLE_OUT_OF_MEMORY)  // how libcurl says that one line of it is endless
-        throw CameraError(Trouble::too_large, "the head of the answer is too large");
-    throw CameraError(Trouble::closed, host() + " closed the connection: " + curl_easy_strerror(code));
-}
-
-void Http::Transfer::complain_of_status() const
-{
-    const std::string status = std::to_string(head_.status);
-    if (head_.status == 401)
-        complain_of_login();
-    if (head_.status >= 300 && head_.status < 400)
-        throw CameraError(Trouble::redirected, host() + " points to " + masked(head_.location) + " (" + status + "), which is not followed");
-    if (head_.status == 404)
-        throw CameraError(Trouble::not_vapix, "not a VAPIX device: " + host() + " does not know what every Axis camera knows (404)");
-    throw CameraError(Trouble::refused_status, host() + " answers with status " + status);
-}
-
-void Http::Transfer::complain_of_login() const
-{
-    if (!access_.credentials)
-        throw CameraError(Trouble::login_needed, "the camera asks for a login; set credentials");
-    if (!offers(head_, "digest") && !access_.url.encrypted() && !access_.basic_over_http)
-        throw CameraError(Trouble::login_needed, "the camera takes only a readable password (basic) over http; use https, or set basic_over_http=on");
-    throw CameraError(Trouble::login_refused, "the camera refuses the password of " + masked(access_.credentials->user));
+    long problem = 0;
+    curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
+    if (code != CURLE_OK)
+        throw error_of_transfer(access_.url, patience_, code, problem);
+    head_is_whole();
 }
 
 Http::Http(Access access) : access_(std::move(access)), handles_((start_library_once(), std::make_unique<Handles>()))

@@ -36,7 +36,9 @@ public:
     void new_credentials(Time now);
 
     [[nodiscard]] Time next_try() const { return next_try_; }
-    /// The password was wrong so often that it is not tried again.
+    /// The password was wrong when it was last tried.
+    [[nodiscard]] bool login_refused() const { return logins_ > 0; }
+    /// It was wrong so often that it is not tried again.
     [[nodiscard]] bool locked_out() const { return logins_ >= most_logins; }
     /// Empty when all is well; otherwise one sentence, which begins with "stalled" or "auth_failed" when it is one of these.
     [[nodiscard]] std::string condition(Time now) const;

@@ -3,6 +3,7 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include <charconv>
 #include <iostream>
 #include <stdexcept>
 
@@ -20,8 +21,9 @@ An Axis camera that is none, at http://127.0.0.1:PORT; prints where it listens.
 
 unsigned short port(const std::string& text)
 {
-    const int number = std::stoi(text);
-    if (number < 0 || number > 65535)
+    int number = -1;
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (problem != std::errc() || end != text.data() + text.size() || number < 0 || number > 65535)
         throw std::invalid_argument("a port is a number from 0 to 65535");
     return static_cast<unsigned short>(number);
 }

@@ -126,3 +126,21 @@ TEST_CASE("axis settings: without a camera the drone runs and says what it needs
     CHECK(application.set("axis", {{"brightness", 60}}) == Json{{"brightness", 60}});
     CHECK(has(swarm.hivectl({"set", "axis", "url=ftp://x"}).err, "write http:// or https://"));
 }
+
+TEST_CASE("axis settings: the header of a picture has the fields that the page shows")
+{
+    const std::string page = text_of(HIVE_SOURCE_DIR "/drones/axis/README.md"), begin = "Its header: `";
+    const std::size_t at = page.find(begin);
+    REQUIRE(at != std::string::npos);
+    const Json example = Json::parse(page.substr(at + begin.size(), page.find('`', at + begin.size()) - at - begin.size()));
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const auto drone = axis_drone(swarm, camera);
+    auto application = swarm.application();
+    const auto event = application.collect({{"axis", "image"}})->next(patient(5000ms));
+    REQUIRE(event);
+    REQUIRE(event->header.size() == example.size());
+    for (const auto& [name, value] : example.items())
+        CHECK(event->header.at(name).type() == value.type());
+    CHECK(event->header.at("source") == camera.url());
+}

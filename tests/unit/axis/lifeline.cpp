@@ -84,7 +84,9 @@ TEST_CASE("lifeline: a password is tried three times, then not until it changes"
 {
     Lifeline line(start);
     const CameraError wrong(Trouble::login_refused, "wrong password");
+    CHECK_FALSE(line.login_refused());
     line.failed(wrong, start);
+    CHECK(line.login_refused());
     line.failed(wrong, start);
     CHECK_FALSE(line.locked_out());
     CHECK(line.condition(start) == "wrong password (try 2 of 3)");

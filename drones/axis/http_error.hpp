@@ -1,0 +1,15 @@
+// What an answer that is no success means, and what a transfer that fails.
+#pragma once
+
+#include "http.hpp"
+
+namespace axis {
+
+/// @param head  its status is not 200
+CameraError error_of_status(const Access& access, const Head& head);
+
+/// @param code     of libcurl, a CURLcode that is not CURLE_OK
+/// @param problem  what the operating system said last, an errno or 0
+CameraError error_of_transfer(const CameraUrl& url, const Patience& patience, int code, long problem);
+
+}  // namespace axis
