@@ -11,6 +11,6 @@ function(hive_opencv_module name)
     IMPORTED_LOCATION ${HIVE_OPENCV_${name}} INTERFACE_INCLUDE_DIRECTORIES ${HIVE_OPENCV_INCLUDE_DIR})
 endfunction()
 
-foreach(module core imgproc imgcodecs videoio objdetect)
+foreach(module core imgproc imgcodecs videoio objdetect highgui)
   hive_opencv_module(${module})
 endforeach()
