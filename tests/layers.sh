@@ -27,6 +27,7 @@ refuse "the emulated camera is no part of Hive" 'hive/' drones/axis/emulator
 refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/event libhive/service libhive/manager hivectl
 refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/event libhive/manager libhive/vision drones
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
+refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
     protocol/include/hive/*.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/encoder.hpp libhive/service/include/hive libhive/manager/include/hive
 

@@ -11,6 +11,6 @@ function(hive_opencv_module name)
     IMPORTED_LOCATION ${HIVE_OPENCV_${name}} INTERFACE_INCLUDE_DIRECTORIES ${HIVE_OPENCV_INCLUDE_DIR})
 endfunction()
 
-foreach(module core imgproc imgcodecs video videoio objdetect dnn)
+foreach(module core imgproc imgcodecs video videoio objdetect dnn highgui)
   hive_opencv_module(${module})
 endforeach()

@@ -1,0 +1,32 @@
+// Addresses to listen at, and which names a browser may use for them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <sys/socket.h>
+
+namespace view {
+
+/// An IPv4 or IPv6 address and a port.
+class Address {
+public:
+    /// Throws std::runtime_error when `text` is not an address: names are not looked up.
+    Address(const std::string& text, int port);
+    [[nodiscard]] const sockaddr* raw() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }
+    [[nodiscard]] socklen_t size() const noexcept;
+    [[nodiscard]] bool any() const noexcept;       ///< 0.0.0.0 or ::
+    [[nodiscard]] bool loopback() const noexcept;
+    [[nodiscard]] bool same_host(const Address& other) const noexcept;
+
+private:
+    sockaddr_storage storage_{};
+};
+
+/// May a request with this Host header be answered by who listens at `bind`? A foreign page can make its own name mean our
+/// address (DNS rebinding), but it cannot make the browser say an address or "localhost": so other names are refused.
+bool host_fits(std::string_view host, const Address& bind);
+
+/// "http://127.0.0.1:8080/", "http://[::1]:8080/"
+std::string url_of(const std::string& bind, int port);
+
+}  // namespace view

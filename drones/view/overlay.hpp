@@ -1,0 +1,33 @@
+// What is written on pictures, and what is shown where there is none: plain OpenCV.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace view {
+
+/// Where a picture comes from, and how fast they come.
+struct Origin {
+    std::string sender;         ///< drone and output: "face.annotated"
+    std::string source;         ///< the drone that captured it
+    std::int64_t sequence = 0;  ///< of the capture
+    cv::Size size;              ///< px
+    std::optional<std::chrono::system_clock::time_point> captured;
+    double rate = 0;            ///< pictures a second when it came; 0: not known yet
+};
+
+/// "face.annotated from camera  29.8 fps  12 ms"; what is not known is left out.
+std::string caption(const Origin& origin, std::chrono::system_clock::time_point now);
+/// "12 ms", "3.4 s"
+std::string age_text(std::chrono::milliseconds age);
+
+/// A copy of `picture` (8 bit, grey or BGR) with the text on a dark strip at its lower edge, small enough for its width.
+cv::Mat with_caption(const cv::Mat& picture, const std::string& text);
+/// A dark picture with a text in the middle.
+cv::Mat notice(const std::string& text, cv::Size size = {640, 360});
+
+}  // namespace view

@@ -1,0 +1,10 @@
+// What the browser shows: a page of our own that loads nothing from elsewhere.
+#pragma once
+
+#include <string_view>
+
+namespace view {
+
+extern const std::string_view page_html, page_css, page_js;
+
+}  // namespace view

@@ -1,0 +1,33 @@
+// The endless body of an MJPEG stream (multipart/x-mixed-replace): for each reader the newest picture when it is ready for one.
+#pragma once
+
+#include "exchange.hpp"
+
+#include <span>
+
+namespace view {
+
+/// The bytes for one reader. For one thread.
+class Stream {
+public:
+    static constexpr const char* type = "multipart/x-mixed-replace; boundary=picture";
+
+    /// @param repeat  after this long without a new picture the last one is sent again, so that readers that are gone are noticed
+    Stream(const Exchange& exchange, std::chrono::milliseconds repeat) : exchange_(exchange), repeat_(repeat) {}
+    /// Copies the next bytes; returns how many. 0: nothing to send at this time.
+    std::size_t read(std::span<char> to, Exchange::Time now);
+
+private:
+    bool begin_part(Exchange::Time now);
+
+    const Exchange& exchange_;
+    std::chrono::milliseconds repeat_;
+    // What is on its way: the JPEG alone, so that a slow reader keeps no pixels of anybody.
+    std::string head_;
+    Jpeg jpeg_;
+    std::size_t sent_ = 0;  ///< of head, JPEG and end together
+    std::uint64_t number_ = 0;
+    Exchange::Time begun_{};
+};
+
+}  // namespace view

@@ -1,0 +1,145 @@
+// The wiring: events to the exchange, parameters to who looks there.
+#include "view_drone.hpp"
+
+#include "display.hpp"
+#include "host.hpp"
+
+#include <hive/vision/image.hpp>
+
+#include <opencv2/core/utility.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <span>
+#include <stdexcept>
+#include <unistd.h>
+
+namespace view {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* no_display = "there is no display for a window (DISPLAY); look with a browser: http=PORT, or hivectl view --http PORT";
+
+Origin origin_of(const hive::Event& event, cv::Size size, double rate)
+{
+    Origin origin{event.sender + "." + event.output, event.identity.source, event.identity.sequence, size, {}, rate};
+    if (event.identity.captured_us > 0)
+        origin.captured = std::chrono::system_clock::time_point(std::chrono::microseconds(event.identity.captured_us));
+    return origin;
+}
+
+}  // namespace
+
+ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_notice("no picture yet"))
+{
+    declare();
+    drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
+    drone_.on_change([this] { apply(); });
+    drone_.on_event("image", hive::vision::image_types, [this](const hive::Event& event) { take(event); }, "the pictures to show");
+    drone_.main([this] { return step(); });
+}
+
+void ViewDrone::declare()
+{
+    drone_.parameter("http", http_, hive::between(0, 65535), "port of the page for browsers; 0: none");
+    drone_.parameter("bind", bind_, hive::anything(), "address of that page; 0.0.0.0: every address of this machine, for everybody who reaches it");
+    drone_.parameter("window", window_, hive::one_of({"auto", "on", "off"}), "auto: if there is a display");
+    drone_.parameter("overlay", overlay_, hive::anything(), "write names, rate and age on the pictures");
+    drone_.parameter("quality", quality_, hive::between(1, 100), "of the JPEG for browsers");
+    drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"), "how long a picture is shown at least before the next is asked for");
+}
+
+void ViewDrone::apply()
+{
+    display_ = window_ != "off" && has_display();
+    if (window_ == "on" && !display_)
+        throw hive::Error(hive::Errc::refused, no_display);
+    serve();
+    if (windows_)
+        windows_->visible(wants_window());
+    drone_.condition(problem());
+}
+
+/// The old server ends first: both may want the same port. If the new one cannot listen, the old parameters come again.
+void ViewDrone::serve()
+{
+    const std::pair wanted(bind_, http_);
+    if (wanted == served_)
+        return;
+    server_.reset();
+    served_ = {};
+    try {
+        if (http_ != 0) {
+            server_ = std::make_unique<Server>(Server::Settings{.bind = bind_, .port = http_}, exchange_);
+            drone_.log("the page for browsers is " + url_of(bind_, http_));
+        }
+    } catch (const std::runtime_error& error) {
+        throw hive::Error(hive::Errc::refused, error.what());
+    }
+    served_ = wanted;
+}
+
+std::string ViewDrone::problem() const
+{
+    if (server_ || wants_window())
+        return {};
+    return window_ == "off" ? "nobody can look: window is off, and http is 0" : no_display;
+}
+
+void ViewDrone::take(const hive::Event& event)
+{
+    const cv::Size size = hive::vision::size_of(event.body, event.type, {}, event.header);  // refuses what is no picture
+    exchange_.put(std::make_shared<Picture>(origin_of(event, size, rate_.count(Clock::now())), content_of(event), Picture::Look{overlay_, quality_}));
+    show();
+    hold(event);
+}
+
+/// Decoding waits until somebody looks, which is on a thread of whoever looks.
+Picture::Content ViewDrone::content_of(const hive::Event& event) const
+{
+    hive::Event picture = event;
+    picture.receipt.reset();  // looking is not working on it
+    Picture::Content content{[this, picture] {
+        try {
+            return hive::vision::view(picture);
+        } catch (const hive::Error& error) {
+            drone_.report(error.code(), error.what());
+            throw;
+        }
+    }, nullptr};
+    if (event.type == "image/jpeg" && !overlay_) {
+        const std::span bytes(reinterpret_cast<const unsigned char*>(event.body.data()), event.body.size());
+        content.jpeg = std::make_shared<const std::vector<unsigned char>>(bytes.begin(), bytes.end());
+    }
+    return content;
+}
+
+void ViewDrone::show()
+{
+    if (server_)
+        server_->wake();
+    if (!windows_ && wants_window())
+        windows_ = std::make_unique<Window>(exchange_, [] { ::kill(::getpid(), SIGTERM); });  // as if the drone had been told to stop
+    else if (windows_)
+        windows_->wake();
+}
+
+void ViewDrone::hold(const hive::Event& event)
+{
+    if (hold_ms_ == 0)
+        return;
+    held_.emplace_back(event.received + std::chrono::milliseconds(hold_ms_), event.receipt);
+    drone_.wake();
+}
+
+/// Lets go of the pictures that were shown long enough; returns when the next one was.
+std::chrono::microseconds ViewDrone::step()
+{
+    const auto now = Clock::now();
+    std::erase_if(held_, [&](const auto& held) { return held.first <= now; });
+    const auto next = std::ranges::min_element(held_, {}, [](const auto& held) { return held.first; });
+    return next == held_.end() ? 1h : std::chrono::ceil<std::chrono::microseconds>(next->first - now);
+}
+
+}  // namespace view

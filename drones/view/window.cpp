@@ -1,0 +1,77 @@
+// OpenCV's window, asked a hundred times a second for what the user does.
+#include "window.hpp"
+
+#include <opencv2/highgui.hpp>
+
+namespace view {
+namespace {
+
+constexpr const char* name = "hive view";
+constexpr auto look_every = std::chrono::milliseconds(10);
+
+}  // namespace
+
+Window::Window(const Exchange& exchange, std::function<void()> closed)
+    : exchange_(exchange), thread_([this, closed = std::move(closed)] { run(closed); })
+{
+}
+
+Window::~Window()
+{
+    ending_ = true;
+    wake();
+    thread_.join();
+}
+
+void Window::visible(bool yes)
+{
+    visible_ = yes;
+    wake();
+}
+
+void Window::wake()
+{
+    ++wakes_;
+    wakes_.notify_one();
+}
+
+void Window::run(const std::function<void()>& closed)
+{
+    while (!ending_) {
+        const unsigned wakes = wakes_;
+        const auto newest = exchange_.newest();
+        if (visible_ && newest.number > number_)
+            show(newest);
+        if (open_ && !visible_) {
+            cv::destroyWindow(name);
+            open_ = false;
+        }
+        if (!open_ && !ending_)
+            wakes_.wait(wakes);
+        else if (open_ && ended_by_user())
+            return closed();
+    }
+    if (open_)
+        cv::destroyAllWindows();
+}
+
+void Window::show(const Exchange::Newest& newest)
+{
+    if (!open_)
+        cv::namedWindow(name, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
+    cv::imshow(name, newest.picture->shown());
+    if (const auto& sender = newest.picture->origin().sender; sender != title_ || !open_) {
+        cv::setWindowTitle(name, sender + " - Hive view");
+        title_ = sender;
+    }
+    number_ = newest.number;
+    open_ = true;
+}
+
+bool Window::ended_by_user()
+{
+    const int key = cv::waitKey(static_cast<int>(look_every.count()));
+    return key == 'q' || key == 27 || cv::getWindowProperty(name, cv::WND_PROP_VISIBLE) < 1;
+}
+
+}  // namespace view
