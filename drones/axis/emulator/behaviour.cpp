@@ -26,7 +26,7 @@ const std::vector<Word>& words()
         {"nonce_uses", &B::nonce_uses}, {"old_firmware", &B::old_firmware}, {"boundary", &B::boundary, {"plain", "dashed", "quoted", "tight"}},
         {"length", &B::length, {"right", "missing", "short", "long", "text", "huge"}}, {"line_end", &B::line_end, {"crlf", "lf"}},
         {"down", &B::down}, {"mute", &B::mute}, {"stall", &B::stall}, {"unauthorised", &B::unauthorised}, {"html", &B::html}, {"foreign", &B::foreign},
-        {"garbage", &B::garbage}, {"truncated", &B::truncated}, {"endless_head", &B::endless_head}, {"endless_part", &B::endless_part},
+        {"garbage", &B::garbage}, {"truncated", &B::truncated}, {"endless_head", &B::endless_head}, {"endless_part", &B::endless_part}, {"huge_head", &B::huge_head},
         {"status", &B::status}, {"stall_after", &B::stall_after}, {"close_after", &B::close_after}, {"cut_after", &B::cut_after},
         {"bytes_per_s", &B::bytes_per_s}, {"redirect", &B::redirect}};
     return table;

@@ -30,6 +30,7 @@ struct Behaviour {
     bool garbage = false;      ///< bytes between the parts, fields in their heads that nobody knows
     bool truncated = false;    ///< half pictures in whole parts
     bool endless_head = false, endless_part = false;
+    bool huge_head = false;    ///< 100 KiB of fields before every answer
     int status = 200;          ///< of the pictures
     int stall_after = -1, close_after = -1, cut_after = -1;  ///< pictures of a stream; -1: never
     int bytes_per_s = 0;       ///< 0: as fast as it goes

@@ -42,6 +42,14 @@ std::string page(const std::string& status, const std::string& fields = "")
     return answer_text(status, "text/html", "<html><body>" + status + "</body></html>\r\n", fields);
 }
 
+std::string repeated(const std::string& text, int times)
+{
+    std::string all;
+    for (int i = 0; i < times; ++i)
+        all += text;
+    return all;
+}
+
 }  // namespace
 
 class Server::World {
@@ -175,6 +183,8 @@ private:
             return page("302 Found", "Location: " + behaviour_.redirect + "\r\n");
         if (behaviour_.foreign)
             return page("404 Not Found");
+        if (behaviour_.huge_head)
+            return page("200 OK", repeated("X-Filler: " + std::string(88, 'x') + "\r\n", 1024));
         if (behaviour_.unauthorised || verdict != Login::Verdict::welcome)
             return unauthorised(request, verdict);
         return std::nullopt;

@@ -33,6 +33,7 @@ TEST_CASE("axis misbehaviour: answers that are no pictures are told by their kin
     const auto collector = application.collect({{"axis", "image"}});
     for (const Wrong& wrong : {Wrong{"foreign=on", "foreign=off", "not a VAPIX device"}, {"html=on", "html=off", "not a picture: the camera sends text/html"},
                                {"redirect=http://a:b@127.0.0.1:1/x?y", "redirect=", "http://127.0.0.1:"}, {"status=503", "status=200", "http://127.0.0.1:"},
+                               {"huge_head=on", "huge_head=off", "the head of the answer is larger"},
                                {"auth=digest", "auth=none", "auth_failed"}, {"unauthorised=on", "unauthorised=off", "auth_failed"}})
         suffer(camera, application, *collector, wrong);
     CHECK(has(swarm.log("axis"), "points to http://***@127.0.0.1:1/x (302), which is not followed"));
