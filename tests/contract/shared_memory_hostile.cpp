@@ -3,8 +3,10 @@
 
 #include <hive/protocol/messages.hpp>
 
+#include <csignal>
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 using namespace world;
@@ -66,6 +68,23 @@ TEST_CASE("hostile shared memory: without every seal it is refused")
         peer.offer({0, 8, slot_size}, memory(8 * slot_size, all_seals & ~missing));
         CHECK(verdict(peer) == Errc::malformed);
     }
+}
+
+TEST_CASE("hostile shared memory: what the seals are for: a reader of unsealed memory that is cut short dies of SIGBUS")
+{
+    const int descriptor = memory(slot_size, 0);
+    const pid_t reader = ::fork();
+    if (reader == 0) {
+        ::signal(SIGBUS, SIG_DFL);
+        const void* const mapped = ::mmap(nullptr, slot_size, PROT_READ, MAP_SHARED, descriptor, 0);
+        const bool cut = ::ftruncate(descriptor, 0) == 0;
+        ::_exit(cut ? *static_cast<const volatile char*>(mapped) : 1);
+    }
+    int status = 0;
+    REQUIRE(::waitpid(reader, &status, 0) == reader);
+    CHECK(WIFSIGNALED(status));
+    CHECK(WTERMSIG(status) == SIGBUS);
+    ::close(descriptor);
 }
 
 TEST_CASE("hostile shared memory: smaller than it says, without a descriptor, or no memory at all")
