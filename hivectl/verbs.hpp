@@ -19,6 +19,7 @@
     VERB(set) \
     VERB(get) \
     VERB(results) \
+    VERB(collect) \
     VERB(snap) \
     VERB(put) \
     VERB(top) \

@@ -15,6 +15,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// "12 without marks, 3 without image": what found no partner, by the input where it was missing.
+std::string missing_text(const hive::Json& status)
+{
+    std::string text;
+    for (const auto& matching : list_in(status, "matching"))
+        for (const auto& [input, count] : object_in(matching, "missing").items())
+            if (count.is_number_integer() && count > 0)
+                text += (text.empty() ? "" : ", ") + hive::to_text(count) + " without " + input;
+    return text;
+}
+
 /// What deserves a look: what its code is busy with, its condition, or its last exception.
 std::string note(const hive::Json& status)
 {
@@ -23,6 +34,8 @@ std::string note(const hive::Json& status)
         text += (text.empty() ? "" : "; ") + duration_text(busy_for) + " in " + text_in(status, "callback");
     if (const auto& exception = object_in(status, "last_exception"); !exception.empty())
         text += (text.empty() ? "" : "; ") + std::string("exception at ") + time_text(count_in(exception, "time_us")) + ": " + text_in(exception, "text");
+    if (const auto missing = missing_text(status); !missing.empty())
+        text += (text.empty() ? "" : "; ") + missing;
     return text;
 }
 
@@ -42,6 +55,7 @@ Row row_of(const hive::Answer& answer)
     Row row{{"name", answer.drone}, {"kind", text_in(status, "kind")}, {"state", text_in(status, "state")}, {"pid", count_in(status, "pid")},
             {"uptime_us", uptime}, {"busy_percent", std::round(percent * 10) / 10},
             {"note", note(status)}, {"condition", text_in(status, "condition")}};
+    row.add("matching", status.value("matching", hive::Json()));
     return row.add("last_exception", status.value("last_exception", hive::Json()));
 }
 
@@ -75,7 +89,8 @@ Verb ps_verb()
             .summary = "Lists the drones that run on this machine",
             .details = "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer. "
                        "BUSY is the share of its life that its code has worked. NOTE is its condition, what it has been "
-                       "busy with for more than a second, and its last exception.",
+                       "busy with for more than a second, its last exception, and how many events found no partner where "
+                       "several inputs belong together.",
             .examples = "hivectl ps\n"
                         "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
             .timeout = "a drone that has not answered by then is shown as silent (default 1)",

@@ -1,5 +1,6 @@
 // hivectl results: what drones find, one JSON object a line.
 #include "../command_line.hpp"
+#include "../event_row.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
 #include "../interrupt.hpp"
@@ -34,14 +35,6 @@ hive::CollectOptions collecting(const Options& options)
     return result;
 }
 
-std::string line_of(const hive::Event& event)
-{
-    const auto& identity = event.identity;
-    return Row{{"source", identity.source}, {"epoch", identity.epoch}, {"seq", identity.sequence}, {"sender", event.sender},
-               {"output", event.output}, {"time_us", identity.captured_us}, {"age_ms", static_cast<double>(event.age().count()) / 1000},
-               {"size", event.size}, {"header", event.header}}.json() + "\n";
-}
-
 void summarize(const hive::CollectCounts& counts)
 {
     std::string text;
@@ -60,7 +53,7 @@ int print_events(hive::Collector& collector, std::int64_t count, std::optional<s
     auto last = Clock::now();
     for (std::int64_t printed = 0; !interrupt::requested();) {
         if (const auto event = collector.next(std::min(patience.value_or(100ms), 100ms))) {
-            write_out(line_of(*event));
+            write_out(event_row(*event).json() + "\n");
             if (++printed == count)
                 return exit_code::done;
             last = Clock::now();

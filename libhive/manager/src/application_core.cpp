@@ -101,4 +101,15 @@ Json Application::Core::ask(const std::string& drone, protocol::PacketType type,
     return std::get<Json>(outcome);
 }
 
+Endpoint Application::Core::with_output(const Endpoint& end)
+{
+    require_running(end.drone);
+    if (!end.port.empty())
+        return end;
+    const auto outputs = interface_from_json(ask(end.drone, protocol::PacketType::describe)).outputs;
+    if (outputs.size() != 1)
+        throw Error(Errc::invalid_argument, end.drone + (outputs.empty() ? " has no output" : " has several outputs; name one: " + end.drone + "." + outputs[0].name));
+    return {end.drone, outputs[0].name};
+}
+
 }  // namespace hive

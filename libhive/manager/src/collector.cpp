@@ -61,7 +61,7 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
     auto intake = module_.add_intake({.sender = drone,
                                       .output = output,
                                       .address = home_.address(drone),
-                                      .input = output,
+                                      .input = drone + "." + output,
                                       .receiver = module_.self().name,
                                       .accepts = "*/*",
                                       .options = connection},
@@ -150,18 +150,11 @@ std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& out
 {
     auto collector = std::make_unique<MailboxCollector>(core_->module, core_->home, options);
     const auto until = core_->deadline();
-    for (const auto& end : outputs) {
-        core_->require_running(end.drone);
-        std::string output = end.port;
-        if (output.empty()) {
-            const auto interface = describe(end.drone);
-            if (interface.outputs.size() != 1)
-                throw Error(Errc::invalid_argument, end.drone + (interface.outputs.empty() ? " has no output" : " has several outputs; name one: " + end.drone + "." + interface.outputs[0].name));
-            output = interface.outputs[0].name;
-        }
+    for (const auto& output : outputs) {
+        const auto [drone, port] = core_->with_output(output);
         if (options.ordered)
-            collector->follow(end.drone, exceptions_output);
-        collector->receive(end.drone, output, options.connection, until);
+            collector->follow(drone, exceptions_output);
+        collector->receive(drone, port, options.connection, until);
     }
     return collector;
 }

@@ -54,6 +54,13 @@ void Drone::on_event(const std::string& input, const std::string& type, std::fun
     core_.callbacks[input] = std::move(callback);
 }
 
+Matching Drone::on_matched(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback)
+{
+    return {core_, core_.add_matching(inputs, match, std::move(callback))};
+}
+
+void Matching::rule(Match match) const { core_->matchings[index_].matcher.rule(match); }
+
 void Drone::on_change(std::function<void()> callback) { core_.on_change = std::move(callback); }
 void Drone::on_start(std::function<void()> callback) { core_.on_start = std::move(callback); }
 void Drone::main(std::function<std::chrono::microseconds()> step) { core_.main = std::move(step); }

@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <iostream>
 #include <unistd.h>
 
@@ -92,17 +93,26 @@ void DroneCore::loop()
 {
     next_step_ = Clock::now();
     while (!stopping_) {
-        auto item = module_->next(mailbox_, main && !halted_ ? next_step_ : never);
+        auto item = module_->next(mailbox_, next_deadline());
         if (item) {
             if (auto* command = std::get_if<event::Mailbox::Command>(&*item))
                 (*command)();
             else
                 deliver(std::move(std::get<Event>(*item)));
         }
+        work_on_sets();
         if (main && !halted_ && !stopping_ && (!item || Clock::now() >= next_step_))
             step();
     }
     set_state(State::stopping);
+}
+
+DroneCore::Clock::time_point DroneCore::next_deadline() const
+{
+    auto first = main && !halted_ ? next_step_ : never;
+    for (const auto& matching : matchings)
+        first = std::min(first, matching.matcher.deadline().value_or(never));
+    return first;
 }
 
 void DroneCore::step()
@@ -120,45 +130,67 @@ void DroneCore::step()
 
 void DroneCore::deliver(Event event)
 {
-    begin_work(event.input);
-    current_ = &event;
+    for (auto& matching : matchings)
+        if (const auto* input = matching.input(event.input))
+            return to_partners(std::move(event), matching, *input);
+    Set set;
+    set.push_back(std::move(event));
+    const auto callback = [&] {
+        require_type(set.front());
+        callbacks.at(set.front().input)(set.front());
+    };
+    if (work(set, callback))
+        processed(set);
+}  // the receipt goes with the set: the next one is asked for, unless the drone has halted
+
+/// @return  whether the callback came to its end
+bool DroneCore::work(const Set& set, const std::function<void()>& callback)
+{
+    begin_work(set.front().input);
+    current_ = &set;
     current_since_ = Clock::now();
     for (auto* slot : outputs_)
         slot->part = 0;
+    bool done = false;
     try {
-        call(event);
+        callback();
+        done = true;
     } catch (const Error& error) {
-        failed(event, error.code(), error.what());
+        failed(set, error.code(), error.what());
     } catch (const std::exception& error) {
-        failed(event, Errc::failed, error.what());
+        failed(set, Errc::failed, error.what());
     } catch (...) {
-        failed(event, Errc::failed, "something that is no exception was thrown");
+        failed(set, Errc::failed, "something that is no exception was thrown");
     }
     current_ = nullptr;
     end_work();
-}  // the receipt goes with the event: the next one is asked for, unless the drone has halted
+    return done;
+}
 
-void DroneCore::call(const Event& event)
+void DroneCore::require_type(const Event& event) const
 {
     const auto* input = interface.input(event.input);
     if (!types_fit(event.type, input->type))
         throw Error(Errc::type_mismatch, event.sender + "." + event.output + " sent " + event.type + ", but " + event.input + " takes " + input->type);
-    callbacks.at(event.input)(event);
-    const std::lock_guard lock(board_mutex_);
-    ++board_.processed;
 }
 
-void DroneCore::failed(const Event& event, Errc code, const std::string& text)
+void DroneCore::processed(const Set& set)
 {
-    const bool with_input = current_ != nullptr;
-    report(code, text, with_input ? &event : nullptr);
-    if (!with_input)
+    const std::lock_guard lock(board_mutex_);
+    board_.processed += static_cast<std::int64_t>(set.size());
+}
+
+/// @param set  empty: it was main that failed
+void DroneCore::failed(const Set& set, Errc code, const std::string& text)
+{
+    report(code, text, set.empty() ? nullptr : &set.front());
+    if (set.empty())
         next_step_ = Clock::now() + std::chrono::milliseconds(100);  // a main that keeps failing must not spin
     bool halt = false;
     {
         const std::lock_guard lock(board_mutex_);
         halt = board_.policy == ExceptionPolicy::halt;
-        if (with_input) {
+        for (const auto& event : set) {
             ++board_.abandoned;
             ++board_.abandoned_at[event.input];
         }
@@ -240,6 +272,17 @@ Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us,
             .monotonic_us = event::steady_us() - (event::wall_us() - captured_us), .lossless = lossless, .hops = {}};
 }
 
+/// The identity of what is emitted for the present set.
+Identity DroneCore::inherited(Slot& slot) const
+{
+    Identity identity = event::identity_of(*current_);
+    identity.part = slot.part++;
+    // It waited from when it was complete; what its earlier events waited for is told by the hops of the last.
+    const auto complete = std::ranges::max_element(*current_, {}, &Event::received)->received;
+    identity.hops.push_back({settings_.name, event::microseconds(current_since_ - complete), event::microseconds(Clock::now() - current_since_)});
+    return identity;
+}
+
 void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type)
 {
     Slot& slot = *outputs_[output];
@@ -252,11 +295,9 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
     if (begun) {
         event.identity = std::move(*begun);
     } else if (current_) {
-        event.identity = current_->identity;
-        event.identity.part = slot.part++;
-        event.identity.hops.push_back({settings_.name, event::microseconds(current_since_ - current_->received), event::microseconds(Clock::now() - current_since_)});
+        event.identity = inherited(slot);
         if (event.identity.lossless)
-            event.receipt = current_->receipt;
+            event.receipt = event::receipt_of(*current_);
     } else {
         event.identity = fresh_identity(output, event::wall_us(), false);
     }

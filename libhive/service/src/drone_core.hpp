@@ -5,11 +5,13 @@
 
 #include <hive/drone.hpp>
 #include <hive/event/mailbox.hpp>
+#include <hive/event/matcher.hpp>
 #include <hive/event/module.hpp>
 #include <hive/event/sequence_filter.hpp>
 
 #include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -42,6 +44,15 @@ public:
     std::function<void()> on_change = [] {}, on_start = [] {};
     std::function<std::chrono::microseconds()> main;
     std::size_t add_output(Port port, Encoder encoder);
+    struct MatchedInputs {
+        std::vector<MatchedInput> inputs;
+        event::Matcher matcher;
+        std::function<void(const std::vector<Event>&)> callback;
+
+        [[nodiscard]] const MatchedInput* input(const std::string& name) const;
+    };
+    std::deque<MatchedInputs> matchings;
+    std::size_t add_matching(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback);
 
     void run();
 
@@ -77,15 +88,23 @@ private:
         std::int64_t received = 0, processed = 0, abandoned = 0, duplicates = 0, discarded = 0, dropped = 0;
         std::map<std::string, std::int64_t> abandoned_at;  ///< by input
         Json last_exception;
+        std::vector<MatchCounts> matched;  ///< one for each of `matchings`
     };
+    using Set = std::vector<Event>;  ///< what is worked on: events that were brought together, mostly a single one
 
     // user thread
     void prepare();
     void loop();
     void step();
     void deliver(Event event);
-    void call(const Event& event);
-    void failed(const Event& event, Errc code, const std::string& text);
+    bool work(const Set& set, const std::function<void()>& callback);
+    void require_type(const Event& event) const;
+    void processed(const Set& set);
+    void failed(const Set& set, Errc code, const std::string& text);
+    void to_partners(Event event, MatchedInputs& matching, const MatchedInput& input);
+    void work_on_sets();
+    [[nodiscard]] Clock::time_point next_deadline() const;
+    Identity inherited(Slot& slot) const;
     void set_state(State state);
     void begin_work(const std::string& what);
     void end_work();
@@ -108,6 +127,7 @@ private:
     void arrived(Event event, const std::weak_ptr<event::Intake>& intake);
     event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
     [[nodiscard]] Json status();
+    [[nodiscard]] Json matching_status(const Board& board) const;
     void remember();
 
     DroneProgram program_;
@@ -123,7 +143,7 @@ private:
     std::atomic<bool> stopping_ = false, halted_ = false;
     std::int64_t epoch_ = 0;
     Clock::time_point started_{}, next_step_{};
-    const Event* current_ = nullptr;  ///< the input being worked on
+    const Set* current_ = nullptr;  ///< what is being worked on
     Clock::time_point current_since_{};
     std::mutex handover_mutex_;
     std::condition_variable handover_less_;

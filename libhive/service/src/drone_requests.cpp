@@ -339,6 +339,8 @@ Json DroneCore::status()
               {"dropped", board.dropped}}},
             {"outputs", outputs},
             {"inputs", inputs}};
+    if (!matchings.empty())
+        json["matching"] = matching_status(board);
     if (!board.last_exception.is_null())
         json["last_exception"] = board.last_exception;
     return json;

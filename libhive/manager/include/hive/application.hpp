@@ -4,6 +4,7 @@
 #include <hive/error.hpp>
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
+#include <hive/match.hpp>
 #include <hive/transfer.hpp>
 
 #include <chrono>
@@ -54,6 +55,18 @@ public:
     /// The next event, or nothing when `patience` has passed. User thread.
     virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
     [[nodiscard]] virtual CollectCounts counts() const = 0;
+};
+
+/// Receives sets of events that belong together, one of each output, in the order of the outputs. Made by Application::collect_matched.
+class MatchedCollector {
+public:
+    virtual ~MatchedCollector() = default;
+    /// The next set, or nothing when `patience` has passed; the `input` of each event is its "drone.output". User thread.
+    virtual std::optional<std::vector<Event>> next(std::chrono::milliseconds patience) = 0;
+    /// `missing` is by "drone.output".
+    [[nodiscard]] virtual MatchCounts counts() const = 0;
+    /// Of the single events.
+    [[nodiscard]] virtual CollectCounts received() const = 0;
 };
 
 /// An application in the swarm. Calls block until they are confirmed or their deadline has passed (Errc::timeout); they
@@ -111,6 +124,9 @@ public:
 
     /// Receives from the outputs; ends when the Collector is destroyed. Returns when every drone has acknowledged.
     std::unique_ptr<Collector> collect(const std::vector<Endpoint>& outputs, const CollectOptions& options = {});
+    /// Receives sets of events, one of each of two or more different outputs, that belong together by `match`. `options.ordered` is not
+    /// for sets: they come as they are complete.
+    std::unique_ptr<MatchedCollector> collect_matched(const std::vector<Endpoint>& outputs, Match match = Match::exact(), const CollectOptions& options = {});
     /// Receives the exceptions of drones, as events whose header has "code", "text", "policy".
     std::unique_ptr<Collector> exceptions(const std::vector<std::string>& drones);
     /// Sends one event into an input; returns when the drone has taken it into its queue.

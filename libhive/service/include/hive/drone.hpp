@@ -5,6 +5,7 @@
 #include <hive/error.hpp>
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
+#include <hive/match.hpp>
 #include <hive/transfer.hpp>
 
 #include <chrono>
@@ -12,6 +13,7 @@
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace hive {
 
@@ -67,6 +69,26 @@ private:
     std::size_t index_;
 };
 
+/// One of several inputs whose events are brought together.
+struct MatchedInput {
+    std::string name, type, help;
+    /// Looks at an event when it arrives, for what can be known without its partners: what it throws abandons that event.
+    std::function<void(const Event&)> check = {};
+};
+
+/// A handle on the matching of some inputs; cheap to copy. For the user thread.
+class Matching {
+public:
+    /// Changes the rule, also for the events that wait.
+    void rule(Match match) const;
+
+private:
+    friend class Drone;
+    Matching(DroneCore& core, std::size_t index) : core_(&core), index_(index) {}
+    DroneCore* core_;
+    std::size_t index_;
+};
+
 /// A process with a clear interface. Declarations come first, then run(). All functions are for the thread that calls
 /// run() (the user thread) unless they say otherwise; callbacks, parameter changes and main run there, one at a time.
 class Drone {
@@ -88,6 +110,11 @@ public:
     Output output(const std::string& name, const std::string& type, const std::string& help = "", Encoder encoder = {});
     /// Declares an input and what to do with its events. If `callback` throws, the exception policy decides.
     void on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help = "");
+    /// Declares two or more inputs whose events belong together, and what to do with a set of one event of each, in the order of the
+    /// inputs. What is emitted for a set has the identity of its first event. If `callback` throws, the set is abandoned. What finds no
+    /// partner is counted with the name of the input where it was missing (`ps`, `status`). Such a drone keeps events, so it is stateful:
+    /// it cannot share its work.
+    Matching on_matched(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback);
     /// Called after the parameters of one `set` have been assigned, all together. It may change the variables: what they hold
     /// when it returns is what was applied, and the answer to the `set`. If it throws, all are put back, it is called again,
     /// and the `set` is refused with its text. Also called once before the first event, after on_start.

@@ -1,0 +1,102 @@
+// Boxes, lines, dots and labels, in pixels of the picture that is drawn on.
+#include "drawing.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace annotate {
+namespace {
+
+const cv::Scalar green(60, 220, 60);
+
+/// A coordinate that OpenCV's own arithmetic takes: it is far outside of every picture anyway.
+int pixel(double value) { return static_cast<int>(std::lround(std::clamp(value, -32000.0, 32000.0))); }
+
+cv::Point pixel(const cv::Point2d& point) { return {pixel(point.x), pixel(point.y)}; }
+
+cv::Rect pixels(const cv::Rect2d& box) { return {pixel(box.tl()), pixel(box.br())}; }
+
+/// The mark in a picture of another size.
+Mark scaled(Mark mark, double across, double down)
+{
+    const auto place = [&](const cv::Point2d& point) { return cv::Point2d(point.x * across, point.y * down); };
+    mark.box = {place(mark.box.tl()), place(mark.box.br())};
+    for (auto& shape : mark.shapes)
+        std::ranges::transform(shape.points, shape.points.begin(), place);
+    return mark;
+}
+
+/// Spreads similar texts over all numbers (FNV-1a), the same in each run.
+std::uint32_t spread(const std::string& text)
+{
+    std::uint32_t hash = 2166136261u;
+    for (const char letter : text)
+        hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619u;
+    return hash ^ hash >> 15;
+}
+
+}  // namespace
+
+cv::Scalar Drawing::colour_of(const std::string& id)
+{
+    if (id.empty())
+        return green;
+    const auto number = spread(id);
+    const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(number % 180, 150 + number / 180 % 100, 255));
+    cv::Mat bgr;
+    cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
+    return bgr.at<cv::Vec3b>(0, 0);
+}
+
+void Drawing::draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) const
+{
+    if (picture.channels() == 1)
+        cv::cvtColor(picture, result, cv::COLOR_GRAY2BGR);
+    else
+        picture.copyTo(result);
+    const bool other_size = !marks.seen.empty() && marks.seen != cv::Size2d(picture.size());
+    for (const Mark& mark : marks.all)
+        draw(result, other_size ? scaled(mark, picture.cols / marks.seen.width, picture.rows / marks.seen.height) : mark);
+}
+
+void Drawing::draw(cv::Mat& picture, const Mark& mark) const
+{
+    const auto colour = colour_of(mark.id);
+    for (const Shape& shape : mark.shapes)
+        draw(picture, shape, colour);
+    cv::rectangle(picture, pixels(mark.box), colour, thickness, cv::LINE_AA);
+    if (labels && !mark.label.empty())
+        write(picture, mark, colour);
+}
+
+void Drawing::draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colour) const
+{
+    std::vector<cv::Point> points;
+    for (const auto& point : shape.points)
+        points.push_back(pixel(point));
+    if (shape.form != Shape::Form::dots)
+        return cv::polylines(picture, points, shape.form == Shape::Form::outline, colour, thickness, cv::LINE_AA);
+    for (const auto& point : points)
+        cv::circle(picture, point, 2 * thickness, colour, cv::FILLED, cv::LINE_AA);
+}
+
+/// Dark on a plate of the mark's colour, above the box, or inside it where there is no room above.
+void Drawing::write(cv::Mat& picture, const Mark& mark, const cv::Scalar& colour) const
+{
+    constexpr int font = cv::FONT_HERSHEY_SIMPLEX, margin = 3;
+    const double size = std::clamp(picture.rows / 960.0, 0.4, 2.0);
+    const int weight = size >= 1 ? 2 : 1;
+    int below = 0;
+    const cv::Size letters = cv::getTextSize(mark.label, font, size, weight, &below);
+    const cv::Size plate(letters.width + 2 * margin, letters.height + below + 2 * margin);
+    cv::Point corner = pixel(mark.box.tl());
+    corner.y = corner.y >= plate.height ? corner.y - plate.height : std::max(corner.y, 0);
+    corner.x = std::clamp(corner.x, 0, std::max(0, picture.cols - plate.width));
+    cv::rectangle(picture, {corner, plate}, colour, cv::FILLED);
+    cv::putText(picture, mark.label, {corner.x + margin, corner.y + margin + letters.height}, font, size, cv::Scalar::all(0), weight, cv::LINE_AA);
+}
+
+}  // namespace annotate

@@ -1,0 +1,126 @@
+// Reading JSON that anybody may have written: what does not fit is no mark.
+#include "marks.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <optional>
+
+namespace annotate {
+namespace {
+
+using nlohmann::json;
+
+constexpr double largest = 1e6;  // px; no picture comes near
+constexpr std::size_t longest_label = 48;
+
+std::optional<double> number(const json& object, const char* key)
+{
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_number())
+        return std::nullopt;
+    const auto value = found->get<double>();
+    return std::abs(value) <= largest ? std::optional(value) : std::nullopt;
+}
+
+/// A text, or a whole number as one; empty for anything else.
+std::string text(const json& object, const char* key)
+{
+    const auto found = object.find(key);
+    if (found == object.end())
+        return {};
+    if (found->is_number_integer())
+        return found->dump();
+    return found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::optional<cv::Point2d> point(const json& value)
+{
+    if (value.is_array() && value.size() == 2)
+        return point(json{{"x", value[0]}, {"y", value[1]}});
+    if (!value.is_object())
+        return std::nullopt;
+    const auto x = number(value, "x"), y = number(value, "y");
+    return x && y ? std::optional(cv::Point2d(*x, *y)) : std::nullopt;
+}
+
+std::optional<Shape> shape(const std::string& name, const json& values)
+{
+    if (!values.is_array() || values.empty())
+        return std::nullopt;
+    Shape shape;
+    if (name == "trail")
+        shape.form = Shape::Form::line;
+    else if (name == "hull" || name == "contour")
+        shape.form = Shape::Form::outline;
+    for (const auto& value : values) {
+        const auto place = point(value);
+        if (!place)
+            return std::nullopt;
+        shape.points.push_back(*place);
+    }
+    return shape;
+}
+
+/// OpenCV's letters are ASCII.
+std::string printable(std::string label)
+{
+    label.resize(std::min(label.size(), longest_label));
+    for (char& letter : label)
+        if (letter < ' ' || letter > '~')
+            letter = '?';
+    return label;
+}
+
+std::string label_of(const json& object, const std::string& id)
+{
+    std::string label;
+    const auto add = [&](const std::string& word) { label += (label.empty() || word.empty() ? "" : " ") + word; };
+    for (const char* key : {"class", "kind", "gesture", "pose", "label"})
+        add(text(object, key));
+    add(id.empty() ? "" : "#" + id);
+    if (const auto score = number(object, "score"); score && *score >= 0 && *score <= 1)
+        add(std::to_string(std::lround(100 * *score)) + " %");
+    if (const auto speed = number(object, "speed"))
+        add(std::to_string(std::lround(*speed)) + " px/s");
+    return printable(label);
+}
+
+std::optional<Mark> mark(const json& object)
+{
+    if (!object.is_object())
+        return std::nullopt;
+    const auto x = number(object, "x"), y = number(object, "y"), width = number(object, "w"), height = number(object, "h");
+    if (!x || !y || !width || !height)
+        return std::nullopt;
+    const auto id = text(object, "id");
+    Mark mark{{*x, *y, *width, *height}, id, label_of(object, id), {}};
+    for (const auto& [name, value] : object.items())
+        if (auto found = shape(name, value))
+            mark.shapes.push_back(std::move(*found));
+    return mark;
+}
+
+}  // namespace
+
+Marks marks_in(const json& header)
+{
+    Marks marks;
+    if (!header.is_object())
+        return marks;
+    if (const auto width = number(header, "width"), height = number(header, "height"); width && height && *width > 0 && *height > 0)
+        marks.seen = {*width, *height};
+    const auto take = [&](const json& value) {
+        if (auto found = mark(value))
+            marks.all.push_back(std::move(*found));
+    };
+    for (const auto& field : header)
+        if (field.is_array())
+            for (const auto& value : field)
+                take(value);
+        else
+            take(field);
+    return marks;
+}
+
+}  // namespace annotate

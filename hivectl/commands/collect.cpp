@@ -1,0 +1,128 @@
+// hivectl collect: sets of events that belong together, one JSON object a line.
+#include "../command_line.hpp"
+#include "../event_row.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+    std::vector<std::string> names;
+    std::int64_t count = 0;  // 0: without end
+    std::optional<int> within_ms;
+    bool notify = false;
+};
+
+hive::Match rule(const Options& options)
+{
+    return options.within_ms ? hive::Match::within(std::chrono::milliseconds(*options.within_ms)) : hive::Match::exact();
+}
+
+/// How far the captures of a set are apart.
+double spread_ms(const std::vector<hive::Event>& set)
+{
+    const auto captured = [](const hive::Event& event) { return event.identity.captured_us; };
+    const auto [first, last] = std::ranges::minmax_element(set, {}, captured);
+    return static_cast<double>(captured(*last) - captured(*first)) / 1000;
+}
+
+std::string line_of(const std::vector<hive::Event>& set)
+{
+    const auto& identity = set.front().identity;
+    std::string text = Row{{"source", identity.source}, {"epoch", identity.epoch}, {"seq", identity.sequence}, {"spread_ms", spread_ms(set)}}.json();
+    text.pop_back();  // the brace: the events follow as results prints them, their fields in the same order
+    std::vector<Row> events;
+    std::ranges::transform(set, std::back_inserter(events), event_row);
+    return text + ",\"events\":" + json_array(events) + "}\n";
+}
+
+void summarize(const hive::MatchedCollector& collector)
+{
+    const auto counts = collector.counts();
+    std::string text;
+    for (const auto& [output, count] : counts.missing)
+        text += ", " + std::to_string(count) + " without " + output;
+    if (counts.duplicates > 0)
+        text += ", " + std::to_string(counts.duplicates) + " came twice";
+    if (const auto dropped = collector.received().dropped; dropped > 0)
+        text += ", " + std::to_string(dropped) + " dropped here because they were not taken in time";
+    if (!text.empty())
+        complain("collect", std::to_string(counts.sets) + " sets" + text);
+}
+
+/// Prints until `count` came, nothing came for `patience`, or Ctrl-C; returns the exit code.
+int print_sets(hive::MatchedCollector& collector, std::int64_t count, std::optional<std::chrono::milliseconds> patience)
+{
+    const interrupt::Deferred deferred;
+    auto last = Clock::now();
+    for (std::int64_t printed = 0; !interrupt::requested();) {
+        if (const auto set = collector.next(std::min(patience.value_or(100ms), 100ms))) {
+            write_out(line_of(*set));
+            if (++printed == count)
+                return exit_code::done;
+            last = Clock::now();
+        } else if (patience && Clock::now() - last >= *patience) {
+            complain("collect", "no set came for " + duration_text(*patience / 1us) + "; see what is connected: hivectl edges");
+            return exit_code::timed_out;
+        }
+    }
+    return exit_code::interrupted;
+}
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application();
+    auto outputs = endpoints_named(application, options.names);
+    for (auto& output : outputs)
+        if (output.port.empty())
+            output.port = usual_output(application.describe(output.drone), output.drone, "application/json");
+    hive::CollectOptions collecting;
+    collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
+    const auto collector = application.collect_matched(outputs, rule(options), collecting);
+    const int code = print_sets(*collector, options.count, session.timeout_s ? std::optional(session.timeout()) : std::nullopt);
+    summarize(*collector);
+    return code;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->names, "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON")->required();
+    app.add_option("-n", options->count, "end after this many sets")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
+    app.add_option("--within", options->within_ms, "the nearest captures, at most this far apart (default: those of the same capture)")
+        ->type_name("MS")->check(CLI::Range(0, 3'600'000));
+    app.add_flag("--notify", options->notify, "ask for headers only; the drones need not make the bodies");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb collect_verb()
+{
+    return {.name = "collect",
+            .group = "look",
+            .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
+            .summary = "Prints what several drones find in the same picture, one JSON object a line",
+            .details = "Each line is a set with one event of each output, in the order given: source, epoch and seq of the first, spread_ms (how "
+                       "far the captures are apart) and events, each as hivectl results prints it. What found no partner is left out; "
+                       "the last line on stderr says how many, and where their partners were missing.",
+            .examples = "hivectl collect camera.image face.faces -n 5\n"
+                        "hivectl collect left right --within 20 | jq .spread_ms",
+            .timeout = "give up when no set came for this long (default: never)",
+            .operands = {Operand::sender},
+            .declare = declare};
+}
+
+}  // namespace hivectl

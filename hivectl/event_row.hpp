@@ -1,0 +1,13 @@
+// An event as a program reads it from the shell: one JSON object.
+#pragma once
+
+#include "table.hpp"
+
+#include <hive/event.hpp>
+
+namespace hivectl {
+
+/// source, epoch, seq of the capture; sender and output it came from; time_us of the capture; age_ms; size of the body; header.
+Row event_row(const hive::Event& event);
+
+}  // namespace hivectl

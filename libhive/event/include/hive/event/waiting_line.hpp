@@ -1,0 +1,81 @@
+// One input of a Matcher: the events that wait for their partners, and how far each sender of the input has come.
+#pragma once
+
+#include <hive/event.hpp>
+#include <hive/event/clock.hpp>
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace hive::event {
+
+/// Pure logic, for one thread.
+class WaitingLine {
+public:
+    using TimePoint = Clock::time_point;
+
+    /// Live events: what a detector with a second or two of latency needs at 30 fps, and what a process can spare. A picture that
+    /// waits holds a slot of its sender's shared memory, or memory of this process when it holds too many of them.
+    static constexpr std::size_t most_live = 128, most_live_bytes = 128u << 20;
+    /// Lossless events: as a Mailbox; no source that waits for its receivers comes near.
+    static constexpr std::size_t most_lossless = 4096, most_lossless_bytes = 512u << 20;
+    /// Senders whose progress is remembered, at most.
+    static constexpr std::size_t most_senders = 64;
+
+    struct Waiting {
+        Event event;
+        TimePoint due;           ///< when it has waited for too long
+        bool overtaken = false;  ///< its partner is late: a later event came where it is missing
+    };
+
+    explicit WaitingLine(std::string input) : input_(std::move(input)) {}
+
+    [[nodiscard]] const std::string& input() const noexcept { return input_; }
+    [[nodiscard]] std::deque<Waiting>& events() noexcept { return events_; }
+    [[nodiscard]] const std::deque<Waiting>& events() const noexcept { return events_; }
+    void add(Event event, TimePoint due);
+    Event take(std::size_t place);
+    /// Holds it more than it may?
+    [[nodiscard]] bool overfull() const;
+
+    /// Notes how far the sender of this event has come.
+    void hear(const Event& event, TimePoint now);
+    void forget_silent_senders(TimePoint before);
+    [[nodiscard]] TimePoint heard_at() const noexcept { return heard_at_; }
+    void begin(TimePoint now) { heard_at_ = now; }
+
+    /// Where the event of this identity waits.
+    [[nodiscard]] std::optional<std::size_t> find(const Identity& identity) const;
+    /// Has every sender gone past this identity, so that it cannot come any more? Workers that share a job keep no order, so never they.
+    [[nodiscard]] bool passed(const Identity& identity) const;
+    /// Has any sender gone past it?
+    [[nodiscard]] bool overtook(const Identity& identity) const;
+
+    /// Where the event captured nearest to this time waits; the earlier of two.
+    [[nodiscard]] std::optional<std::size_t> nearest(std::int64_t captured_us) const;
+    /// Every sender has come to this capture time; nothing when none is known.
+    [[nodiscard]] std::optional<std::int64_t> heard_until() const;
+
+private:
+    using Place = std::tuple<std::int64_t, std::int64_t, int>;
+    struct Sender {
+        std::string drone, output, source;
+        Place place;
+        std::int64_t captured_us = 0;
+        bool shares = false;
+        TimePoint heard_at{};
+    };
+    static Place place_of(const Identity& identity) { return {identity.epoch, identity.sequence, identity.part}; }
+    Sender& sender_of(const Event& event);
+
+    std::string input_;
+    std::deque<Waiting> events_;
+    std::size_t bytes_ = 0;
+    std::vector<Sender> senders_;
+    TimePoint heard_at_{};
+};
+
+}  // namespace hive::event

@@ -1,0 +1,98 @@
+// Finding events in a line, and what can still come to it.
+#include <hive/event/waiting_line.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace hive::event {
+
+void WaitingLine::add(Event event, TimePoint due)
+{
+    bytes_ += event.body.size();
+    events_.push_back({std::move(event), due});
+}
+
+Event WaitingLine::take(std::size_t place)
+{
+    const auto found = events_.begin() + static_cast<std::ptrdiff_t>(place);
+    Event event = std::move(found->event);
+    events_.erase(found);
+    bytes_ -= event.body.size();
+    return event;
+}
+
+bool WaitingLine::overfull() const
+{
+    const bool lossless = !events_.empty() && events_.front().event.identity.lossless;
+    return events_.size() > (lossless ? most_lossless : most_live)
+        || (events_.size() > 1 && bytes_ > (lossless ? most_lossless_bytes : most_live_bytes));
+}
+
+WaitingLine::Sender& WaitingLine::sender_of(const Event& event)
+{
+    const auto found = std::ranges::find_if(senders_, [&](const Sender& each) {
+        return each.drone == event.sender && each.output == event.output && each.source == event.identity.source;
+    });
+    if (found != senders_.end())
+        return *found;
+    if (senders_.size() == most_senders)
+        senders_.erase(std::ranges::min_element(senders_, {}, &Sender::heard_at));
+    return senders_.emplace_back(Sender{.drone = event.sender, .output = event.output, .source = event.identity.source, .place = {}});
+}
+
+void WaitingLine::hear(const Event& event, TimePoint now)
+{
+    heard_at_ = now;
+    Sender& sender = sender_of(event);
+    sender.heard_at = now;
+    sender.shares = !event.identity.group.empty();
+    // Not the largest of all: if a source's clock was put back, its epochs and times begin again lower.
+    sender.place = sender.shares ? std::max(sender.place, place_of(event.identity)) : place_of(event.identity);
+    sender.captured_us = sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
+}
+
+void WaitingLine::forget_silent_senders(TimePoint before)
+{
+    std::erase_if(senders_, [&](const Sender& each) { return each.heard_at < before; });
+}
+
+std::optional<std::size_t> WaitingLine::find(const Identity& identity) const
+{
+    const auto found = std::ranges::find_if(events_, [&](const Waiting& each) {
+        const Identity& other = each.event.identity;
+        return other.sequence == identity.sequence && other.part == identity.part && other.epoch == identity.epoch && other.source == identity.source;
+    });
+    return found == events_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - events_.begin()));
+}
+
+bool WaitingLine::passed(const Identity& identity) const
+{
+    bool known = false;
+    for (const auto& each : senders_)
+        if (each.source == identity.source) {
+            if (each.shares || each.place < place_of(identity))
+                return false;
+            known = true;
+        }
+    return known;
+}
+
+bool WaitingLine::overtook(const Identity& identity) const
+{
+    return std::ranges::any_of(senders_, [&](const Sender& each) { return each.source == identity.source && each.place > place_of(identity); });
+}
+
+std::optional<std::size_t> WaitingLine::nearest(std::int64_t captured_us) const
+{
+    const auto found = std::ranges::min_element(
+        events_, {}, [&](const Waiting& each) { return std::abs(each.event.identity.captured_us - captured_us); });
+    return found == events_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - events_.begin()));
+}
+
+std::optional<std::int64_t> WaitingLine::heard_until() const
+{
+    const auto slowest = std::ranges::min_element(senders_, {}, &Sender::captured_us);
+    return slowest == senders_.end() ? std::nullopt : std::optional(slowest->captured_us);
+}
+
+}  // namespace hive::event

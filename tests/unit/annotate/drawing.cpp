@@ -1,0 +1,138 @@
+// What is drawn, looked at pixel by pixel.
+#include <drawing.hpp>
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <set>
+
+using annotate::Drawing;
+using annotate::Mark;
+using annotate::Marks;
+using annotate::Shape;
+
+namespace {
+
+const cv::Vec3b black(0, 0, 0), green(60, 220, 60);
+
+cv::Mat drawn(const Marks& marks, const Drawing& drawing = {}, const cv::Mat& picture = cv::Mat(200, 300, CV_8UC3, cv::Scalar::all(0)))
+{
+    cv::Mat result;
+    drawing.draw(picture, marks, result);
+    return result;
+}
+
+cv::Vec3b at(const cv::Mat& picture, int x, int y) { return picture.at<cv::Vec3b>(y, x); }
+
+cv::Vec3b bytes(const cv::Scalar& colour) { return {static_cast<uchar>(colour[0]), static_cast<uchar>(colour[1]), static_cast<uchar>(colour[2])}; }
+
+/// Pixels that are not black, in a part of the picture.
+int lit(const cv::Mat& picture, const cv::Rect& part)
+{
+    int count = 0;
+    for (int y = part.y; y < part.br().y; ++y)
+        for (int x = part.x; x < part.br().x; ++x)
+            count += at(picture, x, y) != black;
+    return count;
+}
+
+}  // namespace
+
+TEST_CASE("drawing: a box is framed and nothing else is touched, nor is the picture that came in")
+{
+    const cv::Mat before(200, 300, CV_8UC3, cv::Scalar::all(0));
+    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, before);
+    CHECK(at(picture, 100, 80) == green);
+    CHECK(at(picture, 140, 50) == green);
+    CHECK(at(picture, 140, 80) == black);
+    CHECK(at(picture, 90, 80) == black);
+    CHECK(at(picture, 200, 80) == black);
+    CHECK(lit(before, {0, 0, 300, 200}) == 0);
+}
+
+TEST_CASE("drawing: without marks the picture stays as it is, a grey one becomes BGR")
+{
+    CHECK(lit(drawn({}), {0, 0, 300, 200}) == 0);
+    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, cv::Mat(200, 300, CV_8UC1, cv::Scalar::all(9)));
+    CHECK(picture.type() == CV_8UC3);
+    CHECK(at(picture, 140, 80) == cv::Vec3b(9, 9, 9));
+    CHECK(at(picture, 100, 80) == green);
+}
+
+TEST_CASE("drawing: marks of a picture of another size are drawn where they belong")
+{
+    const auto picture = drawn({.all = {{.box = {200, 100, 160, 120}}}, .seen = {600, 400}});
+    CHECK(at(picture, 100, 80) == green);
+    CHECK(at(picture, 140, 50) == green);
+    CHECK(at(picture, 200, 100) == black);
+}
+
+TEST_CASE("drawing: the thickness is that of the lines")
+{
+    Drawing thin;
+    thin.thickness = 1;
+    Drawing thick;
+    thick.thickness = 9;
+    const Marks marks{.all = {{.box = {100, 50, 80, 60}}}};
+    CHECK(at(drawn(marks, thin), 103, 80) == black);
+    CHECK(at(drawn(marks, thick), 103, 80) == green);
+}
+
+TEST_CASE("drawing: a label stands above its box, inside where there is no room, and not at all when it is switched off")
+{
+    const cv::Rect above(100, 75, 60, 23), inside(103, 3, 60, 10);
+    const Mark low{.box = {100, 100, 80, 60}, .label = "person"}, high{.box = {100, 0, 80, 60}, .label = "person"};
+    CHECK(lit(drawn({.all = {low}}), above) > 500);
+    CHECK(lit(drawn({.all = {high}}), inside) > 300);
+    Drawing bare;
+    bare.labels = false;
+    CHECK(lit(drawn({.all = {low}}, bare), above) == 0);
+    CHECK(lit(drawn({.all = {high}}, bare), inside) == 0);
+}
+
+TEST_CASE("drawing: a label at the right edge is moved into the picture")
+{
+    const auto picture = drawn({.all = {{.box = {290, 100, 8, 8}, .label = "somebody"}}});
+    CHECK(lit(picture, {230, 80, 40, 18}) > 400);
+}
+
+TEST_CASE("drawing: a trail is an open line, a hull a closed one, fingers are dots")
+{
+    const std::vector<cv::Point2d> corners{{20, 20}, {80, 20}, {80, 80}, {20, 80}};
+    const auto shaped = [&](Shape::Form form) { return drawn({.all = {{.box = {250, 150, 10, 10}, .shapes = {{form, corners}}}}}); };
+    const auto trail = shaped(Shape::Form::line), hull = shaped(Shape::Form::outline), dots = shaped(Shape::Form::dots);
+    for (const auto* picture : {&trail, &hull})
+        CHECK(at(*picture, 50, 20) == green);
+    CHECK(at(trail, 20, 50) == black);
+    CHECK(at(hull, 20, 50) == green);
+    CHECK(at(dots, 20, 20) == green);
+    CHECK(at(dots, 50, 20) == black);
+}
+
+TEST_CASE("drawing: a track keeps its colour, and twenty tracks have at least eighteen")
+{
+    std::set<std::tuple<int, int, int>> colours;
+    for (int id = 1; id <= 20; ++id) {
+        const auto colour = bytes(Drawing::colour_of(std::to_string(id)));
+        CHECK(colour == bytes(Drawing::colour_of(std::to_string(id))));
+        CHECK(std::max({colour[0], colour[1], colour[2]}) == 255);
+        colours.emplace(colour[0], colour[1], colour[2]);
+    }
+    CHECK(colours.size() >= 18);
+    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}, .id = "7"}}});
+    CHECK(at(picture, 100, 80) == bytes(Drawing::colour_of("7")));
+    CHECK(bytes(Drawing::colour_of("")) == green);
+}
+
+TEST_CASE("drawing: what lies outside, or is turned inside out, harms nothing")
+{
+    const double far = 1e6;
+    const Marks marks{.all = {{.box = {-far, -far, 2 * far, 2 * far}, .label = "all"},
+                              {.box = {far, far, far, far}, .id = "1", .label = "none", .shapes = {{Shape::Form::outline, {{-far, 5}, {far, 7}}}}},
+                              {.box = {50, 50, -20, -20}, .label = "inside out"},
+                              {.box = {10, 10, 0, 0}, .shapes = {{Shape::Form::line, {{1, 1}}}}}}};
+    const auto picture = drawn(marks);
+    CHECK(picture.size() == cv::Size(300, 200));
+    CHECK(lit(picture, {100, 0, 100, 20}) > 0);  // the line from one side to the other
+    CHECK(lit(drawn(marks, {}, cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(0))), {0, 0, 1, 1}) >= 0);
+}
