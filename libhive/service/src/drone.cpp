@@ -54,6 +54,7 @@ void Drone::on_event(const std::string& input, const std::string& type, std::fun
     core_.callbacks[input] = std::move(callback);
 }
 
+std::optional<Json> Drone::given(const std::string& parameter) const { return core_.given(parameter); }
 void Drone::on_change(std::function<void()> callback) { core_.on_change = std::move(callback); }
 void Drone::on_start(std::function<void()> callback) { core_.on_start = std::move(callback); }
 void Drone::main(std::function<std::chrono::microseconds()> step) { core_.main = std::move(step); }
@@ -62,6 +63,7 @@ void Drone::wake() { core_.wake(); }
 void Drone::condition(const std::string& text) { core_.condition(text); }
 void Drone::report(Errc code, const std::string& text) { core_.report(code, text, nullptr); }
 void Drone::log(const std::string& text) { core_.log(text); }
+Json Drone::status() const { return core_.status(); }
 bool Drone::stopping() const { return core_.stopping(); }
 
 Loan Output::loan(std::size_t bytes) const { return core_->loan(bytes); }
@@ -85,5 +87,7 @@ void Output::emit_captured(std::chrono::system_clock::time_point captured, bool 
     core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), if_wanted(*this, body),
                 std::move(type));
 }
+
+void Output::repeat(Event event) const { core_->repeat(index_, std::move(event)); }
 
 }  // namespace hive

@@ -52,6 +52,9 @@ public:
     [[nodiscard]] bool asked(std::size_t output) const;
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type);
+    void repeat(std::size_t output, Event event);
+    [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
+    [[nodiscard]] Json status();
     void wake();
     void condition(const std::string& text);
     void report(Errc code, const std::string& text, const Event* cause);
@@ -86,6 +89,8 @@ private:
     void deliver(Event event);
     void call(const Event& event);
     void failed(const Event& event, Errc code, const std::string& text);
+    [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
+    void send(std::size_t output, Event event, bool complete);
     void set_state(State state);
     void begin_work(const std::string& what);
     void end_work();
@@ -107,7 +112,7 @@ private:
     void end(bool forget);
     void arrived(Event event, const std::weak_ptr<event::Intake>& intake);
     event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
-    [[nodiscard]] Json status();
+    [[nodiscard]] Json status_now();
     void remember();
 
     DroneProgram program_;
@@ -129,6 +134,7 @@ private:
     std::condition_variable handover_less_;
     mutable std::mutex board_mutex_;
     Board board_;
+    Json last_status_;  ///< user thread, after the loop
 };
 
 }  // namespace hive
