@@ -29,7 +29,7 @@ refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' prot
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
 refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
-    protocol/include/hive/*.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
+    protocol/include/hive/*.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
 
 [ "$failures" -eq 0 ] || exit 1
 echo "layers: every include points the right way"

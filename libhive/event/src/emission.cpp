@@ -4,6 +4,7 @@
 #include <hive/error.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/clock.hpp>
+#include <hive/event_text.hpp>
 
 namespace hive {
 
@@ -92,13 +93,25 @@ void Emission::keep_rendition(const std::string& encoding, std::shared_ptr<const
 
 Event event_from_packet(const protocol::Packet& packet)
 {
-    Event event;
-    event.size = packet.body.size();
-    if (!read_plain_header(packet.header_text(), event))
-        event = event_from_json(parse_json(packet.header_text()), packet.body.size());
-    event.body = packet.body;
+    Event event = event_from_text(packet.header_text(), packet.body);
     event.received = std::chrono::steady_clock::now();
     return event;
 }
 
 }  // namespace hive::event
+
+namespace hive {
+
+std::string event_text(const Event& event) { return event::header_text(event, {event.identity.group, event.identity.turn, event.identity.attempt}); }
+
+Event event_from_text(std::string_view text, Body body)
+{
+    Event event;
+    event.size = body.size();
+    if (!event::read_plain_header(text, event))
+        event = event::event_from_json(parse_json(text), body.size());
+    event.body = std::move(body);
+    return event;
+}
+
+}  // namespace hive

@@ -201,7 +201,7 @@ std::string header_text(const Event& event, const Share& share)
     header.number("seq", identity.sequence);
     header.number("time_us", identity.captured_us);
     header.number("mono_us", identity.monotonic_us);
-    header.number("size", static_cast<std::int64_t>(event.body.size()));
+    header.number("size", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
     if (identity.lossless)
         header.raw("lossless", "true");
     if (!share.group.empty()) {

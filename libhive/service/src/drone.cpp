@@ -61,6 +61,7 @@ Matching Drone::on_matched(const std::vector<MatchedInput>& inputs, Match match,
 
 void Matching::rule(Match match) const { core_->matchings[index_].matcher.rule(match); }
 
+std::optional<Json> Drone::given(const std::string& parameter) const { return core_.given(parameter); }
 void Drone::on_change(std::function<void()> callback) { core_.on_change = std::move(callback); }
 void Drone::on_start(std::function<void()> callback) { core_.on_start = std::move(callback); }
 void Drone::main(std::function<std::chrono::microseconds()> step) { core_.main = std::move(step); }
@@ -69,6 +70,7 @@ void Drone::wake() { core_.wake(); }
 void Drone::condition(const std::string& text) { core_.condition(text); }
 void Drone::report(Errc code, const std::string& text) { core_.report(code, text, nullptr); }
 void Drone::log(const std::string& text) { core_.log(text); }
+Json Drone::status() const { return core_.status(); }
 bool Drone::stopping() const { return core_.stopping(); }
 
 Loan Output::loan(std::size_t bytes) const { return core_->loan(bytes); }
@@ -92,5 +94,7 @@ void Output::emit_captured(std::chrono::system_clock::time_point captured, bool 
     core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), if_wanted(*this, body),
                 std::move(type));
 }
+
+void Output::repeat(Event event) const { core_->repeat(index_, std::move(event)); }
 
 }  // namespace hive

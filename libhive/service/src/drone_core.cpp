@@ -47,6 +47,7 @@ void DroneCore::run()
     started_ = Clock::now();
     prepare();
     loop();
+    last_status_ = status();
     module_->end();  // not reset(): what still runs on the network side uses module_
     log("ended");
 }
@@ -87,6 +88,26 @@ void DroneCore::prepare()
         remember();
     });
     log("started");
+}
+
+std::optional<Json> DroneCore::given(const std::string& parameter) const
+{
+    if (settings_.parameters.contains(parameter))
+        return settings_.parameters[parameter];
+    if (settings_.describe)
+        return std::nullopt;  // without a home
+    const Json state = event::Home(event::default_home()).read_state(settings_.name).value_or(Json::object());
+    const Json told = state.value("parameters", Json::object());
+    return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
+}
+
+Json DroneCore::status()
+{
+    if (stopping_ && !last_status_.is_null())
+        return last_status_;
+    Json now;
+    module_->call([&] { now = status_now(); });
+    return now;
 }
 
 void DroneCore::loop()
@@ -285,12 +306,8 @@ Identity DroneCore::inherited(Slot& slot) const
 
 void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type)
 {
+    const Port& port = port_to_emit(output, header);
     Slot& slot = *outputs_[output];
-    const Port& port = interface.outputs[output];
-    if (!module_)
-        throw Error(Errc::invalid_argument, "output " + port.name + ": nothing can be emitted before run()");
-    if (!header.is_object())
-        throw Error(Errc::invalid_argument, "output " + port.name + ": the header of an event must be a JSON object");
     Event event;
     if (begun) {
         event.identity = std::move(*begun);
@@ -301,19 +318,47 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
     } else {
         event.identity = fresh_identity(output, event::wall_us(), false);
     }
-    event.sender = settings_.name;
-    event.kind = interface.kind;
-    event.output = port.name;
     event.type = type.empty() ? port.type.substr(0, port.type.find(',')) : std::move(type);
     event.header = std::move(header);
     auto made = body();
     const bool complete = made.has_value();
     event.body = std::move(made).value_or(Body());
+    event.size = event.body.size();
+    send(output, std::move(event), complete);
+}
+
+const Port& DroneCore::port_to_emit(std::size_t output, const Json& header) const
+{
+    const Port& port = interface.outputs[output];
+    if (!module_)
+        throw Error(Errc::invalid_argument, "output " + port.name + ": nothing can be emitted before run()");
+    if (!header.is_object())
+        throw Error(Errc::invalid_argument, "output " + port.name + ": the header of an event must be a JSON object");
+    return port;
+}
+
+void DroneCore::repeat(std::size_t output, Event event)
+{
+    static_cast<void>(port_to_emit(output, event.header));
+    event.receipt.reset();
+    event.input.clear();
+    const bool complete = !event.body.empty() || event.size == 0;
+    if (complete)
+        event.size = event.body.size();
+    send(output, std::move(event), complete);
+}
+
+void DroneCore::send(std::size_t output, Event event, bool complete)
+{
+    Slot& slot = *outputs_[output];
+    const Port& port = interface.outputs[output];
+    event.sender = settings_.name;
+    event.kind = interface.kind;
+    event.output = port.name;
     if (slot.outlet->shares())
         event.body = module_->pool().copied_in(event.body);
-    event.size = event.body.size();
-    if (event.size > protocol::Limits{}.body)
-        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.size) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+    if (event.body.size() > protocol::Limits{}.body)
+        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.body.size()) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
     auto emission = std::make_shared<const event::Emission>(std::move(event), complete);
     {
         std::unique_lock lock(handover_mutex_);

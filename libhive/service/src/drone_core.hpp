@@ -63,6 +63,9 @@ public:
     [[nodiscard]] bool asked(std::size_t output) const;
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type);
+    void repeat(std::size_t output, Event event);
+    [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
+    [[nodiscard]] Json status();
     void wake();
     void condition(const std::string& text);
     void report(Errc code, const std::string& text, const Event* cause);
@@ -105,6 +108,8 @@ private:
     void work_on_sets();
     [[nodiscard]] Clock::time_point next_deadline() const;
     Identity inherited(Slot& slot) const;
+    [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
+    void send(std::size_t output, Event event, bool complete);
     void set_state(State state);
     void begin_work(const std::string& what);
     void end_work();
@@ -126,7 +131,7 @@ private:
     void end(bool forget);
     void arrived(Event event, const std::weak_ptr<event::Intake>& intake);
     event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
-    [[nodiscard]] Json status();
+    [[nodiscard]] Json status_now();
     [[nodiscard]] Json matching_status(const Board& board) const;
     void remember();
 
@@ -149,6 +154,7 @@ private:
     std::condition_variable handover_less_;
     mutable std::mutex board_mutex_;
     Board board_;
+    Json last_status_;  ///< user thread, after the loop
 };
 
 }  // namespace hive

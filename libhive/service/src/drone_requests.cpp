@@ -41,7 +41,7 @@ Json spec_json(const IntakeSpec& spec)
 void DroneCore::add_handlers()
 {
     module_->handle(PacketType::describe, [this](const Incoming& incoming) { incoming.answer(to_json(interface)); });
-    module_->handle(PacketType::status, [this](const Incoming& incoming) { incoming.answer(status()); });
+    module_->handle(PacketType::status, [this](const Incoming& incoming) { incoming.answer(status_now()); });
     module_->handle(PacketType::get, [this](const Incoming& incoming) { on_get(incoming); });
     module_->handle(PacketType::set, [this](const Incoming& incoming) { on_set(incoming); });
     module_->handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
@@ -300,7 +300,7 @@ void DroneCore::remember()
     home_->write_state(settings_.name, {{"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}});
 }
 
-Json DroneCore::status()
+Json DroneCore::status_now()
 {
     Json outputs = Json::array(), inputs = Json::array();
     std::size_t rows = most_receivers_listed;

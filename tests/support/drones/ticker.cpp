@@ -1,6 +1,7 @@
 // A source for tests: numbered bodies with a checksum, live or on demand, that cost next to nothing to make.
 #include <hive/drone.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -22,6 +23,7 @@ public:
     {
         drone.parameter("fps", fps_, hive::between(0.1, 100'000).in("fps"), "with pace=live");
         drone.parameter("bytes", bytes_, hive::between(0, 16 << 20).in("B"), "of one body");
+        drone.parameter("padding", padding_, hive::between(0, 60'000).in("B"), "of text in the header");
         drone.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next one when all receivers ask");
         drone.parameter("count", count_, hive::at_least(0), "how many in all; 0: no end");
         drone.on_change([this] { begin_ = Clock::now(), made_since_ = 0; });
@@ -50,13 +52,16 @@ private:
     {
         auto body = bytes_of(++made_, bytes_);
         const auto sum = std::accumulate(body.begin(), body.end(), std::int64_t{0});
-        tick_.emit_captured(std::chrono::system_clock::now(), lossless, {{"index", made_}, {"sum", sum}}, [&] { return hive::Body(std::move(body)); });
+        hive::Json header{{"index", made_}, {"sum", sum}};
+        for (int left = padding_; left > 0; left -= 10'000)
+            header["padding-" + std::to_string(left)] = std::string(static_cast<std::size_t>(std::min(left, 10'000)), 'p');
+        tick_.emit_captured(std::chrono::system_clock::now(), lossless, std::move(header), [&] { return hive::Body(std::move(body)); });
     }
 
     hive::Drone& drone_;
     hive::Output tick_;
     double fps_ = 30;
-    int bytes_ = 1000, count_ = 0;
+    int bytes_ = 1000, count_ = 0, padding_ = 0;
     std::string pace_ = "live";
     Clock::time_point begin_ = Clock::now();
     std::int64_t made_ = 0, made_since_ = 0;

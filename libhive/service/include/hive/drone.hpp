@@ -61,6 +61,9 @@ public:
     /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless). The body is made only if it is wanted().
     void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body,
                        std::string type = {}) const;
+    /// Sends an event again, as it once was: identity, capture time, hops, header, type and body are those of `event`; only who sends it is
+    /// new. Without its body (`size` says that there was one) it goes to those who receive headers alone.
+    void repeat(Event event) const;
 
 private:
     friend class Drone;
@@ -99,6 +102,9 @@ public:
 
     // --- declarations ---
 
+    /// The value that a parameter was given and will begin with: by --set, or by what the drone was told before a crash. Before run(); for
+    /// drones whose ports depend on it. Nothing: its default. It is checked when the drone runs.
+    [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
     /// Declares a parameter bound to `variable`, whose present value is the default. `set` assigns it between callbacks.
     void parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help);
     void parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help);
@@ -139,6 +145,8 @@ public:
     void report(Errc code, const std::string& text);
     /// One line in the drone's log. From any thread.
     void log(const std::string& text);
+    /// What an application would be told now (SPEC.md, section 6.4); after run(), how it was at the end.
+    [[nodiscard]] Json status() const;
     /// True when the drone should end; for loops in threads of the author's own. From any thread.
     [[nodiscard]] bool stopping() const;
 

@@ -1,0 +1,8 @@
+// The record drone: whatever comes in goes into one file.
+#include "record_drone.hpp"
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {.kind = "record", .summary = "Records events into a file.", .stateful = true},
+                           [](hive::Drone& drone) { recording::RecordDrone(drone).run(); });
+}

@@ -1,0 +1,128 @@
+// One file at a time; a disk that fails ends the file, never the drone.
+#include "record_drone.hpp"
+
+#include "event_record.hpp"
+
+#include <csignal>
+
+namespace recording {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone)
+{
+    drone_.parameter("file", file_, hive::anything(), "where to; a new one ends the recording and begins another; empty: ends it");
+    drone_.parameter("overwrite", overwrite_, hive::anything(), "a file that is there already may be replaced");
+    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"), "ends the recording before the file grows larger; 0: no limit");
+    drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"), "ends the recording so long after its first event; 0: no limit");
+    drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"), "how often the file is forced to the disk; 0: when the system likes");
+    drone_.on_start([] { std::signal(SIGXFSZ, SIG_IGN); });  // a file over the limit of the process is an error like others
+    drone_.on_change([this] { apply(); });
+    drone_.on_event("events", "*/*", [this](const hive::Event& event) { take(event); }, "what is recorded; connect as many outputs as you like");
+    drone_.main([this] { return look(); });
+}
+
+void RecordDrone::run()
+{
+    drone_.run();
+    close("stopped");
+}
+
+Limits RecordDrone::limits() const
+{
+    return {static_cast<std::uint64_t>(max_size_ * 1e6), std::chrono::microseconds(static_cast<std::int64_t>(max_duration_ * 1e6))};
+}
+
+void RecordDrone::apply()
+{
+    if (file_ != opened_)
+        open();
+    if (writer_)
+        writer_->limits(limits());
+    say();
+}
+
+/// The new file first: if it cannot be, the old one goes on.
+void RecordDrone::open()
+{
+    std::unique_ptr<Writer> fresh;
+    if (!file_.empty())
+        try {
+            fresh = std::make_unique<Writer>(WriterSettings{file_, overwrite_, limits(), std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
+        } catch (const std::exception& error) {
+            throw hive::Error(hive::Errc::refused, error.what());
+        }
+    close("another file was set");
+    opened_ = file_;
+    reported_ = false;
+    count_dropped();
+    for (auto& [from, dropped] : dropped_)
+        dropped.total = 0;
+    writer_ = std::move(fresh);
+}
+
+void RecordDrone::close(const std::string& how)
+{
+    if (!writer_)
+        return;
+    count_dropped();
+    if (how == "stopped")
+        if (const auto waiting = drone_.status().value("queued", std::int64_t{0}); waiting > 0 && writer_->ended().empty())
+            writer_->lost("*", "still waiting when the drone was stopped", waiting);
+    writer_->finish(how);
+    drone_.log(opened_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
+    writer_.reset();
+}
+
+void RecordDrone::take(const hive::Event& event)
+{
+    if (!writer_)
+        return;
+    append(*writer_, event);
+    if (!writer_->ended().empty())
+        say();
+}
+
+/// Looks a few times a second, so that a limit or a failed disk is noticed without an event.
+std::chrono::microseconds RecordDrone::look()
+{
+    if (!writer_)
+        return 1s;
+    writer_->look(Clock::now());
+    if (Clock::now() >= next_count_) {
+        count_dropped();
+        next_count_ = Clock::now() + 1s;
+    }
+    say();
+    return 200ms;
+}
+
+/// What each connection has lost at this end since the last look.
+void RecordDrone::count_dropped()
+{
+    for (const auto& input : drone_.status().value("inputs", hive::Json::array())) {
+        const auto from = input.value("from", "?");
+        const auto now = input.value("dropped", std::int64_t{0});
+        Dropped& dropped = dropped_[from];
+        dropped.total += now >= dropped.seen ? now - dropped.seen : now;
+        dropped.seen = now;
+        if (writer_ && dropped.total > 0)
+            writer_->lost(from, "dropped by the recorder: it could not keep up", dropped.total);
+    }
+}
+
+void RecordDrone::say()
+{
+    if (!writer_)
+        return drone_.condition("no file: set one, file=PATH");
+    const bool failed = !writer_->failure().empty();
+    drone_.condition(failed || writer_->ended().empty() ? writer_->failure() : "ended: " + writer_->ended());
+    if (failed && !std::exchange(reported_, true))
+        drone_.report(hive::Errc::io, opened_ + ": " + writer_->failure() + "; the recording has ended, what comes now is counted as lost");
+}
+
+}  // namespace recording

@@ -1,0 +1,46 @@
+// The wiring of the record drone: parameters to a writer, events into it, what was lost on the way to its end.
+#pragma once
+
+#include "recording_writer.hpp"
+
+#include <hive/drone.hpp>
+
+#include <map>
+#include <memory>
+#include <string>
+
+namespace recording {
+
+/// User thread.
+class RecordDrone {
+public:
+    explicit RecordDrone(hive::Drone& drone);
+    /// Until the drone is told to stop; the file is ended then.
+    void run();
+
+private:
+    void apply();
+    void open();
+    void close(const std::string& how);
+    void take(const hive::Event& event);
+    std::chrono::microseconds look();
+    void count_dropped();
+    void say();
+    [[nodiscard]] Limits limits() const;
+
+    hive::Drone& drone_;
+    std::string file_;
+    bool overwrite_ = false;
+    double max_size_ = 0, max_duration_ = 0, sync_ = 1;
+    std::string opened_;              ///< the file that `writer_` was made for
+    std::unique_ptr<Writer> writer_;
+    struct Dropped {
+        std::int64_t seen = 0;   ///< the connection's own count, which begins again with the connection
+        std::int64_t total = 0;  ///< since the file was opened
+    };
+    std::map<std::string, Dropped> dropped_;  ///< by where the connection comes from
+    bool reported_ = false;           ///< that the disk failed
+    std::chrono::steady_clock::time_point next_count_{};
+};
+
+}  // namespace recording

@@ -1,0 +1,7 @@
+// The replay drone: a recording becomes the outputs that were recorded.
+#include "replay_drone.hpp"
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"replay", "Gives the events of a recording again, as they were."}, [](hive::Drone& drone) { replay::ReplayDrone(drone).run(); });
+}

@@ -1,0 +1,55 @@
+// Which event of a recording is next, and when it is due.
+#pragma once
+
+#include "recording_reader.hpp"
+
+#include <chrono>
+#include <optional>
+
+namespace replay {
+
+struct Range {
+    std::int64_t from_us = 0;
+    std::int64_t to_us = 0;  ///< 0: to the end
+    bool operator==(const Range&) const = default;
+};
+
+/// The events of a range, one after the other, once or again and again.
+class Playback {
+public:
+    /// @throws std::runtime_error  no such file, or no recording
+    Playback(const std::filesystem::path& path, const Range& range);
+
+    [[nodiscard]] const recording::Reader& reader() const noexcept { return reader_; }
+    /// The event whose turn it is; nothing at the end.
+    [[nodiscard]] const std::optional<recording::Record>& current() const noexcept { return current_; }
+    /// @param again  at the end the first one follows
+    void advance(bool again);
+
+private:
+    void rewind();
+
+    recording::Reader reader_;
+    Range range_;
+    std::optional<recording::Record> current_;
+};
+
+/// The times of the recording on the clock of this machine. No clock of its own: the caller says what time it is.
+class Timeline {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// When an event is due. Time that goes back begins anew with this event; so does what is more than a second late, so that no burst
+    /// follows a pause.
+    Clock::time_point due(std::int64_t time_us, double speed, Clock::time_point now);
+    /// The next event is due at once.
+    void restart() { begun_ = false; }
+
+private:
+    bool begun_ = false;
+    std::int64_t first_us_ = 0, last_us_ = 0;
+    double speed_ = 1;
+    Clock::time_point start_{};
+};
+
+}  // namespace replay

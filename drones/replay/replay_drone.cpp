@@ -1,0 +1,212 @@
+// One event at a time, when it is due and asked for.
+#include "replay_drone.hpp"
+
+#include <hive/event_text.hpp>
+#include <hive/vision/encoder.hpp>
+#include <hive/vision/image.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+namespace replay {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto everything = "events";
+
+/// Are all of these types those of pictures, which connections may have encoded?
+bool are_pictures(const std::string& types)
+{
+    std::istringstream list(types);
+    bool all = !types.empty();
+    for (std::string type; std::getline(list, type, ',');)
+        all = all && hive::types_fit(type, hive::vision::image_types);
+    return all;
+}
+
+hive::Body body_of(const recording::Reader& reader, const recording::Record& record, const hive::Output& output)
+{
+    if (record.prefix.body_size == 0)
+        return {};
+    hive::Loan memory = output.loan(record.prefix.body_size);
+    reader.body(record, std::as_writable_bytes(std::span(memory.data(), memory.size())));
+    return hive::Body(std::move(memory));
+}
+
+}  // namespace
+
+ReplayDrone::ReplayDrone(hive::Drone& drone) : drone_(drone)
+{
+    declare();
+    declare_outputs();
+    drone_.on_change([this] { apply(); });
+    drone_.main([this] { return step(); });
+}
+
+void ReplayDrone::declare()
+{
+    drone_.parameter("file", file_, hive::anything(), "the recording");
+    drone_.parameter("pace", pace_, hive::one_of({"real", "demand"}), "real: as the events came; demand: the next one when all receivers ask, nothing skipped");
+    drone_.parameter("speed", speed_, hive::between(0.01, 1000), "with pace=real: how many times as fast as the events came");
+    drone_.parameter("loop", loop_, hive::anything(), "begins again at the end");
+    drone_.parameter("from", from_, hive::at_least(0).in("s"), "of the recording, where to begin");
+    drone_.parameter("to", to_, hive::at_least(0).in("s"), "of the recording, where to end; 0: at its end");
+}
+
+/// A file that cannot be read is complained about when the drone runs.
+void ReplayDrone::declare_outputs()
+{
+    const auto given = drone_.given("file").value_or("");
+    std::vector<recording::Port> ports;
+    if (given.is_string() && given != "")
+        try {
+            ports = recording::ports_of(recording::Reader(given.get<std::string>()).summary().tracks);
+        } catch (const std::exception&) {
+        }
+    for (const auto& port : ports) {
+        const auto help = "as it was recorded";
+        outputs_.push_back({port, are_pictures(port.types) ? drone_.output(port.name, hive::vision::image_types, help, hive::vision::encoder())
+                                                           : drone_.output(port.name, port.types, help)});
+    }
+    if (outputs_.empty())
+        outputs_.push_back({{everything, "*/*", {}}, drone_.output(everything, "*/*", "everything in the order of the recording")});
+}
+
+Range ReplayDrone::range() const { return {static_cast<std::int64_t>(from_ * 1e6), static_cast<std::int64_t>(to_ * 1e6)}; }
+
+void ReplayDrone::apply()
+{
+    if (to_ > 0 && to_ <= from_)
+        throw hive::Error(hive::Errc::refused, "to is not behind from");
+    const Opened wanted{file_, range()};
+    if (wanted != opened_ || ended_)
+        open(wanted);
+    timeline_.restart();
+    if (!playback_)
+        drone_.condition("no file: set one, file=PATH");
+}
+
+/// If the new one cannot be opened, the old one goes on.
+void ReplayDrone::open(const Opened& wanted)
+{
+    std::unique_ptr<Playback> fresh;
+    std::vector<std::size_t> output_of;
+    if (!wanted.file.empty())
+        try {
+            fresh = std::make_unique<Playback>(wanted.file, wanted.range);
+            output_of = outputs_for(fresh->reader().summary().tracks);
+        } catch (const std::exception& error) {
+            throw hive::Error(hive::Errc::refused, error.what());
+        }
+    playback_ = std::move(fresh);
+    output_of_ = std::move(output_of);
+    opened_ = wanted;
+    event_.reset();
+    damaged_ = 0;
+    begun_ = ended_ = false;
+    drone_.condition("waiting for a receiver");
+}
+
+std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<recording::Track>& tracks) const
+{
+    std::vector<std::size_t> result(tracks.size(), 0);
+    if (outputs_[0].port.name == everything && outputs_[0].port.tracks.empty())
+        return result;
+    for (const auto& port : recording::ports_of(tracks)) {
+        const auto found = std::ranges::find_if(outputs_, [&](const Declared& declared) { return declared.port.name == port.name && declared.port.types == port.types; });
+        if (found == outputs_.end())
+            throw std::runtime_error("it has an output " + port.name + " (" + port.types + ") that this drone was not started with; start another one: hivectl replay FILE --as NAME");
+        for (const auto track : port.tracks)
+            result[track] = static_cast<std::size_t>(found - outputs_.begin());
+    }
+    return result;
+}
+
+bool ReplayDrone::anybody() const
+{
+    return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); });
+}
+
+std::chrono::microseconds ReplayDrone::step()
+{
+    if (!playback_ || ended_ || (!begun_ && !anybody()))
+        return 1s;
+    if (!std::exchange(begun_, true))
+        drone_.condition("");
+    if (!playback_->current())
+        return at_end();
+    if (!event_ && !prepare())
+        return 0s;
+    const bool wanted = output().wanted();
+    if (pace_ == "real") {
+        const auto due = timeline_.due(playback_->current()->prefix.time_us, speed_, Timeline::Clock::now());
+        if (const auto wait = std::chrono::ceil<std::chrono::microseconds>(due - Timeline::Clock::now()); wait > 0us)
+            return wait;
+    } else if (!wanted && !anybody()) {
+        return 1s;
+    }
+    if (wanted && event_->identity.lossless && !output().asked())
+        return 1s;
+    event_->identity.lossless = event_->identity.lossless && wanted;  // nobody waits for what nobody receives
+    send();
+    return 0s;
+}
+
+/// Reads the header of the current event; false when it is damaged.
+bool ReplayDrone::prepare()
+try {
+    event_ = hive::event_from_text(playback_->reader().text(*playback_->current()));
+    auto& identity = event_->identity;
+    identity.lossless = identity.lossless || pace_ == "demand";
+    identity.group.clear();  // what was shared work then is nobody's now
+    identity.turn = identity.attempt = 0;
+    return true;
+} catch (const std::exception& error) {
+    damaged(error.what());
+    return false;
+}
+
+void ReplayDrone::take_next()
+{
+    event_.reset();
+    playback_->advance(loop_);
+}
+
+/// The body is read only if somebody receives it.
+void ReplayDrone::send()
+{
+    const auto record = *playback_->current();
+    const auto& to = output();
+    hive::Event event = std::move(*event_);
+    try {
+        if (to.wanted())
+            event.body = body_of(playback_->reader(), record, to);
+    } catch (const std::exception& error) {
+        return damaged(error.what());
+    }
+    take_next();
+    to.repeat(std::move(event));
+}
+
+void ReplayDrone::damaged(const std::string& what)
+{
+    ++damaged_;
+    drone_.report(hive::Errc::malformed, file_ + ": " + what + "; the event is left out");
+    take_next();
+}
+
+std::chrono::microseconds ReplayDrone::at_end()
+{
+    ended_ = true;
+    const auto& problem = playback_->reader().problem();
+    if (!problem.empty())
+        drone_.report(hive::Errc::malformed, file_ + ": " + problem);
+    std::string text = "end of recording";
+    if (damaged_ > 0)
+        text += "; damaged events left out: " + std::to_string(damaged_);
+    drone_.condition(problem.empty() ? text : text + "; " + problem);
+    return 1s;
+}
+
+}  // namespace replay
