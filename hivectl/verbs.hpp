@@ -20,6 +20,7 @@
     VERB(get) \
     VERB(results) \
     VERB(snap) \
+    VERB(view) \
     VERB(put) \
     VERB(top) \
     VERB(exceptions) \
