@@ -6,6 +6,8 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 
+#include <hive/transfer.hpp>
+
 #include <cstdlib>
 
 namespace hivectl {
@@ -22,6 +24,15 @@ inline CLI::Validator seconds(double least = 0.001, double most = 1e8)
         return text + " is not a number of seconds" + (number ? value < least ? ", or too small" : ", or too large" : "");
     };
     return {problem, "", "seconds"};
+}
+
+/// How pictures travel, as `hive::is_encoding` knows it.
+inline CLI::Validator encoding_word()
+{
+    const auto problem = [](std::string& text) {
+        return hive::is_encoding(text) ? std::string() : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
+    };
+    return {problem, "", "encoding"};
 }
 
 }  // namespace hivectl

@@ -1,4 +1,4 @@
-// The SIGINT handler.
+// The handler of SIGINT, SIGTERM and SIGHUP.
 #include "interrupt.hpp"
 
 #include "exit_code.hpp"
@@ -13,31 +13,34 @@ namespace hivectl::interrupt {
 namespace {
 
 // Read and written in a signal handler: lock-free, and nothing else.
-std::atomic<bool> deferred{false};
+std::atomic<int> deferred{0};  // how many Deferred live
 std::atomic<bool> pressed{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-void on_interrupt(int)
+void on_signal(int signal)
 {
-    if (!deferred || pressed.exchange(true))
-        ::_exit(exit_code::interrupted);
+    if (deferred == 0 || pressed.exchange(true))
+        ::_exit(128 + signal);
 }
+static_assert(exit_code::interrupted == 128 + SIGINT);
 
 }  // namespace
 
 void install()
 {
-    struct sigaction previous{};
-    if (::sigaction(SIGINT, nullptr, &previous) == 0 && previous.sa_handler == SIG_IGN)
-        return;
-    struct sigaction action{};
-    action.sa_handler = on_interrupt;
-    action.sa_flags = SA_RESTART;
-    ::sigaction(SIGINT, &action, nullptr);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction previous{};
+        if (::sigaction(signal, nullptr, &previous) == 0 && previous.sa_handler == SIG_IGN)
+            continue;
+        struct sigaction action{};
+        action.sa_handler = on_signal;
+        action.sa_flags = SA_RESTART;
+        ::sigaction(signal, &action, nullptr);
+    }
 }
 
-Deferred::Deferred() { deferred = true; }
-Deferred::~Deferred() { deferred = false; }
+Deferred::Deferred() { ++deferred; }
+Deferred::~Deferred() { --deferred; }
 
 bool requested() { return pressed; }
 

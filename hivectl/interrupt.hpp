@@ -1,11 +1,11 @@
-// Ctrl-C: ends at once with 130, unless a verb has something to put in order first.
+// Ctrl-C, and a terminal that goes away: ends at once with 128 + signal (130), unless a verb has something to put in order first.
 #pragma once
 
 #include <chrono>
 
 namespace hivectl::interrupt {
 
-/// Installs the handler; leaves SIGINT ignored where the shell wants it so (background jobs of scripts).
+/// Installs the handler; leaves signals ignored where the shell wants it so (background jobs of scripts).
 void install();
 /// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once.
 class Deferred {

@@ -21,6 +21,7 @@
     VERB(results) \
     VERB(collect) \
     VERB(snap) \
+    VERB(view) \
     VERB(put) \
     VERB(top) \
     VERB(exceptions) \

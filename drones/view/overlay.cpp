@@ -14,7 +14,7 @@ constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
 /// Font scale with which the text is about a 28th of the picture's height, or as wide as the picture if that is less.
 double scale_for(const std::string& text, cv::Size size)
 {
-    const double wanted = std::clamp(size.height / 28.0 / 22.0, 0.4, 3.0);
+    const double wanted = std::clamp(size.height / 28.0 / 26.0, 0.4, 3.0);
     int baseline = 0;
     const int width = std::max(1, cv::getTextSize(text, font, 1, 1, &baseline).width);
     return std::clamp((size.width - 8.0) / width, 0.2, wanted);

@@ -1,18 +1,14 @@
 // GNU libmicrohttpd in a loop of ours: everything but wake() happens on one thread, so nothing here needs a lock.
 #include "server.hpp"
 
-#include "host.hpp"
-#include "page.hpp"
-#include "status.hpp"
+#include "answer.hpp"
+#include "listener.hpp"
 #include "stream.hpp"
 
 #include <microhttpd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <csignal>
-#include <cstring>
-#include <netinet/in.h>
 #include <poll.h>
 #include <set>
 #include <stdexcept>
@@ -32,47 +28,19 @@ constexpr auto tick = std::chrono::milliseconds(500);
 constexpr std::size_t request_bytes = 16 * 1024;  // of a request's head, and of what is on its way to one browser
 constexpr int socket_bytes = 64 * 1024;           // in the kernel: what a slow browser sees is not much older than it is slow
 
-[[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what + ": " + std::strerror(errno)); }
-
-class Descriptor {
-public:
-    explicit Descriptor(int number) : number_(number) {}
-    ~Descriptor()
-    {
-        if (number_ >= 0)
-            ::close(number_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    [[nodiscard]] int get() const noexcept { return number_; }
-    int release() noexcept { return std::exchange(number_, -1); }
-
-private:
-    int number_;
+/// One connection is one request; and other pages may do nothing with ours.
+constexpr std::pair<const char*, const char*> headers[]{
+    {"Allow", "GET"},
+    {"Cache-Control", "no-store"},
+    {"Connection", "close"},
+    {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"X-Content-Type-Options", "nosniff"},
 };
 
-int listen_at(const Address& address, const std::string& url)
+Response response_of(const std::string& body)
 {
-    Descriptor socket(::socket(address.raw()->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-    const int yes = 1;
-    ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (::bind(socket.get(), address.raw(), address.size()) != 0 || ::listen(socket.get(), 16) != 0)
-        refuse("cannot listen at " + url);
-    return socket.release();
-}
-
-int port_of(int socket)
-{
-    sockaddr_storage address{};
-    socklen_t size = sizeof address;
-    ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-    static_assert(offsetof(sockaddr_in, sin_port) == offsetof(sockaddr_in6, sin6_port));
-    return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
-}
-
-Response response_of(std::string_view text, MHD_ResponseMemoryMode mode)
-{
-    return {MHD_create_response_from_buffer(text.size(), const_cast<char*>(text.data()), mode), MHD_destroy_response};
+    return {MHD_create_response_from_buffer(body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY), MHD_destroy_response};
 }
 
 }  // namespace
@@ -102,11 +70,8 @@ private:
     int patience() const;
     void resume_streams();
     void end_the_late();
-    MHD_Result answer(MHD_Connection* connection, std::string_view path, std::string_view method);
-    MHD_Result answer_picture(MHD_Connection* connection);
-    MHD_Result answer_stream(MHD_Connection* connection);
-    MHD_Result send(MHD_Connection* connection, unsigned code, const char* type, Response response);
-    MHD_Result send_text(MHD_Connection* connection, unsigned code, std::string_view sentence);
+    MHD_Result answer(MHD_Connection* connection, const Request& request);
+    Response begin_stream(MHD_Connection* connection);
     void visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what);
 
     static MHD_Result on_request(void* core, MHD_Connection* connection, const char* path, const char* method, const char*, const char*,
@@ -132,20 +97,19 @@ private:
 Server::Core::Core(const Settings& settings, const Exchange& exchange)
     : settings_(settings), exchange_(exchange), address_(settings.bind, settings.port), wakes_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))
 {
-    const int socket = listen_at(address_, url_of(settings_.bind, settings_.port));
+    Descriptor socket = listen_at(address_, url_of(settings_.bind, settings_.port));
     port_ = port_of(socket);
     daemon_ = MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Core::on_request, this,
-                               MHD_OPTION_LISTEN_SOCKET, socket,
+                               MHD_OPTION_LISTEN_SOCKET, socket.get(),
                                MHD_OPTION_CONNECTION_LIMIT, settings_.connections,
                                MHD_OPTION_CONNECTION_MEMORY_LIMIT, request_bytes,
                                MHD_OPTION_CONNECTION_TIMEOUT, static_cast<unsigned>(settings_.stalled.count()),
                                MHD_OPTION_NOTIFY_CONNECTION, &Core::on_visit, this,
                                MHD_OPTION_STRICT_FOR_CLIENT, 1,
                                MHD_OPTION_END);
-    if (!daemon_) {
-        ::close(socket);
-        refuse("cannot serve HTTP");
-    }
+    if (!daemon_)
+        throw std::runtime_error("cannot serve HTTP at " + url_of(settings_.bind, port_));
+    socket.release();  // the daemon closes it
     thread_ = std::thread([this] { loop(); });
 }
 
@@ -222,46 +186,29 @@ void Server::Core::visit(MHD_Connection* connection, MHD_ConnectionNotificationC
     visitors_[connection] = {socket, Clock::now()};
 }
 
-MHD_Result Server::Core::answer(MHD_Connection* connection, std::string_view path, std::string_view method)
+MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
 {
-    const char* host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);
-    if (!host || !host_fits(host, address_))
-        return send_text(connection, host ? MHD_HTTP_FORBIDDEN : MHD_HTTP_BAD_REQUEST, "Open this page by its address.\n");
-    if (method != MHD_HTTP_METHOD_GET)
-        return send_text(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "Only GET.\n");
-    struct File {
-        std::string_view path, text;
-        const char* type;
-    };
-    for (const auto& file : {File{"/", page_html, "text/html; charset=utf-8"}, {"/view.css", page_css, "text/css"}, {"/view.js", page_js, "text/javascript"}})
-        if (path == file.path)
-            return send(connection, MHD_HTTP_OK, file.type, response_of(file.text, MHD_RESPMEM_PERSISTENT));
-    if (path == "/status.json")
-        return send(connection, MHD_HTTP_OK, "application/json", response_of(status_of(exchange_.newest(), streams_).dump(), MHD_RESPMEM_MUST_COPY));
-    if (path == "/picture.jpg")
-        return answer_picture(connection);
-    return path == "/stream.mjpg" ? answer_stream(connection) : send_text(connection, MHD_HTTP_NOT_FOUND, "There is nothing here.\n");
+    const Answer answer = answer_to(request, exchange_, address_, {streams_, settings_.streams});
+    const Response response = answer.stream ? begin_stream(connection) : response_of(answer.body);
+    if (!response)
+        return MHD_NO;
+    MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
+    for (const auto& [name, value] : headers)
+        MHD_add_response_header(response.get(), name, value);
+    return MHD_queue_response(connection, answer.code, response.get());
 }
 
-MHD_Result Server::Core::answer_picture(MHD_Connection* connection)
+Response Server::Core::begin_stream(MHD_Connection* connection)
 {
-    const auto newest = exchange_.newest();
-    if (newest.number == 0)
-        return send_text(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "There is no picture yet.\n");
-    const auto& jpeg = *newest.picture->jpeg();
-    return send(connection, MHD_HTTP_OK, "image/jpeg", response_of({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}, MHD_RESPMEM_MUST_COPY));
-}
-
-MHD_Result Server::Core::answer_stream(MHD_Connection* connection)
-{
-    if (streams_ >= settings_.streams)
-        return send_text(connection, MHD_HTTP_SERVICE_UNAVAILABLE, "Too many are looking.\n");
-    auto* streaming = new Streaming{*this, connection, Stream(exchange_, settings_.repeat)};  // ends in on_stream_end
-    ++streams_;
-    Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read, streaming, &Core::on_stream_end),
+    auto streaming = std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat)});
+    Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read, streaming.get(), &Core::on_stream_end),
                       MHD_destroy_response);
-    visitors_.at(connection).doing = Visitor::streaming;
-    return send(connection, MHD_HTTP_OK, Stream::type, std::move(response));
+    if (response) {
+        streaming.release();  // until on_stream_end
+        ++streams_;
+        visitors_.at(connection).doing = Visitor::streaming;
+    }
+    return response;
 }
 
 ssize_t Server::Core::on_read(void* state, std::uint64_t, char* to, std::size_t size)
@@ -269,12 +216,16 @@ ssize_t Server::Core::on_read(void* state, std::uint64_t, char* to, std::size_t 
     auto& [core, connection, stream] = *static_cast<Streaming*>(state);
     if (core.ending_)
         return MHD_CONTENT_READER_END_OF_STREAM;
-    const auto count = stream.read({to, size}, Clock::now());
-    if (count == 0) {
-        core.waiting_.insert(connection);
-        MHD_suspend_connection(connection);
+    try {
+        const auto count = stream.read({to, size}, Clock::now());
+        if (count == 0) {
+            core.waiting_.insert(connection);
+            MHD_suspend_connection(connection);
+        }
+        return static_cast<ssize_t>(count);
+    } catch (const std::exception&) {  // no memory: this stream ends, the others go on
+        return MHD_CONTENT_READER_END_WITH_ERROR;
     }
-    return static_cast<ssize_t>(count);
 }
 
 void Server::Core::on_stream_end(void* state)
@@ -282,32 +233,6 @@ void Server::Core::on_stream_end(void* state)
     const std::unique_ptr<Streaming> streaming(static_cast<Streaming*>(state));
     streaming->core.waiting_.erase(streaming->connection);
     --streaming->core.streams_;
-}
-
-MHD_Result Server::Core::send_text(MHD_Connection* connection, unsigned code, std::string_view sentence)
-{
-    auto response = response_of(sentence, MHD_RESPMEM_MUST_COPY);
-    if (code == MHD_HTTP_METHOD_NOT_ALLOWED)
-        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ALLOW, MHD_HTTP_METHOD_GET);
-    return send(connection, code, "text/plain; charset=utf-8", std::move(response));
-}
-
-/// What other pages may do with ours: nothing.
-MHD_Result Server::Core::send(MHD_Connection* connection, unsigned code, const char* type, Response response)
-{
-    constexpr std::pair<const char*, const char*> headers[]{
-        {MHD_HTTP_HEADER_CACHE_CONTROL, "no-store"},
-        {MHD_HTTP_HEADER_CONNECTION, "close"},
-        {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
-        {"Cross-Origin-Resource-Policy", "same-origin"},
-        {"X-Content-Type-Options", "nosniff"},
-    };
-    if (!response)
-        return MHD_NO;
-    MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, type);
-    for (const auto& [name, value] : headers)
-        MHD_add_response_header(response.get(), name, value);
-    return MHD_queue_response(connection, code, response.get());
 }
 
 /// Called when the head of a request is complete, before any body: every request is answered at once, with or without one.
@@ -318,8 +243,9 @@ MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, cons
     auto& visitor = core.visitors_.at(connection);
     visitor.doing = Visitor::answering;
     visitor.since = Clock::now();
+    const char* host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);
     try {
-        return core.answer(connection, path, method);
+        return core.answer(connection, {method, path, host ? std::optional<std::string_view>(host) : std::nullopt});
     } catch (const std::exception&) {  // no memory: this connection ends, the others go on
         return MHD_NO;
     }

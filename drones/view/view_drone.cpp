@@ -58,6 +58,7 @@ void ViewDrone::apply()
     serve();
     if (windows_)
         windows_->visible(wants_window());
+    held_.clear();
     drone_.condition(problem());
 }
 

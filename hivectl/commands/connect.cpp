@@ -19,14 +19,6 @@ struct Options {
     std::optional<double> lease_s;
 };
 
-CLI::Validator encoding_word()
-{
-    const auto problem = [](std::string& text) {
-        return hive::is_encoding(text) ? std::string() : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
-    };
-    return {problem, "", "encoding"};
-}
-
 hive::ConnectionOptions connection_of(const Options& options, const std::string& sender)
 {
     hive::ConnectionOptions connection;

@@ -53,7 +53,7 @@ Json other_value(const Json& parameter)
             return choice;
     if (parameter.contains("min") && parameter.contains("max") && parameter.at("type") == "integer") {
         const auto least = parameter["min"].get<std::int64_t>(), most = parameter["max"].get<std::int64_t>(), present = parameter["default"].get<std::int64_t>();
-        return present == most ? least : std::min(most, present + 600);  // a size of 600 is drawn soon, one of 8192 is not
+        return present == most ? least : std::min(most, present + 1100);  // a size of 1100 is drawn soon, one of 8192 is not; a port of 1100 is open to all users
     }
     return nullptr;
 }

@@ -1,0 +1,44 @@
+// Host first, then the method, then the path: who is not asked by its own address tells nothing.
+#include "answer.hpp"
+
+#include "page.hpp"
+#include "status.hpp"
+#include "stream.hpp"
+
+namespace view {
+namespace {
+
+Answer sentence(unsigned code, std::string text) { return {code, "text/plain; charset=utf-8", std::move(text) + "\n"}; }
+
+Answer picture(const Exchange::Newest& newest)
+{
+    if (newest.number == 0)
+        return sentence(503, "There is no picture yet.");
+    const auto& jpeg = *newest.picture->jpeg();
+    return {200, "image/jpeg", {jpeg.begin(), jpeg.end()}};
+}
+
+}  // namespace
+
+Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, Browsers browsers)
+{
+    if (!request.host || !host_fits(*request.host, bind))
+        return sentence(request.host ? 403 : 400, "Open this page by its address.");
+    if (request.method != "GET")
+        return sentence(405, "Only GET.");
+    if (request.path == "/")
+        return {200, "text/html; charset=utf-8", std::string(page_html)};
+    if (request.path == "/view.css")
+        return {200, "text/css; charset=utf-8", std::string(page_css)};
+    if (request.path == "/view.js")
+        return {200, "text/javascript; charset=utf-8", std::string(page_js)};
+    if (request.path == "/status.json")
+        return {200, "application/json", status_of(exchange.newest(), browsers.now).dump()};
+    if (request.path == "/picture.jpg")
+        return picture(exchange.newest());
+    if (request.path == "/stream.mjpg")
+        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true} : sentence(503, "Too many are looking.");
+    return sentence(404, "There is nothing here.");
+}
+
+}  // namespace view

@@ -1,0 +1,134 @@
+// hivectl view: looks at what a drone sends, for as long as the command runs.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../interrupt.hpp"
+#include "../launch.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <cstdlib>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    std::string from, encoding;
+    int port = 0;
+};
+
+void require_somewhere(const Options& options)
+{
+    const char* display = std::getenv("DISPLAY");
+    if (options.port == 0 && (!display || !*display))
+        throw hive::Error(hive::Errc::refused, "there is no display here for a window; look with a browser: --http PORT");
+}
+
+hive::Endpoint output_of(hive::Application& application, const std::string& from)
+{
+    auto output = application.endpoint(from);
+    if (output.port.empty())
+        output.port = usual_output(application.describe(output.drone), output.drone, "image/");
+    return output;
+}
+
+LaunchPlan plan_of(const Options& options)
+{
+    LaunchPlan plan{"view", "view", "view-" + std::to_string(::getpid()), {}};
+    if (options.port == 0)
+        plan.arguments = {"--set", "window=on"};
+    else
+        plan.arguments = {"--set", "window=off", "--set", "http=" + std::to_string(options.port)};
+    return plan;
+}
+
+void report(const Options& options, const hive::Endpoint& output, const std::string& viewer, bool json)
+{
+    const std::string url = options.port != 0 ? "http://127.0.0.1:" + std::to_string(options.port) + "/" : "";
+    if (json)
+        write_out(Row{{"from", to_text(output)}, {"drone", viewer}, {"url", url.empty() ? hive::Json() : hive::Json(url)}}.json() + "\n");
+    else if (!url.empty())
+        write_out(url + "\n");
+}
+
+/// Until Ctrl-C, or until the drone ends because its window was closed.
+int look(Launch& launch)
+{
+    while (interrupt::sleep(100ms))
+        if (const auto status = launch.process().ended())
+            return WIFEXITED(*status) && WEXITSTATUS(*status) == 0 ? exit_code::done : launch.died(*status);
+    return exit_code::interrupted;
+}
+
+/// Nothing of the drone is left, whichever way this ends.
+class Removal {
+public:
+    explicit Removal(Launch& launch) : launch_(launch) {}
+    ~Removal()
+    {
+        launch_.process().end();
+        std::error_code ignored;
+        std::filesystem::remove(launch_.log(), ignored);
+    }
+    Removal(const Removal&) = delete;
+    Removal& operator=(const Removal&) = delete;
+
+private:
+    Launch& launch_;
+};
+
+int run(const Options& options, Session& session)
+{
+    require_somewhere(options);
+    auto& application = session.application();
+    const auto output = output_of(application, options.from);
+    const auto plan = plan_of(options);
+    const interrupt::Deferred deferred;
+    Launch launch(session, plan);
+    const Removal removal(launch);
+    if (const auto failure = launch.await(session.timeout(10s)))
+        return *failure;
+    application.timeout(session.timeout());
+    hive::ConnectionOptions connection;
+    connection.first_frame = true;
+    connection.encoding = options.encoding;
+    application.connect(output, {plan.name, "image"}, connection);
+    report(options, output, plan.name, session.json);
+    return look(launch);
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures")->required();
+    app.add_option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
+        ->type_name("PORT")->check(CLI::Range(1, 65535));
+    app.add_option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
+        ->type_name("NAME")->check(encoding_word());
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb view_verb()
+{
+    return {.name = "view",
+            .group = "look",
+            .usage = "NAME[.OUTPUT] [--http PORT] [options]",
+            .summary = "Shows the pictures that a drone sends, in a window or a browser",
+            .details = "Runs a drone of the kind view for as long as this command runs: until Ctrl-C, or until the window is closed "
+                       "(q closes it too). With --http it prints the address to open in a browser of this machine.",
+            .examples = "hivectl view camera\n"
+                        "hivectl view face.annotated --http 8080",
+            .timeout = "give up if the drone does not answer within this long (default 10)",
+            .operands = {Operand::sender},
+            .declare = declare};
+}
+
+}  // namespace hivectl

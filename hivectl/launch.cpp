@@ -1,0 +1,112 @@
+// Looks every 10 ms until the process itself answers to its name.
+#include "launch.hpp"
+
+#include "exit_code.hpp"
+#include "format.hpp"
+#include "interrupt.hpp"
+#include "output.hpp"
+#include "programs.hpp"
+#include "session.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+#include <sstream>
+#include <sys/wait.h>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::filesystem::path require_program(const std::string& kind)
+{
+    hive::require_name(kind, "kind");
+    if (const auto program = program_of(kind))
+        return *program;
+    const auto known = kinds();
+    std::string list;
+    for (const auto& one : known)
+        list += (list.empty() ? "" : ", ") + one;
+    const std::string near = hive::nearest(kind, known);
+    throw hive::Error(hive::Errc::not_found, "there is no program hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
+                                                 + (near.empty() ? "" : "did you mean " + near + "? ") + "kinds found: "
+                                                 + (list.empty() ? "none" : list));
+}
+
+void require_free(Session& session, const LaunchPlan& plan)
+{
+    hive::require_name(plan.name, "drone");
+    const auto running = session.application().drones();
+    if (std::ranges::find(running, plan.name) != running.end())
+        throw hive::Error(hive::Errc::name_taken, plan.name + " is running already; stop it: hivectl stop " + plan.name
+                                                      + ", or start another beside it: hivectl start " + plan.kind + " --as " + plan.name + "-2");
+}
+
+BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
+{
+    const auto program = require_program(plan.kind);
+    require_free(session, plan);
+    std::vector<std::string> words{"--name", plan.name};
+    words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
+    return {program, words, {"HIVE_HOME=" + session.home().string()}, log};
+}
+
+}  // namespace
+
+Launch::Launch(Session& session, LaunchPlan plan) : session_(session), plan_(std::move(plan)), process_(start(session_, plan_, log())) {}
+
+std::filesystem::path Launch::log() const { return session_.home() / (plan_.name + ".log"); }
+
+/// Does the process itself answer to the name, and is it past its start?
+bool Launch::ready()
+{
+    const auto answer = session_.application().status(std::vector{plan_.name}).at(0);
+    return !answer.error && count_in(answer.result, "pid") == process_.pid() && text_in(answer.result, "state") != "starting";
+}
+
+std::optional<int> Launch::await(std::chrono::milliseconds limit)
+{
+    const interrupt::Deferred deferred;
+    const auto end = std::chrono::steady_clock::now() + limit;
+    session_.application().timeout(500ms);
+    while (!ready()) {
+        if (const auto status = process_.ended())
+            return died(*status);
+        const bool late = std::chrono::steady_clock::now() >= end;
+        if (late || !interrupt::sleep(10ms))
+            return give_up(late, limit);
+    }
+    was_ready_ = true;
+    return std::nullopt;
+}
+
+int Launch::give_up(bool late, std::chrono::milliseconds limit)
+{
+    process_.end();
+    if (!late)
+        return exit_code::interrupted;
+    complain(plan_.verb, plan_.name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log says:");
+    show_last_words();
+    return exit_code::timed_out;
+}
+
+int Launch::died(int status) const
+{
+    const std::string how = WIFSIGNALED(status) ? "was killed by signal " + std::to_string(WTERMSIG(status))
+                                                : "ended with exit code " + std::to_string(WEXITSTATUS(status));
+    complain(plan_.verb, plan_.name + " " + how + (was_ready_ ? "" : " before it was ready") + "; its log says:");
+    show_last_words();
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    return code >= exit_code::usage && code <= exit_code::partly_done ? code : exit_code::failure;
+}
+
+void Launch::show_last_words() const
+{
+    const std::string text = process_.last_words(15);
+    std::istringstream words(text.empty() ? "(nothing)" : text);
+    for (std::string line; std::getline(words, line);)
+        complain(plan_.verb, "  " + printable(line));
+}
+
+}  // namespace hivectl

@@ -1,0 +1,58 @@
+// A browser of the poor: HTTP over a plain socket, so that it can also be rude.
+#pragma once
+
+#include <eventually.hpp>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core/mat.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace http {
+
+using hive::test::Milliseconds;
+
+struct Reply {
+    int code = 0;  ///< 0: none came
+    std::string head, body;
+    [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(body); }
+    [[nodiscard]] cv::Mat picture() const;
+};
+
+/// A connection to a port of this machine. Every wait has an end.
+class Client {
+public:
+    /// @param receive_bytes  room for what is not read; 0: as the system has it
+    explicit Client(int port, int receive_bytes = 0);
+    ~Client();
+    Client(const Client&) = delete;
+    Client& operator=(const Client&) = delete;
+
+    /// False when the other end has closed.
+    bool send(const std::string& bytes);
+    /// Reads up to the end of the connection, or to `patience`.
+    Reply reply(Milliseconds patience = Milliseconds(5000));
+    /// The next picture of a stream; nothing when none comes in time.
+    std::optional<std::string> next_picture(Milliseconds patience = Milliseconds(5000));
+    /// Does the other end close within the time?
+    bool closed_within(Milliseconds patience);
+
+private:
+    bool fill(std::chrono::steady_clock::time_point until);
+    void unchunk();
+
+    int socket_ = -1;
+    bool ended_ = false, in_body_ = false;
+    std::string raw_, body_;  ///< what came and is not dealt with; what of it is a stream's body
+};
+
+/// One request that a browser might send.
+Reply get(int port, const std::string& path, const std::string& host = "127.0.0.1");
+std::string request_for(const std::string& path);
+cv::Mat decoded(const std::string& jpeg);
+/// A port that nobody listens at, at this time.
+int free_port();
+
+}  // namespace http

@@ -1,0 +1,221 @@
+// The HTTP server of the view drone against well-behaved, slow and rude browsers.
+#include "http.hpp"
+
+#include "server.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+using hive::test::eventually, hive::test::Milliseconds;
+using http::Client, http::get;
+
+namespace {
+
+/// A server with pictures to give; counts how many were decoded.
+class Stage {
+public:
+    explicit Stage(view::Server::Settings settings = {}) : exchange_(view::Picture::of_notice("no picture yet")), server_(settings, exchange_) {}
+    /// Noise of `width` pixels, so that it can be told from others and is long when encoded.
+    void put(int width, int height = 30)
+    {
+        const auto pixels = [this, width, height] {
+            ++decoded;
+            cv::Mat noise(height, width, CV_8UC3);
+            cv::randu(noise, 0, 255);
+            return noise;
+        };
+        exchange_.put(std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{pixels, nullptr}, view::Picture::Look{.overlay = false}));
+        server_.wake();
+    }
+    [[nodiscard]] int port() const { return server_.port(); }
+    [[nodiscard]] int browsers() const { return get(port(), "/status.json").json().at("browsers"); }
+
+    std::atomic<int> decoded{0};
+
+private:
+    view::Exchange exchange_;
+    view::Server server_;
+};
+
+/// The width of the next picture of a stream; 0: none.
+int next_width(Client& client)
+{
+    const auto jpeg = client.next_picture();
+    return jpeg ? http::decoded(*jpeg).cols : 0;
+}
+
+constexpr int notice_width = 640;
+
+}  // namespace
+
+TEST_CASE("view server: page, snapshot and status over HTTP; what it says may not be used by other pages")
+{
+    Stage stage;
+    CHECK(get(stage.port(), "/picture.jpg").code == 503);
+    stage.put(50);
+    const auto page = get(stage.port(), "/?some=query");
+    CHECK(page.code == 200);
+    CHECK(page.body.starts_with("<!DOCTYPE html>"));
+    for (const char* header : {"Content-Security-Policy: default-src 'self'", "X-Content-Type-Options: nosniff", "Cross-Origin-Resource-Policy: same-origin"})
+        CHECK(page.head.find(header) != std::string::npos);
+    CHECK(get(stage.port(), "/picture.jpg").picture().cols == 50);
+    CHECK(get(stage.port(), "/status.json").json().at("number") == 1);
+}
+
+TEST_CASE("view server: a stream gives each picture to a reader that keeps up, and all can be decoded")
+{
+    Stage stage;
+    Client client(stage.port());
+    client.send(http::request_for("/stream.mjpg"));
+    CHECK(next_width(client) == notice_width);
+    for (int width = 40; width < 60; ++width) {
+        stage.put(width);
+        REQUIRE(next_width(client) == width);
+    }
+}
+
+TEST_CASE("view server: nothing is decoded while nobody looks, and each picture once for all who do")
+{
+    Stage stage;
+    for (int width = 40; width < 60; ++width)
+        stage.put(width);
+    CHECK(get(stage.port(), "/status.json").json().at("number") == 20);
+    CHECK(stage.decoded == 0);
+    Client one(stage.port()), two(stage.port());
+    for (auto* client : {&one, &two})
+        client->send(http::request_for("/stream.mjpg"));
+    for (int width = 59; width < 80; ++width) {
+        if (width > 59)
+            stage.put(width);
+        REQUIRE(next_width(one) == width);
+        REQUIRE(next_width(two) == width);
+        CHECK(get(stage.port(), "/picture.jpg").picture().cols == width);
+    }
+    CHECK(stage.decoded == 21);
+}
+
+TEST_CASE("view server: a browser that does not read costs the others nothing, and finds the newest when it reads again")
+{
+    Stage stage;
+    Client reading(stage.port()), stopped(stage.port(), 16 * 1024);
+    for (auto* client : {&reading, &stopped})
+        client->send(http::request_for("/stream.mjpg"));
+    REQUIRE(next_width(reading) == notice_width);
+    for (int width = 700; width < 720; ++width) {
+        stage.put(width, 700);  // more than all buffers on the way hold
+        REQUIRE(next_width(reading) == width);
+    }
+    CHECK(stage.decoded == 20);
+    int seen = 0;
+    for (int width = 0; width != 719; ++seen)
+        REQUIRE((width = next_width(stopped)) > 0);
+    CHECK(seen <= 4);  // the notice, what was on its way, the newest
+}
+
+TEST_CASE("view server: one that stops reading for long is forgotten, and so is one that has gone")
+{
+    Stage stage({.stalled = std::chrono::seconds(1), .repeat = Milliseconds(100)});
+    {
+        Client stopped(stage.port(), 16 * 1024);
+        stopped.send(http::request_for("/stream.mjpg"));
+        stage.put(700, 700);
+        REQUIRE(eventually([&] { return stage.browsers() == 1; }, Milliseconds(3000)));
+        CHECK(eventually([&] { return stage.browsers() == 0; }, Milliseconds(10'000)));
+    }
+    {
+        Client leaving(stage.port());
+        leaving.send(http::request_for("/stream.mjpg"));
+        REQUIRE(next_width(leaving) == 700);
+        REQUIRE(stage.browsers() == 1);
+    }
+    CHECK(eventually([&] { return stage.browsers() == 0; }, Milliseconds(3000)));
+}
+
+TEST_CASE("view server: no more streams than are allowed, and the page is still there")
+{
+    Stage stage({.streams = 2});
+    Client one(stage.port()), two(stage.port());
+    for (auto* client : {&one, &two}) {
+        client->send(http::request_for("/stream.mjpg"));
+        REQUIRE(next_width(*client) == notice_width);
+    }
+    CHECK(get(stage.port(), "/stream.mjpg").code == 503);
+    CHECK(get(stage.port(), "/").code == 200);
+}
+
+TEST_CASE("view server: bad requests get an error, and nobody else notices")
+{
+    Stage stage;
+    Client reading(stage.port());
+    reading.send(http::request_for("/stream.mjpg"));
+    REQUIRE(next_width(reading) == notice_width);
+    const std::string host = "Host: 127.0.0.1\r\n";
+    const std::vector<std::pair<std::string, int>> bad{
+        {"POST / HTTP/1.1\r\n" + host + "Content-Length: 1000000\r\n\r\nabc", 405},
+        {"HEAD / HTTP/1.1\r\n" + host + "\r\n", 405},
+        {"DELETE /picture.jpg HTTP/1.1\r\n" + host + "\r\n", 405},
+        {"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n", 403},
+        {"GET /status.json HTTP/1.1\r\nHost: evil.example:80\r\n\r\n", 403},
+        {"GET / HTTP/1.1\r\n\r\n", 400},
+        {"GET / HTTP/1.0\r\n\r\n", 400},
+        {"GET /../../etc/passwd HTTP/1.1\r\n" + host + "\r\n", 404},
+        {"GET /%2e%2e/etc/passwd HTTP/1.1\r\n" + host + "\r\n", 404},
+    };
+    int width = 40;
+    for (const auto& [request, code] : bad) {
+        CAPTURE(request);
+        Client client(stage.port());
+        client.send(request);
+        CHECK(client.reply().code == code);
+        stage.put(++width);
+        CHECK(next_width(reading) == width);
+    }
+}
+
+TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes complete is ended")
+{
+    Stage stage({.asking = Milliseconds(300)});
+    Client reading(stage.port());
+    reading.send(http::request_for("/stream.mjpg"));
+    REQUIRE(next_width(reading) == notice_width);
+    for (const std::string& request : {"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: " + std::string(100'000, 'x') + "\r\n\r\n",
+                                       "GET /" + std::string(100'000, 'x') + " HTTP/1.1\r\n\r\n", std::string(100'000, '\xFF'), std::string("\r\n\r\n\r\n"),
+                                       std::string("GET / HT"), std::string()}) {
+        CAPTURE(request.size());
+        Client client(stage.port());
+        client.send(request);
+        CHECK(client.closed_within(Milliseconds(5000)));
+    }
+    Client slow(stage.port());  // never idle, never complete
+    CHECK(eventually([&] { return !slow.send("x") || slow.closed_within(Milliseconds(1)); }, Milliseconds(5000)));
+    stage.put(77);
+    CHECK(next_width(reading) == 77);
+}
+
+TEST_CASE("view server: more connections than it takes wait, until one ends")
+{
+    Stage stage({.connections = 4, .asking = Milliseconds(500)});
+    std::vector<std::unique_ptr<Client>> idle;
+    for (int i = 0; i < 10; ++i)
+        idle.push_back(std::make_unique<Client>(stage.port()));
+    CHECK(eventually([&] { return get(stage.port(), "/").code == 200; }, Milliseconds(15'000)));
+}
+
+TEST_CASE("view server: ends with browsers connected, and its port is free again")
+{
+    auto stage = std::make_unique<Stage>();
+    const int port = stage->port();
+    CHECK_THROWS_WITH_AS(Stage({.port = port}), doctest::Contains("in use"), std::runtime_error);
+    Client waiting(port), stopped(port, 16 * 1024), silent(port);
+    for (auto* client : {&waiting, &stopped})
+        client->send(http::request_for("/stream.mjpg"));
+    stage->put(700, 700);
+    REQUIRE(eventually([&] { return next_width(waiting) == 700; }, Milliseconds(3000)));
+    stage.reset();
+    for (auto* client : {&waiting, &stopped, &silent})
+        CHECK(client->closed_within(Milliseconds(3000)));
+    const Stage next({.port = port});
+    CHECK(get(next.port(), "/").code == 200);
+}

@@ -1,0 +1,111 @@
+// What is answered, without a socket.
+#include "answer.hpp"
+#include "status.hpp"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <set>
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+namespace {
+
+class Page {
+public:
+    Page() : exchange(view::Picture::of_notice("no picture yet")) {}
+    view::Answer ask(view::Request request, view::Browsers browsers = {0, 8}) const { return answer_to(request, exchange, bind_, browsers); }
+    view::Answer get(std::string_view path, view::Browsers browsers = {0, 8}) const { return ask({"GET", path, "127.0.0.1:8080"}, browsers); }
+    void put()
+    {
+        view::Origin origin{"face.annotated", "camera", 7, {64, 48}, std::chrono::system_clock::now(), 29.84};
+        exchange.put(std::make_shared<const view::Picture>(origin, view::Picture::Content{[] { return cv::Mat(48, 64, CV_8UC1, cv::Scalar::all(1)); }, nullptr},
+                                                           view::Picture::Look{}));
+    }
+    view::Exchange exchange;
+
+private:
+    view::Address bind_{"127.0.0.1", 8080};
+};
+
+/// The JSON example of the drone's page.
+json example()
+{
+    std::ifstream page(HIVE_SOURCE_DIR "/drones/view/README.md");
+    std::string line;
+    while (std::getline(page, line))
+        if (line.starts_with("{"))
+            return json::parse(line);
+    return nullptr;
+}
+
+std::set<std::string> keys(const json& object)
+{
+    std::set<std::string> names;
+    for (const auto& item : object.items())
+        names.insert(item.key());
+    return names;
+}
+
+}  // namespace
+
+TEST_CASE("answer: the page and all that it names are there, and it names nothing else")
+{
+    const Page page;
+    const auto html = page.get("/");
+    CHECK(html.type == "text/html; charset=utf-8");
+    for (const char* path : {"/view.css", "/view.js", "/status.json", "/stream.mjpg"})
+        CHECK_MESSAGE(page.get(path).code == 200, path);
+    for (const auto& answer : {html, page.get("/view.css"), page.get("/view.js")})
+        CHECK(answer.body.find("//") == std::string::npos);  // neither a URL nor a comment
+}
+
+TEST_CASE("answer: another method, path or host gets an error that says what to do")
+{
+    const Page page;
+    for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "get", ""})
+        CHECK(page.ask({method, "/", "127.0.0.1"}).code == 405);
+    for (const char* path : {"", "/x", "/../etc/passwd", "//", "/view.css/", "/index.html"})
+        CHECK(page.get(path).code == 404);
+    CHECK(page.ask({"GET", "/status.json", "evil.example"}).code == 403);
+    CHECK(page.ask({"POST", "/nothing", "evil.example"}).code == 403);
+    CHECK(page.ask({"GET", "/", std::nullopt}).code == 400);
+}
+
+TEST_CASE("answer: the snapshot is a JPEG of the newest picture; 503 before there is one")
+{
+    Page page;
+    CHECK(page.get("/picture.jpg").code == 503);
+    page.put();
+    const auto answer = page.get("/picture.jpg");
+    CHECK(answer.type == "image/jpeg");
+    const auto& jpeg = *page.exchange.newest().picture->jpeg();
+    CHECK(answer.body == std::string(jpeg.begin(), jpeg.end()));
+}
+
+TEST_CASE("answer: no more streams than are allowed")
+{
+    const Page page;
+    CHECK(page.get("/stream.mjpg", {7, 8}).stream);
+    CHECK(page.get("/stream.mjpg", {8, 8}).code == 503);
+    CHECK_FALSE(page.get("/", {8, 8}).stream);
+}
+
+TEST_CASE("status: says what is known, null for the rest, and no rate when nothing comes any more")
+{
+    Page page;
+    const json before = json::parse(page.get("/status.json", {2, 8}).body);
+    CHECK(before.at("number") == 0);
+    CHECK(before.at("sender").is_null());
+    CHECK(before.at("browsers") == 2);
+    page.put();
+    const auto newest = page.exchange.newest();
+    const auto now = view::status_of(newest, 1, newest.since + 150ms, *newest.picture->origin().captured + 200ms);
+    CHECK(now == json{{"sender", "face.annotated"}, {"source", "camera"}, {"sequence", 7}, {"number", 1}, {"width", 64}, {"height", 48},
+                      {"rate", 29.8}, {"age_ms", 200}, {"since_ms", 150}, {"browsers", 1}});
+    CHECK(view::status_of(newest, 1, newest.since + 2s).at("rate") == 0);
+    CHECK(keys(before) == keys(now));
+    CHECK(keys(example()) == keys(now));  // the drone's page shows the same fields
+}

@@ -1,0 +1,3 @@
+// The unit tests of the view drone's parts.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
