@@ -21,6 +21,8 @@
     VERB(results) \
     VERB(snap) \
     VERB(put) \
+    VERB(record) \
+    VERB(replay) \
     VERB(top) \
     VERB(exceptions) \
     VERB(halt) \
