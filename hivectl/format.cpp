@@ -56,6 +56,18 @@ std::string tenths_text(double number)
     return text;
 }
 
+std::string size_text(std::int64_t bytes)
+{
+    auto size = static_cast<double>(bytes);
+    const char* unit = "B";
+    for (const char* larger : {"kB", "MB", "GB", "TB"})
+        if (size >= 999.95) {
+            size /= 1000;
+            unit = larger;
+        }
+    return (bytes < 1000 ? std::to_string(bytes) : tenths_text(size)) + " " + unit;
+}
+
 std::string time_text(std::int64_t microseconds_since_1970)
 {
     const std::tm then = local(static_cast<std::time_t>(microseconds_since_1970 / 1'000'000));

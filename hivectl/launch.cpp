@@ -7,6 +7,7 @@
 #include "output.hpp"
 #include "programs.hpp"
 #include "session.hpp"
+#include "table.hpp"
 
 #include <hive/name.hpp>
 
@@ -107,6 +108,16 @@ void Launch::show_last_words() const
     std::istringstream words(text.empty() ? "(nothing)" : text);
     for (std::string line; std::getline(words, line);)
         complain(plan_.verb, "  " + printable(line));
+}
+
+int start_in_background(Session& session, const LaunchPlan& plan)
+{
+    Launch launch(session, plan);
+    if (const auto failure = launch.await(session.timeout(10s)))
+        return *failure;
+    const Row row{{"drone", plan.name}, {"kind", plan.kind}, {"pid", launch.process().pid()}, {"log", launch.log().string()}};
+    write_out(session.json ? row.json() + "\n" : plan.name + "\n");
+    return exit_code::done;
 }
 
 }  // namespace hivectl

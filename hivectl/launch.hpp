@@ -43,4 +43,7 @@ private:
     bool was_ready_ = false;
 };
 
+/// Starts a drone for good and prints its name when it is ready. Returns the exit code.
+int start_in_background(Session& session, const LaunchPlan& plan);
+
 }  // namespace hivectl

@@ -23,6 +23,8 @@
     VERB(snap) \
     VERB(view) \
     VERB(put) \
+    VERB(record) \
+    VERB(replay) \
     VERB(top) \
     VERB(exceptions) \
     VERB(halt) \

@@ -1,17 +1,12 @@
 // hivectl start: runs a drone in the background and returns when it answers.
 #include "../command_line.hpp"
-#include "../exit_code.hpp"
 #include "../launch.hpp"
-#include "../output.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
 
 namespace hivectl {
 namespace {
-
-using namespace std::chrono_literals;
 
 struct Options {
     std::string kind, name, on_exception, listen, log_level;
@@ -35,12 +30,7 @@ std::vector<std::string> arguments(const Options& options)
 int run(const Options& options, Session& session)
 {
     parse_settings(options.settings);  // mistakes are found before anything is started
-    Launch launch(session, {"start", options.kind, options.name, arguments(options)});
-    if (const auto failure = launch.await(session.timeout(10s)))
-        return *failure;
-    const Row row{{"drone", options.name}, {"kind", options.kind}, {"pid", launch.process().pid()}, {"log", launch.log().string()}};
-    write_out(session.json ? row.json() + "\n" : options.name + "\n");
-    return exit_code::done;
+    return start_in_background(session, {"start", options.kind, options.name, arguments(options)});
 }
 
 Run declare(CLI::App& app, Session& session)

@@ -1,0 +1,123 @@
+// hivectl replay: a drone that gives a recording again, or what is in the recording.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../launch.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+#include <recording_reader.hpp>
+
+#include <filesystem>
+
+namespace hivectl {
+namespace {
+
+struct Options {
+    std::string file, name = "replay", pace, speed, from, to;
+    bool loop = false, halted = false, info = false;
+};
+
+std::string as_size(const hive::Json& bytes) { return size_text(bytes.get<std::int64_t>()); }
+
+const std::vector<Column> columns{{"OUTPUT", "output"}, {"FROM", "from"}, {"TYPE", "type"}, {"EVENTS", "events"}, {"SIZE", "bytes", as_size},
+                                  {"FIRST", "first_us", as_duration}, {"LAST", "last_us", as_duration}, {"WITHOUT BODY", "without_body"}};
+
+std::vector<Row> output_rows(const recording::Summary& summary)
+{
+    std::vector<Row> rows;
+    for (const auto& port : recording::ports_of(summary.tracks))
+        for (const auto number : port.tracks) {
+            const auto& track = summary.tracks[number];
+            rows.push_back({{"output", port.name}, {"from", track.from()}, {"type", track.type}, {"events", track.events}, {"bytes", track.bytes},
+                            {"first_us", track.first_us}, {"last_us", track.last_us}, {"without_body", track.without_body}});
+        }
+    return rows;
+}
+
+void print_json(const std::string& file, const recording::Reader& reader)
+{
+    const auto& summary = reader.summary();
+    hive::Json outputs = hive::Json::array(), lost = hive::Json::array();
+    for (const auto& row : output_rows(summary))
+        outputs.push_back(hive::Json::parse(row.json()));
+    for (const auto& loss : summary.lost)
+        lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
+    write_out(Row{{"file", file}, {"bytes", reader.size()}, {"events", summary.events()}, {"begun_us", summary.begun_us}, {"duration_us", summary.duration_us},
+                  {"ended", summary.ended}, {"problem", reader.problem()}, {"outputs", outputs}, {"lost", lost}}.json() + "\n");
+}
+
+void print_text(const std::string& file, const recording::Reader& reader)
+{
+    const auto& summary = reader.summary();
+    write_out(printable(file) + ": " + std::to_string(summary.events()) + " events in " + duration_text(summary.duration_us) + ", " + size_text(static_cast<std::int64_t>(reader.size()))
+              + (summary.begun_us > 0 ? ", begun " + time_text(summary.begun_us) : "") + (summary.ended.empty() ? "" : ", ended: " + printable(summary.ended)) + "\n");
+    write_out(table_text(columns, output_rows(summary)));
+    for (const auto& loss : summary.lost)
+        write_out("lost: " + printable(loss.from) + ": " + (loss.events > 0 ? std::to_string(loss.events) + " events, " : "") + printable(loss.reason) + "\n");
+}
+
+std::vector<std::string> settings(const Options& options)
+{
+    std::vector<std::string> words{"--set", "file=" + std::filesystem::absolute(options.file).string()};
+    for (const auto& [key, value] : {std::pair{"pace", options.pace}, {"speed", options.speed}, {"from", options.from}, {"to", options.to}, {"loop", std::string(options.loop ? "on" : "")}})
+        if (!value.empty())
+            words.insert(words.end(), {"--set", std::string(key) + "=" + value});
+    return words;
+}
+
+int run(const Options& options, Session& session)
+{
+    const recording::Reader reader(options.file);
+    if (!reader.problem().empty())
+        complain("replay", printable(options.file) + ": " + reader.problem() + "; whole events before that: " + std::to_string(reader.summary().events()));
+    if (options.info) {
+        session.json ? print_json(options.file, reader) : print_text(options.file, reader);
+        return reader.problem().empty() ? exit_code::done : exit_code::partly_done;
+    }
+    if (const int code = start_in_background(session, {"replay", "replay", options.name, settings(options)}); code != exit_code::done)
+        return code;
+    session.application().timeout(session.timeout());
+    if (options.halted)
+        session.application().halt(options.name);
+    return exit_code::done;
+}
+
+Run declare(CLI::App& app, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    app.add_option("FILE", options->file, "the recording")->required();
+    app.add_option("--as", options->name, "name of the drone in the swarm (default: replay)")->type_name("NAME");
+    app.add_option("--pace", options->pace, "real: as the events came (default); demand: the next one when all receivers ask, nothing skipped")
+        ->type_name("real|demand")->check(CLI::IsMember({"real", "demand"}));
+    app.add_option("--speed", options->speed, "times as fast as the events came")->type_name("FACTOR")->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--from", options->from, "begin there in the recording")->type_name("SECONDS")->check(seconds(0));
+    app.add_option("--to", options->to, "end there")->type_name("SECONDS")->check(seconds());
+    app.add_flag("--loop", options->loop, "begin again at the end");
+    app.add_flag("--halted", options->halted, "wait for hivectl resume, so that everything can be connected first");
+    app.add_flag("--info", options->info, "print what is in the file, and start nothing");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb replay_verb()
+{
+    return {.name = "replay",
+            .group = "keep",
+            .usage = "FILE [--as NAME] [--pace real|demand] [--halted] [options]",
+            .summary = "Gives a recording again, as a drone with the outputs that were recorded",
+            .details = "Starts the drone and prints its name. It begins with its first receiver; events have the identity, times and bodies of then. "
+                       "The outputs have their old names; where several drones had the same, DRONE-OUTPUT. With --info, the exit code is 8 if the file "
+                       "was cut short or is damaged.",
+            .examples = "hivectl replay run.hive --info\n"
+                        "hivectl replay run.hive --pace demand\n"
+                        "hivectl connect replay.image face",
+            .timeout = "end it if it does not answer within this long (default 10)",
+            .operands = {Operand::file},
+            .declare = declare};
+}
+
+}  // namespace hivectl
