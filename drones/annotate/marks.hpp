@@ -18,15 +18,15 @@ struct Shape {
 
 /// Something that was found.
 struct Mark {
-    cv::Rect2d box;     ///< px
-    std::string id;     ///< of a track, the same from picture to picture; empty: none
-    std::string label;  ///< what to write beside it: "person #3 87 %"; printable ASCII, 48 characters at most
-    std::vector<Shape> shapes;
+    cv::Rect2d box = {};          ///< px
+    std::string id = {};          ///< of a track, the same from picture to picture; empty: none
+    std::string label = {};       ///< what to write beside it: "person #3 87 %"; printable ASCII, 48 characters at most
+    std::vector<Shape> shapes = {};
 };
 
 struct Marks {
-    std::vector<Mark> all;
-    cv::Size2d seen;  ///< of the picture they were found in, px; empty: not told
+    std::vector<Mark> all = {};
+    cv::Size2d seen = {};  ///< of the picture they were found in, px; empty: not told
 };
 
 /// The marks in a header: every object with numbers x, y, w and h that stands in one of its fields, alone or in an array. Beside

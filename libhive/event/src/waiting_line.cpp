@@ -48,7 +48,10 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     sender.shares = !event.identity.group.empty();
     // Not the largest of all: if a source's clock was put back, its epochs and times begin again lower.
     sender.place = sender.shares ? std::max(sender.place, place_of(event.identity)) : place_of(event.identity);
-    sender.captured_us = sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
+    const auto until = sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
+    for (auto& each : senders_)  // time is the same for all sources whose events come through one drone
+        if (each.drone == event.sender && each.output == event.output)
+            each.captured_us = until;
 }
 
 void WaitingLine::forget_silent_senders(TimePoint before)
