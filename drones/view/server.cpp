@@ -89,6 +89,7 @@ private:
     std::unordered_map<MHD_Connection*, Visitor> visitors_;
     std::set<MHD_Connection*> waiting_;  ///< suspended: streams that have sent the newest picture
     std::size_t streams_ = 0;
+    bool deserted_ = false;  ///< nobody was there when the library last had its turn
     Clock::time_point ticked_{};
     std::atomic<bool> ending_{false};
     std::thread thread_;
@@ -128,11 +129,11 @@ void Server::Core::wake() noexcept
     [[maybe_unused]] const auto written = ::write(wakes_.get(), &one, sizeof one);  // full means that it is awake
 }
 
-/// Where nobody is connected there is nothing to look after.
+/// Where nobody is connected there is nothing to look after, once the library has had a turn to accept others again.
 int Server::Core::patience() const
 {
     MHD_UNSIGNED_LONG_LONG milliseconds = 0;
-    const int ours = visitors_.empty() ? -1 : static_cast<int>(tick.count());
+    const int ours = deserted_ && visitors_.empty() ? -1 : static_cast<int>(tick.count());
     if (MHD_get_timeout(daemon_, &milliseconds) != MHD_YES)
         return ours;
     const int theirs = static_cast<int>(std::min<MHD_UNSIGNED_LONG_LONG>(milliseconds, 60'000));
@@ -155,6 +156,7 @@ void Server::Core::loop()
             end_the_late();
             resume_streams();
         }
+        deserted_ = visitors_.empty();
         MHD_run(daemon_);
     }
 }

@@ -9,9 +9,9 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <sys/wait.h>
-#include <unistd.h>
 
 namespace hivectl {
 namespace {
@@ -38,9 +38,19 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
     return output;
 }
 
-LaunchPlan plan_of(const Options& options)
+/// The first of viewer, viewer-2, viewer-3 … that nobody has.
+std::string free_name(hive::Application& application)
 {
-    LaunchPlan plan{"view", "view", "view-" + std::to_string(::getpid()), {}};
+    const auto running = application.drones();
+    std::string name = "viewer";
+    for (int i = 2; std::ranges::find(running, name) != running.end(); ++i)
+        name = "viewer-" + std::to_string(i);
+    return name;
+}
+
+LaunchPlan plan_of(const Options& options, const std::string& name)
+{
+    LaunchPlan plan{"view", "view", name, {}};
     if (options.port == 0)
         plan.arguments = {"--set", "window=on"};
     else
@@ -88,7 +98,7 @@ int run(const Options& options, Session& session)
     require_somewhere(options);
     auto& application = session.application();
     const auto output = output_of(application, options.from);
-    const auto plan = plan_of(options);
+    const auto plan = plan_of(options, free_name(application));
     const interrupt::Deferred deferred;
     Launch launch(session, plan);
     const Removal removal(launch);

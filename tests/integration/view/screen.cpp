@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <functional>
 
-#undef Status  // a word of Xlib
 
 using namespace hive::test;
 
@@ -23,18 +22,17 @@ namespace {
 
 bool installed(const std::string& program)
 {
-    for (const char* folder : {"/usr/bin/", "/usr/local/bin/"})
-        if (std::filesystem::exists(folder + program))
-            return true;
+    if (std::filesystem::exists("/usr/bin/" + program))
+        return true;
     MESSAGE("skipped: ", program, " is not installed");
     return false;
 }
 
 /// A display of its own.
-class Screen {
+class TestScreen {
 public:
-    explicit Screen(const Swarm& swarm)
-        : server_({"Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"}, {}, swarm.home() / "number", swarm.home() / "xvfb.log")
+    explicit TestScreen(const Swarm& swarm)
+        : server_({"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"}, {}, swarm.home() / "number", swarm.home() / "xvfb.log")
     {
         REQUIRE(eventually([&] { return text_of(swarm.home() / "number").ends_with('\n'); }, Milliseconds(20'000)));
         const std::string number = text_of(swarm.home() / "number");
@@ -42,7 +40,7 @@ public:
         display_ = XOpenDisplay(name.c_str());
         REQUIRE(display_);
     }
-    ~Screen() { XCloseDisplay(display_); }
+    ~TestScreen() { XCloseDisplay(display_); }
 
     /// The window that is titled so; 0: none.
     Window find(const std::string& title) const { return find(title, DefaultRootWindow(display_)); }
@@ -112,7 +110,7 @@ TEST_CASE("view window: shows the picture in its size; q or closing it ends the 
     if (!installed("Xvfb"))
         return;
     const Swarm swarm;
-    const Screen screen(swarm);
+    const TestScreen screen(swarm);
     const auto camera = swarm.drone("camera", "camera");
     auto application = swarm.application();
     const auto window = [&] { return screen.find("camera.image - Hive view"); };
@@ -136,9 +134,9 @@ TEST_CASE("hivectl view: ends well when its window is closed")
     if (!installed("Xvfb"))
         return;
     const Swarm swarm;
-    const Screen screen(swarm);
+    const TestScreen screen(swarm);
     const auto camera = swarm.drone("camera", "camera");
-    Process process({"env", "HIVE_HOME=" + swarm.home().string(), "DISPLAY=" + screen.name, swarm.program("hivectl").string(), "view", "camera"}, {},
+    Process process({"/usr/bin/env", "HIVE_HOME=" + swarm.home().string(), "DISPLAY=" + screen.name, swarm.program("hivectl").string(), "view", "camera"}, {},
                     swarm.home() / "hivectl.log");
     REQUIRE(eventually([&] { return screen.find("camera.image - Hive view") != 0; }, Milliseconds(20'000)));
     screen.close(screen.find("camera.image - Hive view"));
@@ -156,7 +154,7 @@ TEST_CASE("view page: a browser shows the picture and the numbers")
     const auto view = swarm.drone("view", "view", {"http=" + std::to_string(port)}, {}, {"DISPLAY="});
     swarm.application().connect({"camera", ""}, {"view", ""});
     const auto file = (swarm.home() / "page.png").string();
-    const auto finished = swarm.run({"chromium", "--headless", "--no-sandbox", "--disable-gpu", "--user-data-dir=" + (swarm.home() / "profile").string(),
+    const auto finished = swarm.run({"/usr/bin/chromium", "--headless", "--no-sandbox", "--disable-gpu", "--user-data-dir=" + (swarm.home() / "profile").string(),
                                      "--hide-scrollbars", "--window-size=800,720", "--timeout=8000", "--screenshot=" + file,
                                      "http://127.0.0.1:" + std::to_string(port) + "/"}, Milliseconds(60'000));
     CAPTURE(finished.err);
