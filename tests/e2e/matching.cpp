@@ -28,7 +28,7 @@ bool framed(const hive::Event& picture, const Json& box)
 /// A camera on demand that gives nothing before all is connected, faces found in its pictures, and both brought together.
 class AnnotateSwarm {
 public:
-    explicit AnnotateSwarm(int workers = 1, const std::vector<std::string>& camera = {"source=scene", "pace=demand"})
+    explicit AnnotateSwarm(int workers = 1, const std::vector<std::string>& camera = {"pace=demand", "width=320"})
         : camera_(swarm.drone("camera", "camera", camera)), annotate_(swarm.drone("annotate", "annotate"))
     {
         for (int i = 1; i <= workers; ++i)
@@ -37,7 +37,7 @@ public:
         application.halt("camera");
         for (int i = 1; i <= workers; ++i)
             application.connect({"face-" + std::to_string(i), "faces"}, {"annotate", "marks"});
-        application.connect({"camera", "image"}, {"annotate", "image"}, {.window = 8, .group = {}, .lease = {}});
+        application.connect({"camera", "image"}, {"annotate", "image"}, {.window = 64, .group = {}, .lease = {}});
         for (int i = 1; i <= workers; ++i)
             application.connect({"camera", "image"}, {"face-" + std::to_string(i), "image"}, {.group = workers > 1 ? "faces" : "", .lease = {}});
     }
@@ -100,7 +100,7 @@ TEST_CASE("annotate: on demand with two workers that share, one of them killed, 
 
 TEST_CASE("annotate: live, with a detector slower than the camera, all boxes find their pictures, and the other pictures are counted as without marks")
 {
-    AnnotateSwarm swarm(1, {"source=scene", "fps=30"});
+    AnnotateSwarm swarm(1, {"fps=60", "width=320"});
     swarm.application.set("face-1", {{"scale", 1.05}});
     swarm.application.resume("camera");
     std::int64_t last = 0;
