@@ -44,6 +44,7 @@ void Window::run(const std::function<void()>& closed)
             show(newest);
         if (open_ && !visible_) {
             cv::destroyWindow(name);
+            cv::waitKey(1);  // it goes when the toolkit has its turn
             open_ = false;
         }
         if (!open_ && !ending_)

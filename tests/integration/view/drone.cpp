@@ -90,7 +90,7 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
     const auto good = jpeg_file(swarm.home() / "one.jpg");
     const auto put = [&](const std::string& jpeg) {
         const auto bytes = std::make_shared<const std::string>(jpeg);
-        application.put({"view", "image"}, {}, {std::as_bytes(std::span(*bytes)), bytes}, "image/jpeg");
+        application.put({"view", "image"}, hive::Json::object(), {std::as_bytes(std::span(*bytes)), bytes}, "image/jpeg");
     };
     std::string damaged = good;
     damaged.replace(damaged.size() * 3 / 4, 12, "\xFF\xC4\x12\x34\xFF\xC4\x12\x34\xFF\xC4\x12\x34");
@@ -108,7 +108,7 @@ TEST_CASE("view: with hold the next picture of a source on demand waits; a set l
 {
     const Swarm swarm;
     const int port = http::free_port();
-    const auto camera = swarm.drone("camera", "camera", {"pace=demand", "width=64", "height=48"});
+    const auto camera = swarm.drone("camera", "camera", {"pace=demand", "width=64", "height=64"});
     const auto view = viewer(swarm, port, {"hold=60000"});
     auto application = swarm.application();
     application.connect({"camera", ""}, {"view", ""});

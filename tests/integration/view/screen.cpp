@@ -37,18 +37,20 @@ public:
         REQUIRE(eventually([&] { return text_of(swarm.home() / "number").ends_with('\n'); }, Milliseconds(20'000)));
         const std::string number = text_of(swarm.home() / "number");
         name = ":" + number.substr(0, number.size() - 1);
+        XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // windows may go while they are looked at
         display_ = XOpenDisplay(name.c_str());
         REQUIRE(display_);
     }
     ~TestScreen() { XCloseDisplay(display_); }
 
-    /// The window that is titled so; 0: none.
+    /// The window that is titled so and can be seen; 0: none.
     Window find(const std::string& title) const { return find(title, DefaultRootWindow(display_)); }
     /// Its size and how much its pixels differ.
     std::pair<cv::Size, double> look(Window window) const
     {
         XWindowAttributes shape{};
-        XGetWindowAttributes(display_, window, &shape);
+        if (!XGetWindowAttributes(display_, window, &shape))
+            return {};
         XImage* image = XGetImage(display_, window, 0, 0, static_cast<unsigned>(shape.width), static_cast<unsigned>(shape.height), AllPlanes, ZPixmap);
         if (!image)
             return {};
@@ -84,7 +86,8 @@ private:
     Window find(const std::string& title, Window above) const
     {
         char* text = nullptr;
-        const bool here = XFetchName(display_, above, &text) && text && title == text;
+        XWindowAttributes shape{};
+        const bool here = XFetchName(display_, above, &text) && text && title == text && XGetWindowAttributes(display_, above, &shape) && shape.map_state == IsViewable;
         if (text)
             XFree(text);
         if (here)
