@@ -22,7 +22,7 @@ Exchange::Newest Exchange::newest() const
 double Rate::count(Time now)
 {
     times_.push_back(now);
-    while (times_.front() < now - std::chrono::seconds(2))
+    while (times_.size() > 2 && times_.front() < now - std::chrono::seconds(2))
         times_.pop_front();
     const std::chrono::duration<double> span = now - times_.front();
     return span.count() > 0 ? static_cast<double>(times_.size() - 1) / span.count() : 0;

@@ -29,7 +29,7 @@ private:
     Newest newest_;
 };
 
-/// How many a second, over the last two. For one thread.
+/// How many a second, over the last two seconds, or since the one before if that is longer ago. For one thread.
 class Rate {
 public:
     using Time = Exchange::Time;

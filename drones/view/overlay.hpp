@@ -12,11 +12,11 @@ namespace view {
 
 /// Where a picture comes from, and how fast they come.
 struct Origin {
-    std::string sender;         ///< drone and output: "face.annotated"
-    std::string source;         ///< the drone that captured it
+    std::string sender = {};    ///< drone and output: "face.annotated"
+    std::string source = {};    ///< the drone that captured it
     std::int64_t sequence = 0;  ///< of the capture
-    cv::Size size;              ///< px
-    std::optional<std::chrono::system_clock::time_point> captured;
+    cv::Size size = {};         ///< px
+    std::optional<std::chrono::system_clock::time_point> captured = {};
     double rate = 0;            ///< pictures a second when it came; 0: not known yet
 };
 

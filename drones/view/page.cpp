@@ -78,7 +78,7 @@ function show(status) {
   document.title = (some ? status.sender + " – " : "") + "Hive view";
   if (!some)
     light("off", "no picture yet: connect a drone to this one");
-  else if (status.since_ms > 2000)
+  else if (status.since_ms > 2000 && status.rate === 0)
     light("late", "no picture for " + time(status.since_ms));
   else
     light("on", "");

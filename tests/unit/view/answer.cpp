@@ -106,6 +106,10 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
     CHECK(now == json{{"sender", "face.annotated"}, {"source", "camera"}, {"sequence", 7}, {"number", 1}, {"width", 64}, {"height", 48},
                       {"rate", 29.8}, {"age_ms", 200}, {"since_ms", 150}, {"browsers", 1}});
     CHECK(view::status_of(newest, 1, newest.since + 2s).at("rate") == 0);
+    auto slow = std::make_shared<const view::Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = 0.2}, view::Picture::Content{}, view::Picture::Look{});
+    const view::Exchange::Newest one_in_five_seconds{slow, 2, newest.since};
+    CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 9s).at("rate") == 0.2);
+    CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 10s).at("rate") == 0);
     CHECK(keys(before) == keys(now));
     CHECK(keys(example()) == keys(now));  // the drone's page shows the same fields
 }

@@ -85,7 +85,7 @@ TEST_CASE("exchange: a slow reader finds the newest; what nobody looked at is go
     CHECK(first.expired());
 }
 
-TEST_CASE("rate: is that of the last two seconds, and not known from one picture")
+TEST_CASE("rate: is that of the last two seconds, or since the picture before; not known from one")
 {
     view::Rate rate;
     const view::Exchange::Time begin{100s};
@@ -97,5 +97,6 @@ TEST_CASE("rate: is that of the last two seconds, and not known from one picture
     for (int i = 1; i <= 100; ++i)
         last = rate.count(begin + 5s + i * 25ms);
     CHECK(last == doctest::Approx(40));
-    CHECK(rate.count(begin + 60s) == 0);
+    CHECK(rate.count(begin + 60s) == doctest::Approx(1 / 52.5));  // after the pause; one in ten seconds is a rate too
+    CHECK(rate.count(begin + 70s) == doctest::Approx(0.1));
 }
