@@ -192,7 +192,8 @@ private:
 
     std::string unauthorised(const Request& request, Login::Verdict verdict)
     {
-        if (!request.authorization.empty() && verdict != Login::Verdict::stale)
+        // A scheme that is no longer taken, or a nonce that has been used up, is no wrong password.
+        if (!request.authorization.empty() && verdict != Login::Verdict::stale && verdict != Login::Verdict::unknown)
             ++wrong_logins_;
         std::string fields;
         for (const auto& challenge : login_.challenges(behaviour_.login(), verdict))
