@@ -115,8 +115,10 @@ std::pair<protocol::Segment, int> Pool::offer(std::uint32_t segment) const
 
 void Pool::keep(std::vector<Body> bodies, Clock::time_point until)
 {
+    const Kept kept{std::move(bodies), until};  // if not taken it goes after the lock: giving back takes it
     const std::lock_guard lock(mutex_);
-    kept_.push_back({std::move(bodies), until});
+    if (!ended_)
+        kept_.push_back(kept);
 }
 
 std::vector<Pool::Kept> Pool::expired()
@@ -135,6 +137,7 @@ void Pool::end()
     std::deque<Kept> kept;  // goes out of scope after the lock: giving back takes it
     const std::lock_guard lock(mutex_);
     kept.swap(kept_);
+    ended_ = true;
 }
 
 Pool::Usage Pool::usage() const

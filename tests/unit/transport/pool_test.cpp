@@ -110,7 +110,11 @@ TEST_CASE("pool: a body outlives whoever made the pool; what is kept is kept unt
     CHECK(pool->usage().slots_in_use == 2);
     pool->end();
     CHECK(pool->usage().slots_in_use == 0);
-    pool->keep({filled(*pool, 3)}, Pool::Clock::now());
-    CHECK(pool->loan(picture));
+    pool->keep({filled(*pool, 3)}, Pool::Clock::now() + 1h);
     CHECK(pool->usage().slots_in_use == 0);
+
+    const auto another = pool_of();
+    another->keep({filled(*another, 3)}, Pool::Clock::now());
+    CHECK(another->loan(picture));
+    CHECK(another->usage().slots_in_use == 0);
 }

@@ -49,7 +49,7 @@ public:
     [[nodiscard]] std::pair<protocol::Segment, int> offer(std::uint32_t segment) const;
     /// Keeps bodies until then: who had borrowed them may still be reading.
     void keep(std::vector<Body> bodies, Clock::time_point until);
-    /// The producer ends: nothing is kept any longer. To be called before the last reference goes (kept bodies hold the pool).
+    /// The producer ends: nothing is kept from now on. To be called before the last reference goes (kept bodies hold the pool).
     void end();
 
     struct Usage {
@@ -73,6 +73,7 @@ private:
     mutable std::mutex mutex_;  ///< for all below
     std::vector<std::unique_ptr<Segment>> segments_;  ///< their ids are their places
     std::deque<Kept> kept_;
+    bool ended_ = false;
     std::size_t backed_bytes_ = 0;
     std::int64_t refused_ = 0;
 };
