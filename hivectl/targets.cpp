@@ -87,6 +87,15 @@ std::string usual_output(const hive::Interface& interface, const std::string& dr
                                                        + listed(interface.outputs));
 }
 
+std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words, std::string_view preferred)
+{
+    auto outputs = endpoints_named(application, words);
+    for (auto& output : outputs)
+        if (output.port.empty())
+            output.port = usual_output(application.describe(output.drone), output.drone, preferred);
+    return outputs;
+}
+
 std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type)
 {
     const auto fitting = names_of(interface.inputs, [&](const hive::Port& port) { return hive::types_fit(type, port.type); });

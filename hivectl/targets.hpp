@@ -21,6 +21,8 @@ std::vector<hive::Endpoint> endpoints_named(hive::Application& application, cons
 /// The output meant when none is named: the only one whose type contains `preferred`, otherwise the only one there is.
 /// Throws Errc::not_found naming the outputs.
 std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred);
+/// endpoints_named(), with the usual output where none is named.
+std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words, std::string_view preferred);
 /// The input meant when none is named: the only one that takes `type`. Throws Errc::type_mismatch or Errc::not_found.
 std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type);
 

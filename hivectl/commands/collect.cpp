@@ -1,10 +1,8 @@
 // hivectl collect: sets of events that belong together, one JSON object a line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../interrupt.hpp"
 #include "../output.hpp"
+#include "../printing.hpp"
 #include "../session.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -14,9 +12,6 @@
 
 namespace hivectl {
 namespace {
-
-using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 struct Options {
     std::vector<std::string> names;
@@ -62,36 +57,18 @@ void summarize(const hive::MatchedCollector& collector)
         complain("collect", std::to_string(counts.sets) + " sets" + text);
 }
 
-/// Prints until `count` came, nothing came for `patience`, or Ctrl-C; returns the exit code.
-int print_sets(hive::MatchedCollector& collector, std::int64_t count, std::optional<std::chrono::milliseconds> patience)
-{
-    const interrupt::Deferred deferred;
-    auto last = Clock::now();
-    for (std::int64_t printed = 0; !interrupt::requested();) {
-        if (const auto set = collector.next(std::min(patience.value_or(100ms), 100ms))) {
-            write_out(line_of(*set));
-            if (++printed == count)
-                return exit_code::done;
-            last = Clock::now();
-        } else if (patience && Clock::now() - last >= *patience) {
-            complain("collect", "no set came for " + duration_text(*patience / 1us) + "; see what is connected: hivectl edges");
-            return exit_code::timed_out;
-        }
-    }
-    return exit_code::interrupted;
-}
-
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    auto outputs = endpoints_named(application, options.names);
-    for (auto& output : outputs)
-        if (output.port.empty())
-            output.port = usual_output(application.describe(output.drone), output.drone, "application/json");
+    const auto outputs = outputs_named(application, options.names, "application/json");
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
-    const int code = print_sets(*collector, options.count, session.timeout_s ? std::optional(session.timeout()) : std::nullopt);
+    const int code = print_lines({.verb = "collect", .count = options.count, .patience = session.patience(), .advice = "; see what is connected: hivectl edges"},
+                                 [&](auto patience) -> std::optional<std::string> {
+                                     const auto set = collector->next(patience);
+                                     return set ? std::optional(line_of(*set)) : std::nullopt;
+                                 });
     summarize(*collector);
     return code;
 }

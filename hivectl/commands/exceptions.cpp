@@ -2,8 +2,8 @@
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
-#include "../interrupt.hpp"
 #include "../output.hpp"
+#include "../printing.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
@@ -11,9 +11,6 @@
 
 namespace hivectl {
 namespace {
-
-using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 struct Options {
     std::vector<std::string> names;
@@ -58,20 +55,10 @@ std::string line_of(const hive::Event& event, bool json)
 int follow(const std::vector<std::string>& drones, const Options& options, Session& session)
 {
     const auto collector = session.application().exceptions(drones);
-    const interrupt::Deferred deferred;
-    auto last = Clock::now();
-    for (std::int64_t printed = 0; !interrupt::requested();) {
-        if (const auto event = collector->next(100ms)) {
-            write_out(line_of(*event, session.json));
-            if (++printed == options.count)
-                return exit_code::done;
-            last = Clock::now();
-        } else if (session.timeout_s && Clock::now() - last >= session.timeout()) {
-            complain("exceptions", "none came for " + duration_text(session.timeout() / 1us));
-            return exit_code::timed_out;
-        }
-    }
-    return exit_code::interrupted;
+    return print_lines({.verb = "exceptions", .count = options.count, .patience = session.patience()}, [&](auto patience) -> std::optional<std::string> {
+        const auto event = collector->next(patience);
+        return event ? std::optional(line_of(*event, session.json)) : std::nullopt;
+    });
 }
 
 int change_policy(const Options& options, const std::vector<std::string>& drones, Session& session)

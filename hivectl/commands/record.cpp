@@ -150,7 +150,7 @@ int run(const Options& options, Session& session)
     const auto collector = application.collect(outputs, collecting(options));
     recording::Writer writer({.path = options.file, .overwrite = options.overwrite, .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
-    const int code = take_events(*collector, writer, options, session.timeout_s ? std::optional(session.timeout()) : std::nullopt);
+    const int code = take_events(*collector, writer, options, session.patience());
     note_losses(outputs, application, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");

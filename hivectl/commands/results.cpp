@@ -1,10 +1,8 @@
 // hivectl results: what drones find, one JSON object a line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../interrupt.hpp"
 #include "../output.hpp"
+#include "../printing.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
@@ -12,9 +10,6 @@
 
 namespace hivectl {
 namespace {
-
-using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 struct Options {
     std::vector<std::string> names;
@@ -46,34 +41,16 @@ void summarize(const hive::CollectCounts& counts)
         complain("results", std::to_string(counts.received) + " received" + text);
 }
 
-/// Prints until `count` came, nothing came for `patience`, or Ctrl-C; returns the exit code.
-int print_events(hive::Collector& collector, std::int64_t count, std::optional<std::chrono::milliseconds> patience)
-{
-    const interrupt::Deferred deferred;
-    auto last = Clock::now();
-    for (std::int64_t printed = 0; !interrupt::requested();) {
-        if (const auto event = collector.next(std::min(patience.value_or(100ms), 100ms))) {
-            write_out(event_row(*event).json() + "\n");
-            if (++printed == count)
-                return exit_code::done;
-            last = Clock::now();
-        } else if (patience && Clock::now() - last >= *patience) {
-            complain("results", "nothing came for " + duration_text(*patience / 1us) + "; see what is connected: hivectl edges");
-            return exit_code::timed_out;
-        }
-    }
-    return exit_code::interrupted;
-}
-
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    auto outputs = endpoints_named(application, options.names);
-    for (auto& output : outputs)
-        if (output.port.empty())
-            output.port = usual_output(application.describe(output.drone), output.drone, "application/json");
+    const auto outputs = outputs_named(application, options.names, "application/json");
     const auto collector = application.collect(outputs, collecting(options));
-    const int code = print_events(*collector, options.count, session.timeout_s ? std::optional(session.timeout()) : std::nullopt);
+    const int code = print_lines({.verb = "results", .count = options.count, .patience = session.patience(), .advice = "; see what is connected: hivectl edges"},
+                                 [&](auto patience) -> std::optional<std::string> {
+                                     const auto event = collector->next(patience);
+                                     return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
+                                 });
     summarize(collector->counts());
     return code;
 }

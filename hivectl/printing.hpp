@@ -1,0 +1,22 @@
+// Printing what comes, line by line, until there was enough of it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace hivectl {
+
+struct PrintUntil {
+    std::string verb;        ///< complaints name it
+    std::int64_t count = 0;  ///< lines; 0: without end
+    std::optional<std::chrono::milliseconds> patience = {};  ///< nothing comes for this long; empty: wait for ever
+    std::string advice = {};  ///< what to look at when nothing comes
+};
+
+/// Prints the lines that `next` gives, which waits no longer than it is told; until that, or Ctrl-C. Returns the exit code.
+int print_lines(const PrintUntil& until, const std::function<std::optional<std::string>(std::chrono::milliseconds)>& next);
+
+}  // namespace hivectl
