@@ -37,7 +37,7 @@ void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string
         if (!wanted)
             return;
         const EmissionPtr event = wanted->send.event;
-        hooks_.on_network_thread([this, alive, weak, event, result = make(event, encoding)] {
+        hooks_.on_network_side([this, alive, weak, event, result = make(event, encoding)] {
             if (!alive.expired())
                 made(weak, event, result);
         });

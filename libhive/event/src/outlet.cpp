@@ -22,7 +22,7 @@ Outlet::Outlet(Port port, PacketType carrier, Encoder encoder, Hooks hooks)
       dispatch_(encoder_, {.transmit = [this](const ReceiverTable::Send& send, const Emission& form) { transmit(send, form); },
                            .not_encoded = hooks_.not_encoded,
                            .on_encoder_thread = hooks_.on_encoder_thread,
-                           .on_network_thread = hooks_.on_network_thread})
+                           .on_network_side = hooks_.on_network_side})
 {
 }
 

@@ -11,7 +11,7 @@
 
 namespace hive::transport {
 
-/// On the network thread; kept alive by its own waits until stop().
+/// On the network side; kept alive by its own waits until stop().
 class AcceptLoop : public std::enable_shared_from_this<AcceptLoop> {
 public:
     /// Makes a stream of an accepted socket, or nothing when that peer may not come in. May throw.

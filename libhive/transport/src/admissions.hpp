@@ -7,7 +7,7 @@
 
 namespace hive::transport {
 
-/// Counts tokens; on the network thread.
+/// Counts tokens; on the network side.
 class Admissions : public std::enable_shared_from_this<Admissions> {
 public:
     static constexpr std::size_t most = 64;

@@ -18,7 +18,7 @@
 namespace hive::transport {
 
 /// Kept alive by what is under way on the io_context (the timer at least, from start() to the end), not by those who use
-/// the connection: their last reference may go while a read waits. On the network thread.
+/// the connection: their last reference may go while a read waits. On the network side.
 class ConnectionCore : public std::enable_shared_from_this<ConnectionCore> {
 public:
     ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing, std::shared_ptr<void> admission);

@@ -7,7 +7,7 @@
 
 namespace hive::transport {
 
-/// Kept alive by its deadline until it is answered. On the network thread.
+/// Kept alive by its deadline until it is answered. On the network side.
 class DialAttempt : public std::enable_shared_from_this<DialAttempt> {
 public:
     DialAttempt(asio::io_context& context, const Address& address, OnDialed on_dialed, const Timing& timing);

@@ -1,4 +1,4 @@
-// Host names to addresses, beside the network thread: asio's own resolver has one thread, which a dead name server holds up.
+// Host names to addresses, beside the network side: asio's own resolver has one thread, which a dead name server holds up.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -11,7 +11,7 @@
 
 namespace hive::transport {
 
-/// One question; destroying it forgets it, even while the system still looks. Used on the network thread.
+/// One question; destroying it forgets it, even while the system still looks. Used on the network side.
 class NameLookup {
 public:
     using Endpoints = std::vector<asio::ip::tcp::endpoint>;

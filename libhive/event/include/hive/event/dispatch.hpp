@@ -15,7 +15,7 @@
 
 namespace hive::event {
 
-/// Network thread. An event is encoded at most once for each encoding, however many receivers get it, and only after it
+/// Network side. An event is encoded at most once for each encoding, however many receivers get it, and only after it
 /// was decided that one of them does. What waits here holds the event, and with it the receipt of a lossless input.
 class Dispatch {
 public:
@@ -26,7 +26,7 @@ public:
         std::function<void(const ReceiverTable::Send& send, const Emission& form)> transmit;
         /// The encoder threw; the event goes as it is.
         std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
-        Run on_encoder_thread, on_network_thread;
+        Run on_encoder_thread, on_network_side;
     };
 
     /// `encoder` is kept by reference, also by jobs: both outlive the encoder thread.

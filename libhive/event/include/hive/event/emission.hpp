@@ -20,7 +20,7 @@ struct Share {
 };
 
 /// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then read by the
-/// network thread and the encoder thread.
+/// network side and the encoder thread.
 class Emission {
 public:
     /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header

@@ -1,4 +1,4 @@
-// The thread that encodes events for receivers: neither the network thread, which must answer, nor the user thread, which
+// The thread that encodes events for receivers: neither the network side, which must answer, nor the user thread, which
 // must not pay for what is skipped later.
 #pragma once
 

@@ -21,7 +21,7 @@ public:
         std::function<void()> changed;                   ///< wanted(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
         std::function<void(const EmissionPtr&, const Error&)> not_encoded;  ///< the encoder threw; the event goes as it is
-        Dispatch::Run on_encoder_thread, on_network_thread;
+        Dispatch::Run on_encoder_thread, on_network_side;
     };
     /// @param carrier  the packet type that carries its events: event or exception
     Outlet(Port port, protocol::PacketType carrier, Encoder encoder, Hooks hooks);

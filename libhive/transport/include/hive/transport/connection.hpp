@@ -29,7 +29,7 @@ enum class Carriage {
     fallback    ///< in the packet, although it could have been shared: the pool had no room, or the peer holds too much
 };
 
-/// Lives on the network thread; all calls and handlers are there. Two lanes leave it: control packets, and events
+/// Lives on the network side; all calls and handlers are there. Two lanes leave it: control packets, and events
 /// (event, notification, exception and put carry bodies). Control packets overtake waiting events at every packet
 /// boundary. Pings and pongs are answered here and shown to nobody, and so is all that is said about shared memory: above,
 /// an event has a body, wherever its bytes lie.

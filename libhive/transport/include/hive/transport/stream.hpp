@@ -16,7 +16,7 @@
 
 namespace hive::transport {
 
-/// Every function and every handler runs on the network thread. A handler is never called from inside the call that
+/// Every function and every handler runs on the network side. A handler is never called from inside the call that
 /// it was given to. At most one read and one write are under way at a time. The buffers outlive the handler.
 class Stream {
 public:

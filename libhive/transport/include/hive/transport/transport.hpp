@@ -9,7 +9,7 @@
 
 namespace hive::transport {
 
-/// Accepts peers until it is destroyed. On the network thread.
+/// Accepts peers until it is destroyed. On the network side.
 class Listener {
 public:
     virtual ~Listener() = default;
