@@ -28,7 +28,7 @@ public:
                                     },
                                 .not_encoded = [this](const EmissionPtr&, const Error& problem) { problems.emplace_back(problem.what()); },
                                 .on_encoder_thread = [this](std::function<void()> job) { jobs.push_back(std::move(job)); },
-                                .on_network_thread = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
+                                .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
 
     void send(ReceiverTable::Id receiver, const EmissionPtr& event, const std::string& encoding) { dispatch.send({receiver, event, Delivery::data, {}}, encoding); }
     void run_jobs() { run(jobs); }
@@ -185,7 +185,7 @@ TEST_CASE("dispatch: a job that ends after the module's end does nothing")
         Dispatch dispatch(encoder, {.transmit = [&](const ReceiverTable::Send&, const Emission&) { ++transmitted; },
                                     .not_encoded = {},
                                     .on_encoder_thread = [&](std::function<void()> given) { job = std::move(given); },
-                                    .on_network_thread = [&](std::function<void()> given) { task = std::move(given); }});
+                                    .on_network_side = [&](std::function<void()> given) { task = std::move(given); }});
         dispatch.send({1, emission(1), Delivery::data, {}}, "loud");
         job();
         REQUIRE(task);
