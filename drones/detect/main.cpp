@@ -5,6 +5,7 @@
 #include <hive/drone.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <hive/vision/loans.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -24,22 +25,6 @@ hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& picture)
         list.push_back({{"x", object.box.x}, {"y", object.box.y}, {"w", object.box.width}, {"h", object.box.height},
                         {"class", object.name}, {"score", std::round(object.score * 1000) / 1000}});
     return {{"objects", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
-}
-
-/// Sends a copy of the picture with the objects framed, drawn in the memory that receivers map.
-void emit_annotated(const hive::Output& output, hive::Json header, const cv::Mat& picture, const std::vector<Object>& objects)
-{
-    header.update({{"pixel_format", "bgr8"}, {"stride", picture.cols * 3}});
-    output.emit(std::move(header), [&]() -> hive::Body {
-        hive::Loan loan = output.loan(picture.total() * 3);
-        cv::Mat canvas(picture.size(), CV_8UC3, loan.data());
-        if (picture.channels() == 3)
-            picture.copyTo(canvas);
-        else
-            cv::cvtColor(picture, canvas, cv::COLOR_GRAY2BGR);
-        detect::draw(canvas, objects);
-        return loan;
-    }, "image/raw");
 }
 
 /// The parameters, and the detector that they ask for.
@@ -113,6 +98,7 @@ void detect_drone(hive::Drone& drone)
     detector.declare(drone);
     const hive::Output objects = drone.output("objects", "application/json", "the boxes, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the objects framed", hive::vision::encoder());
+    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
@@ -122,9 +108,15 @@ void detect_drone(hive::Drone& drone)
     drone.on_event("image", hive::vision::image_types, [&](const hive::Event& event) {
         const cv::Mat picture = hive::vision::view(event);
         const auto found = detector.find(picture);
-        const hive::Json header = to_header(found, picture);
+        hive::Json header = to_header(found, picture);
         objects.emit(header);
-        emit_annotated(annotated, header, picture, found);
+        const auto form = hive::vision::plain_form(picture.size(), 3);
+        header.update(form.header);
+        annotated.emit(std::move(header), [&] {
+            cv::Mat canvas = loans.colour_copy(picture);
+            detect::draw(canvas, found);
+            return form.body(canvas);
+        }, form.type);
     }, "pictures to look for objects in");
     drone.run();
 }

@@ -56,11 +56,10 @@ void face_drone(hive::Drone& drone)
         const auto found = finder.find(picture);
         hive::Json header = to_header(found, picture);
         faces.emit(header);
-        const auto form = hive::vision::plain_form(picture.size(), picture.channels());
+        const auto form = hive::vision::plain_form(picture.size(), 3);
         header.update(form.header);
         annotated.emit(std::move(header), [&] {
-            cv::Mat framed = loans.picture();
-            picture.copyTo(framed);
+            cv::Mat framed = loans.colour_copy(picture);
             FaceFinder::draw(framed, found);
             return form.body(framed);
         }, form.type);

@@ -5,6 +5,7 @@
 #include <hive/drone.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <hive/vision/loans.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -40,22 +41,6 @@ hive::Json to_header(const std::vector<Hand>& hands, const cv::Mat& picture)
     return {{"hands", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
-/// Sends a copy of the picture with the hands marked, drawn in the memory that receivers map.
-void emit_annotated(const hive::Output& output, hive::Json header, const cv::Mat& picture, const std::vector<Hand>& hands)
-{
-    header.update({{"pixel_format", "bgr8"}, {"stride", picture.cols * 3}});
-    output.emit(std::move(header), [&]() -> hive::Body {
-        hive::Loan loan = output.loan(picture.total() * 3);
-        cv::Mat canvas(picture.size(), CV_8UC3, loan.data());
-        if (picture.channels() == 3)
-            picture.copyTo(canvas);
-        else
-            cv::cvtColor(picture, canvas, cv::COLOR_GRAY2BGR);
-        gesture::draw(canvas, hands);
-        return loan;
-    }, "image/raw");
-}
-
 void declare(hive::Drone& drone, gesture::Silhouette& silhouette, gesture::GestureFinder& finder)
 {
     const auto byte = hive::between(0, 255);
@@ -79,13 +64,20 @@ void gesture_drone(hive::Drone& drone)
     declare(drone, silhouette, finder);
     const hive::Output gestures = drone.output("gesture", "application/json", "the hands, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the hands marked", hive::vision::encoder());
+    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core: to use more, start more drones
     drone.on_event("mask", hive::vision::image_types, [&](const hive::Event& event) {
         const cv::Mat picture = hive::vision::view(event);
         const auto hands = finder.find(silhouette.of(picture));
-        const hive::Json header = to_header(hands, picture);
+        hive::Json header = to_header(hands, picture);
         gestures.emit(header);
-        emit_annotated(annotated, header, picture, hands);
+        const auto form = hive::vision::plain_form(picture.size(), 3);
+        header.update(form.header);
+        annotated.emit(std::move(header), [&] {
+            cv::Mat canvas = loans.colour_copy(picture);
+            gesture::draw(canvas, hands);
+            return form.body(canvas);
+        }, form.type);
     }, "masks, or pictures with silhouette=skin");
     drone.run();
 }

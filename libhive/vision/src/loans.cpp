@@ -2,6 +2,8 @@
 #include <hive/error.hpp>
 #include <hive/vision/loans.hpp>
 
+#include <opencv2/imgproc.hpp>
+
 #include <memory>
 
 namespace hive::vision {
@@ -11,6 +13,16 @@ cv::Mat LoanAllocator::picture()
     cv::Mat picture;
     picture.allocator = this;
     return picture;
+}
+
+cv::Mat LoanAllocator::colour_copy(const cv::Mat& original)
+{
+    cv::Mat copy = picture();
+    if (original.channels() == 1)
+        cv::cvtColor(original, copy, cv::COLOR_GRAY2BGR);
+    else
+        original.copyTo(copy);
+    return copy;
 }
 
 void LoanAllocator::close()

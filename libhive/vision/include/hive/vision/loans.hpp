@@ -20,6 +20,8 @@ public:
 
     /// An empty picture; its pixels will lie in a loan.
     [[nodiscard]] cv::Mat picture();
+    /// A copy in colour (BGR) of a picture of 1 or 3 channels, in a loan: what is drawn on it is drawn in the memory that is emitted.
+    [[nodiscard]] cv::Mat colour_copy(const cv::Mat& original);
     /// From now on pictures lie in ordinary memory, so that the lender may go.
     void close();
     /// The loan that holds the pixels, or nullptr.
