@@ -8,9 +8,6 @@
 #include <opencv2/videoio.hpp>
 #include <scene.hpp>
 
-#include <fstream>
-#include <sstream>
-
 namespace {
 
 /// @param scale  of the truth's pixels to the found ones
@@ -54,23 +51,6 @@ void report(const std::string& what, const scoring::Identities& score)
             " boxes of tracks that follow nothing");
 }
 
-std::map<int, std::vector<scoring::TrueBox>> pedestrians(const std::filesystem::path& path)
-{
-    std::map<int, std::vector<scoring::TrueBox>> boxes;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::ranges::replace(line, ',', ' ');
-        std::istringstream fields(line);
-        int picture = 0;
-        scoring::TrueBox one{};
-        fields >> picture >> one.id >> one.box.x >> one.box.y >> one.box.width >> one.box.height;
-        boxes[picture].push_back(one);
-    }
-    return boxes;
-}
-
 }  // namespace
 
 TEST_CASE("identities: walkers of the scene that cross and hide one another keep their ids, but for one crossing in many")
@@ -91,7 +71,7 @@ TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the tr
         return;
     track::Tracker tracker;
     scoring::Identities score;
-    for (const auto& [picture, boxes] : pedestrians(*list)) {
+    for (const auto& [picture, boxes] : media::ground_truth(*list)) {
         std::vector<track::Box> seen;
         for (const auto& one : boxes)
             seen.push_back({one.box.x, one.box.y, one.box.width, one.box.height});
@@ -107,7 +87,7 @@ TEST_CASE("identities: pedestrians in the open, by background subtraction alone"
     const auto clip = media::shared("media/pedestrians_0001-0400.avi"), list = media::shared("media/pedestrians_0001-0400.gt.csv");
     if (!clip || !list)
         return;
-    auto truth = pedestrians(*list);
+    auto truth = media::ground_truth(*list);
     background::ForegroundFinder finder;
     finder.min_area = 75;
     finder.close = 3;

@@ -1,6 +1,7 @@
 // How well tracks keep to the things that they follow, against the truth.
 #pragma once
 
+#include "media.hpp"
 #include "overlap.hpp"
 
 #include <tracker.hpp>
@@ -12,10 +13,7 @@
 
 namespace scoring {
 
-struct TrueBox {
-    int id;
-    cv::Rect2d box;
-};
+using media::TrueBox;
 
 /// Counts as in "CLEAR MOT" (Bernardin and Stiefelhagen, 2008): a thing keeps its track while that is near enough; another one is a switch.
 class Identities {

@@ -9,9 +9,7 @@
 #include <opencv2/videoio.hpp>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <tuple>
 
 using face::FaceFinder;
@@ -37,24 +35,6 @@ FaceFinder loaded_finder()
     FaceFinder finder;
     finder.load(face::default_cascade);
     return finder;
-}
-
-/// The boxes of face_over_brick.gt.csv by frame, from 1.
-std::map<int, std::vector<cv::Rect2d>> ground_truth(const std::filesystem::path& path)
-{
-    std::map<int, std::vector<cv::Rect2d>> boxes;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::ranges::replace(line, ',', ' ');
-        std::istringstream fields(line);
-        int frame = 0, id = 0;
-        cv::Rect2d box;
-        fields >> frame >> id >> box.x >> box.y >> box.width >> box.height;
-        boxes[frame].push_back(box);
-    }
-    return boxes;
 }
 
 }  // namespace
@@ -121,7 +101,7 @@ TEST_CASE("face finder: the face over the wall is found in every picture, where 
     const auto video = media::shared("media/face_over_brick.mp4");
     if (!video)
         return;
-    const auto truth = ground_truth(*media::shared("media/face_over_brick.gt.csv"));
+    const auto truth = media::ground_truth(*media::shared("media/face_over_brick.gt.csv"));
     FaceFinder finder = loaded_finder();
     cv::VideoCapture capture(video->string(), cv::CAP_FFMPEG);
     cv::Mat picture;
@@ -131,7 +111,7 @@ TEST_CASE("face finder: the face over the wall is found in every picture, where 
             continue;
         const auto found = finder.find(picture);
         CHECK(found == plain_faces(picture, 1.1, 5, 24));
-        score.add(found, truth.at(frame), 0.5);
+        score.add(found, media::boxes(truth.at(frame)), 0.5);
     }
     CHECK(score.hits == 40);
     CHECK(score.misses == 0);

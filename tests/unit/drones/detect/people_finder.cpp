@@ -1,16 +1,16 @@
 // The people finder: the windows of a plain OpenCV program, and the walkers that are there.
+#include "media.hpp"
+
 #include <background.hpp>
 #include <doctest/doctest.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <people_finder.hpp>
-#include <swarm.hpp>
+
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 using detect::Object;
 using detect::PeopleFinder;
@@ -118,24 +118,6 @@ bool same(const std::vector<Object>& found, const std::vector<std::pair<double, 
     });
 }
 
-/// The boxes of the video's ground truth by frame, from 1.
-std::map<int, std::vector<cv::Rect2d>> ground_truth(const std::filesystem::path& path)
-{
-    std::map<int, std::vector<cv::Rect2d>> boxes;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::ranges::replace(line, ',', ' ');
-        std::istringstream fields(line);
-        int frame = 0, id = 0;
-        cv::Rect2d box;
-        fields >> frame >> id >> box.x >> box.y >> box.width >> box.height;
-        boxes[frame].push_back(box);
-    }
-    return boxes;
-}
-
 }  // namespace
 
 TEST_CASE("people finder: on drawn walkers it finds the windows of a plain OpenCV program, and the walkers in them")
@@ -156,12 +138,10 @@ TEST_CASE("people finder: on drawn walkers it finds the windows of a plain OpenC
 
 TEST_CASE("people finder: on filmed walkers it finds the windows of a plain OpenCV program, and most of the walkers")
 {
-    const auto video = hive::test::shared_data("media/pedestrians_0001-0400.avi");
-    if (!video) {
-        MESSAGE("skipped: there is no video beside the source tree");
+    const auto video = media::shared("media/pedestrians_0001-0400.avi");
+    if (!video)
         return;
-    }
-    const auto truth = ground_truth(video->parent_path() / "pedestrians_0001-0400.gt.csv");
+    const auto truth = media::ground_truth(video->parent_path() / "pedestrians_0001-0400.gt.csv");
     cv::VideoCapture capture(video->string(), cv::CAP_FFMPEG);
     PeopleFinder finder;
     finder.shrink = false;
@@ -173,7 +153,7 @@ TEST_CASE("people finder: on filmed walkers it finds the windows of a plain Open
         CHECK(same(finder.find(picture), plain_people(picture)));
         PeopleFinder fitting;
         fitting.enlarge = 2;  // they are about 80 px high
-        found += hits(fitting.find(picture), truth.at(frame), 0.5);
+        found += hits(fitting.find(picture), media::boxes(truth.at(frame)), 0.5);
         all += static_cast<int>(truth.at(frame).size());
     }
     MESSAGE(found, " of ", all, " filmed walkers found");
