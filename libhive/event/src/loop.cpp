@@ -66,13 +66,25 @@ void Loop::end()
     thread_.join();
 }
 
-void Loop::post(Task task) { asio::post(context_, std::move(task)); }
+void Loop::post(Task task)
+{
+    bool first = false;
+    {
+        const std::lock_guard lock(mutex_);
+        first = posted_.empty();
+        posted_.push_back(std::move(task));
+    }
+    if (first)
+        asio::post(context_, [this] { run_posted(); });
+}
 
+/// The io_context is left alone: what has to be read, and what was written, is for the next wait() or serve().
 void Loop::perform(Task task)
 {
     if (!try_take())
         return post(std::move(task));
-    run_after_posted(task);
+    run_posted();
+    run(task);
     leave();
 }
 
@@ -82,13 +94,12 @@ void Loop::call(const Task& task)
         return task();
     std::exception_ptr problem;
     take();
-    run_after_posted([&] {
-        try {
-            task();
-        } catch (...) {
-            problem = std::current_exception();
-        }
-    });
+    run_posted();
+    try {
+        task();
+    } catch (...) {
+        problem = std::current_exception();
+    }
     leave();
     if (problem)
         std::rethrow_exception(problem);
@@ -98,24 +109,31 @@ void Loop::serve()
 {
     if (!try_take())
         return;
-    run_after_posted([] {});
+    run_ready();
     leave();
 }
 
 void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
 {
     take();
-    while (!done() && Clock::now() < deadline) {
+    bool ran = false;
+    const auto begin = Clock::now();
+    for (auto now = begin; !done() && now < deadline; now = Clock::now()) {
         if (wanted()) {
             leave();
             take();
             continue;
         }
         set_alarm(deadline);
-        disarm();
+        if (!short_wait_)
+            disarm();
+        ran = true;
         if (!run_one())
             break;
     }
+    if (!ran)
+        run_ready();
+    short_wait_ = Clock::now() - begin < patience;
     leave();
 }
 
@@ -145,7 +163,8 @@ void Loop::leave()
 {
     const std::lock_guard lock(mutex_);
     holder_ = std::thread::id();
-    left_at_ = Clock::now();
+    if (std::exchange(served_, false))
+        served_at_ = Clock::now();
     if (++given_back_ != asked_)
         left_.notify_all();
     else if (!armed_)
@@ -166,7 +185,7 @@ void Loop::arm(std::chrono::nanoseconds after)
     ::timerfd_settime(timer_, 0, &due, nullptr);
 }
 
-/// Before what may be a long wait: the network thread need not wake only to see that it is not needed.
+/// Before what is likely to be a long wait: the network thread need not wake only to see that it is not needed.
 void Loop::disarm()
 {
     const std::lock_guard lock(mutex_);
@@ -176,16 +195,33 @@ void Loop::disarm()
     ::timerfd_settime(timer_, 0, &never, nullptr);
 }
 
-bool Loop::run_one() noexcept { return context_.run_one() > 0; }
+void Loop::interrupt() { asio::post(context_, [] {}); }
 
-/// The io_context is first in, first out: when this task has run, so has all that was posted before it.
-void Loop::run_after_posted(const Task& task)
+void Loop::run(const Task& task) noexcept { task(); }
+
+bool Loop::run_one() noexcept
+{
+    served_ = true;
+    return context_.run_one() > 0;
+}
+
+/// What was posted up to now, in the order of the calls.
+void Loop::run_posted()
+{
+    std::vector<Task> tasks;
+    {
+        const std::lock_guard lock(mutex_);
+        tasks.swap(posted_);
+    }
+    for (const auto& task : tasks)
+        run(task);
+}
+
+/// The io_context is first in, first out: when this handler has run, so has all that was ready before it.
+void Loop::run_ready()
 {
     bool done = false;
-    asio::post(context_, [&] {
-        task();
-        done = true;
-    });
+    asio::post(context_, [&] { done = true; });
     while (!done && run_one()) {
     }
 }
@@ -227,7 +263,7 @@ bool Loop::take_over()
     armed_ = false;
     if (ending_ || asked_ != given_back_)
         return false;  // whoever has it arms the timer when leaving
-    if (const auto away = Clock::now() - left_at_; away < patience) {
+    if (const auto away = Clock::now() - served_at_; away < patience) {
         arm(patience - away);
         return false;
     }

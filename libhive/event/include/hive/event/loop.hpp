@@ -12,6 +12,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace hive::event {
 
@@ -53,7 +54,7 @@ public:
     /// Runs the network side until `done` (asked with the turn, after each handler) or the deadline; time_point::max(): no deadline.
     void wait(Clock::time_point deadline, const std::function<bool()>& done);
     /// Has a wait() of another thread ask again whether it is done.
-    void interrupt() { post([] {}); }
+    void interrupt();
 
 private:
     void take();
@@ -62,8 +63,10 @@ private:
     bool wanted();
     void arm(std::chrono::nanoseconds after);
     void disarm();
+    static void run(const Task& task) noexcept;
     bool run_one() noexcept;
-    void run_after_posted(const Task& task);
+    void run_posted();
+    void run_ready();
     void set_alarm(Clock::time_point deadline);
     void watch();
     bool take_over();
@@ -72,11 +75,14 @@ private:
     asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
     asio::steady_timer alarm_{context_};  ///< the deadline of a wait
     bool alarm_set_ = false;
+    bool short_wait_ = false;  ///< the last one was over before the network thread would have looked
+    bool served_ = false;      ///< the one who has the turn has run the io_context
     std::atomic<std::thread::id> holder_{};
     std::mutex mutex_;
     std::condition_variable left_;
     std::uint64_t asked_ = 0, given_back_ = 0;  ///< turns, which are served in order: the difference is who has it and who waits
-    Clock::time_point left_at_{};
+    std::vector<Task> posted_;
+    Clock::time_point served_at_{};  ///< when somebody left who had run the io_context
     const int timer_;     ///< timerfd that wakes the network thread
     bool armed_ = false;  ///< it will
     bool ending_ = false;
