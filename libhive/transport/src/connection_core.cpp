@@ -239,8 +239,12 @@ void ConnectionCore::write()
         return;
     writing_ = true;
     const auto buffers = writer_.gather();
+    const int descriptor = writer_.descriptor();
+    if (descriptor < 0)
+        if (const auto bytes = stream_->write_now(buffers); bytes > 0)
+            return asio::post(context_, [self = shared_from_this(), bytes] { self->on_written({}, bytes); });
     auto on_written = [self = shared_from_this()](std::error_code error, std::size_t bytes) { self->on_written(error, bytes); };
-    if (const int descriptor = writer_.descriptor(); descriptor >= 0)
+    if (descriptor >= 0)
         stream_->write_with(descriptor, buffers, std::move(on_written));
     else
         stream_->write_some(buffers, std::move(on_written));

@@ -35,6 +35,7 @@ public:
             handler(error, 0);
         });
     }
+    std::size_t write_now(std::span<const asio::const_buffer> from) override { return transport::write_now(socket_, from); }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
         socket_.async_write_some(from, std::move(handler));

@@ -1,6 +1,8 @@
 // Sockets as streams.
 #include "socket_stream.hpp"
 
+#include <algorithm>
+#include <array>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -19,6 +21,7 @@ public:
 
     // One system call each, with the whole size: asio's composed operations would cut it into slices of 64 KiB.
     void read_some(asio::mutable_buffer into, Handler handler) override { socket_.async_read_some(into, std::move(handler)); }
+    std::size_t write_now(std::span<const asio::const_buffer> from) override { return transport::write_now(socket_, from); }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
         socket_.async_write_some(from, std::move(handler));
@@ -48,6 +51,18 @@ private:
 std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer)
 {
     return std::make_unique<SocketStream>(std::move(socket), std::move(peer));
+}
+
+std::size_t write_now(Socket& socket, std::span<const asio::const_buffer> from)
+{
+    std::array<iovec, 64> bytes;
+    msghdr message{};
+    message.msg_iov = bytes.data();
+    message.msg_iovlen = std::min(from.size(), bytes.size());
+    for (std::size_t i = 0; i < message.msg_iovlen; ++i)
+        bytes[i] = {const_cast<void*>(from[i].data()), from[i].size()};
+    const auto size = ::sendmsg(socket.native_handle(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+    return static_cast<std::size_t>(std::max<ssize_t>(size, 0));
 }
 
 Socket open_socket(asio::io_context& context, int family)

@@ -3,15 +3,20 @@
 
 #include <hive/transport/stream.hpp>
 
+#include <asio/basic_stream_socket.hpp>
 #include <asio/generic/stream_protocol.hpp>
 
 namespace hive::transport {
 
-using Socket = asio::generic::stream_protocol::socket;
+/// With an executor that is known here: a type-erased one costs every operation some more cold lines.
+using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, asio::io_context::executor_type>;
 
 std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer);
 /// Of a unix socket, that passes descriptors.
 std::unique_ptr<Stream> make_descriptor_stream(Socket socket, std::string peer);
+
+/// Stream::write_now of a socket.
+std::size_t write_now(Socket& socket, std::span<const asio::const_buffer> from);
 
 /// A new socket that children do not inherit. Throws Errc::io.
 Socket open_socket(asio::io_context& context, int family);

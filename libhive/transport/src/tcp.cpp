@@ -136,7 +136,7 @@ private:
         if (!error && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
             error = asio::error::connection_refused;
         if (!error)
-            succeed(make_socket_stream(std::exchange(socket_, Socket(context_)), text_of(endpoints_[next_ - 1])));
+            succeed(make_socket_stream(std::move(socket_), text_of(endpoints_[next_ - 1])));
         else if (next_ < endpoints_.size())
             try_next();
         else

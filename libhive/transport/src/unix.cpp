@@ -70,7 +70,7 @@ private:
         else if (error)
             fail(Errc::unreachable, error.message());
         else
-            succeed(stream_to_own_user(std::exchange(socket_, Socket(context_))));
+            succeed(stream_to_own_user(std::move(socket_)));
     } catch (const Error& refusal) {
         fail(refusal.code() == Errc::not_permitted ? Errc::not_permitted : Errc::unreachable, refusal.what());
     }

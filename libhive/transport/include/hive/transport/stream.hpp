@@ -25,6 +25,8 @@ public:
     virtual ~Stream() = default;
     /// Reads at least one byte. End of stream is asio::error::eof.
     virtual void read_some(asio::mutable_buffer into, Handler handler) = 0;
+    /// Writes what is taken at once, and returns how many bytes that is. 0: none now, or the stream has ended; write_some tells which.
+    virtual std::size_t write_now(std::span<const asio::const_buffer>) { return 0; }
     /// Writes at least one byte of a gather list, copying nothing.
     virtual void write_some(std::span<const asio::const_buffer> from, Handler handler) = 0;
     /// Can descriptors travel along? Then both ends are on one machine, and it is worth sharing memory.
