@@ -75,7 +75,7 @@ private:
     asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
     asio::steady_timer alarm_{context_};  ///< the deadline of a wait
     bool alarm_set_ = false;
-    bool short_wait_ = false;  ///< the last one was over before the network thread would have looked
+    bool short_wait_ = false;  ///< the last one was: the next will hardly last until the network thread looks
     bool served_ = false;      ///< the one who has the turn has run the io_context
     std::atomic<std::thread::id> holder_{};
     std::mutex mutex_;
