@@ -11,15 +11,19 @@
 namespace hive::event {
 namespace {
 
-bool plain(char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; }
+constexpr auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
 
-/// Writes the fields of one object, each by its key as it stands in the text.
+/// Writes the fields of one object; each key is given as it stands in the text, with the comma before it.
 class Writer {
 public:
-    explicit Writer(std::string& text) : text_(text) { text_ += '{'; }
-    void close() { text_ += '}'; }
+    explicit Writer(std::string& text) : text_(text), begin_(text.size()) {}
+    void close()
+    {
+        text_[begin_] = '{';  // the first comma
+        text_ += '}';
+    }
 
-    void raw(std::string_view key, std::string_view value) { (begin(key) += value); }
+    void raw(std::string_view key, std::string_view value) { (text_ += key) += value; }
     void number(std::string_view key, std::int64_t value)
     {
         std::array<char, 24> digits{};
@@ -28,20 +32,14 @@ public:
     void string(std::string_view key, const std::string& value)
     {
         if (std::ranges::all_of(value, plain))
-            ((begin(key) += '"') += value) += '"';
+            (((text_ += key) += '"') += value) += '"';
         else
             raw(key, to_text(Json(value)));
-    }
-    /// What follows is the value.
-    std::string& begin(std::string_view key)
-    {
-        if (text_.back() != '{')
-            text_ += ',';
-        return text_ += key;
     }
 
 private:
     std::string& text_;
+    std::size_t begin_;
 };
 
 void write_hops(std::string& text, const std::vector<Hop>& hops)
@@ -51,9 +49,9 @@ void write_hops(std::string& text, const std::vector<Hop>& hops)
         if (text.back() != '[')
             text += ',';
         Writer hop(text);
-        hop.string("\"drone\":", hops[i].drone);
-        hop.number("\"wait_us\":", hops[i].wait_us);
-        hop.number("\"work_us\":", hops[i].work_us);
+        hop.string(",\"drone\":", hops[i].drone);
+        hop.number(",\"wait_us\":", hops[i].wait_us);
+        hop.number(",\"work_us\":", hops[i].work_us);
         hop.close();
     }
     text += ']';
@@ -192,28 +190,28 @@ std::string header_text(const Event& event, const Share& share)
     std::string text;
     text.reserve(512);
     Writer header(text);
-    header.string("\"sender\":", event.sender);
-    header.string("\"kind\":", event.kind);
-    header.string("\"output\":", event.output);
-    header.string("\"type\":", event.type);
-    header.string("\"source\":", identity.source);
-    header.number("\"epoch\":", identity.epoch);
-    header.number("\"seq\":", identity.sequence);
-    header.number("\"time_us\":", identity.captured_us);
-    header.number("\"mono_us\":", identity.monotonic_us);
-    header.number("\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
+    header.string(",\"sender\":", event.sender);
+    header.string(",\"kind\":", event.kind);
+    header.string(",\"output\":", event.output);
+    header.string(",\"type\":", event.type);
+    header.string(",\"source\":", identity.source);
+    header.number(",\"epoch\":", identity.epoch);
+    header.number(",\"seq\":", identity.sequence);
+    header.number(",\"time_us\":", identity.captured_us);
+    header.number(",\"mono_us\":", identity.monotonic_us);
+    header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
     if (identity.lossless)
-        header.raw("\"lossless\":", "true");
+        header.raw(",\"lossless\":", "true");
     if (!share.group.empty()) {
-        header.string("\"group\":", share.group);
-        header.number("\"turn\":", share.turn);
-        header.number("\"attempt\":", share.attempt);
+        header.string(",\"group\":", share.group);
+        header.number(",\"turn\":", share.turn);
+        header.number(",\"attempt\":", share.attempt);
     }
     if (identity.part > 0)
-        header.number("\"part\":", identity.part);
+        header.number(",\"part\":", identity.part);
     if (!identity.hops.empty())
-        write_hops(header.begin("\"hops\":"), identity.hops);
-    header.raw("\"header\":", to_text(event.header));
+        write_hops(text += ",\"hops\":", identity.hops);
+    header.raw(",\"header\":", to_text(event.header));
     header.close();
     return text;
 }

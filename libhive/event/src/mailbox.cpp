@@ -11,9 +11,9 @@ void Mailbox::push(Command command)
     commands_.push_back(std::move(command));
 }
 
-std::size_t Mailbox::push(Event event)
+std::size_t Mailbox::push(Event&& event)
 {
-    std::deque<Event> lost;  // destroyed after the lock: receipts have work to do
+    std::vector<Event> lost;  // destroyed after the lock: receipts have work to do
     const std::lock_guard lock(mutex_);
     bytes_ += event.body.size();
     events_.push_back(std::move(event));
@@ -51,10 +51,10 @@ std::optional<Mailbox::Item> Mailbox::pop(bool events)
         return command;
     }
     if (events && !events_.empty()) {
-        Event event = std::move(events_.front());
+        bytes_ -= events_.front().body.size();
+        std::optional<Item> item(std::in_place, std::move(events_.front()));
         events_.pop_front();
-        bytes_ -= event.body.size();
-        return event;
+        return item;
     }
     nudged_ = false;
     return std::nullopt;

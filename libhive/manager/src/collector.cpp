@@ -65,7 +65,7 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                       .receiver = module_.self().name,
                                       .accepts = "*/*",
                                       .options = connection},
-                                     [mailbox = mailbox_](Event event) { mailbox->push(std::move(event)); });
+                                     [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); });
     return intakes_.emplace_back(intake);
 }
 

@@ -149,7 +149,7 @@ void DroneCore::step()
     end_work();
 }
 
-void DroneCore::deliver(Event event)
+void DroneCore::deliver(Event&& event)
 {
     for (auto& matching : matchings)
         if (const auto* input = matching.input(event.input))

@@ -99,7 +99,7 @@ private:
     void prepare();
     void loop();
     void step();
-    void deliver(Event event);
+    void deliver(Event&& event);
     bool work(const Set& set, const std::function<void()>& callback);
     void require_type(const Event& event) const;
     void processed(const Set& set);
@@ -129,7 +129,7 @@ private:
     void on_halt(const event::Incoming& incoming);
     void on_resume(const event::Incoming& incoming);
     void end(bool forget);
-    void arrived(Event event, const std::weak_ptr<event::Intake>& intake);
+    void arrived(Event&& event, const std::weak_ptr<event::Intake>& intake);
     event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
     [[nodiscard]] Json status_now();
     [[nodiscard]] Json matching_status(const Board& board) const;

@@ -152,7 +152,7 @@ void DroneCore::on_connect(Incoming incoming)
 std::shared_ptr<Intake> DroneCore::add_intake(IntakeSpec spec)
 {
     const auto weak = std::make_shared<std::weak_ptr<Intake>>();
-    const auto intake = module_->add_intake(std::move(spec), [this, weak](Event event) { arrived(std::move(event), *weak); });
+    const auto intake = module_->add_intake(std::move(spec), [this, weak](Event&& event) { arrived(std::move(event), *weak); });
     *weak = intake;
     return intake;
 }
@@ -189,7 +189,7 @@ void DroneCore::restore(const Json& state)
         }
 }
 
-void DroneCore::arrived(Event event, const std::weak_ptr<Intake>& weak)
+void DroneCore::arrived(Event&& event, const std::weak_ptr<Intake>& weak)
 {
     const bool fresh = filter_.first(event);
     const auto lost = fresh ? mailbox_.push(std::move(event)) : 0;

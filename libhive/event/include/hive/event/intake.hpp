@@ -31,7 +31,7 @@ struct IntakeSpec {
 /// Network side, but for the counters and for receipts, which may be dropped on any thread.
 class Intake : public std::enable_shared_from_this<Intake> {
 public:
-    using Sink = std::function<void(Event)>;
+    using Sink = std::function<void(Event&&)>;
 
     Intake(Module& module, IntakeSpec spec, Sink sink);
 

@@ -25,7 +25,7 @@ public:
 
     void push(Command command);
     /// Over the bounds the oldest event that may be lost goes; returns how many did.
-    std::size_t push(Event event);
+    std::size_t push(Event&& event);
     /// Makes it ready() without an item, until the next pop().
     void nudge();
 
