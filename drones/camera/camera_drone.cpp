@@ -80,6 +80,8 @@ void CameraDrone::declare()
 CameraDrone::Wanted CameraDrone::wanted() const
 {
     Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}}, fps_, pace_};
+    if (!is_scene(source_))
+        return wanted;  // what the scene shall show is no reason to open a file or a camera again
     wanted.source.scene.faces = faces_;
     wanted.source.scene.walkers = walkers_;
     wanted.source.scene.hand = hand_;

@@ -52,6 +52,9 @@ public:
 /// @throws std::runtime_error  if there can be none: no such file, an unknown word, a URL with a password in it
 SourceKind source_kind(const std::string& text);
 
+/// Is it drawn? Says so of any text, also of a scene that there is not.
+bool is_scene(const std::string& text);
+
 /// Does it have a rate of its own, which nobody can slow down or speed up?
 inline bool is_live(SourceKind kind) { return kind == SourceKind::device || kind == SourceKind::url; }
 

@@ -65,9 +65,11 @@ SourceKind file_kind(const std::string& text)
 
 }  // namespace
 
+bool is_scene(const std::string& text) { return text == "scene" || text.starts_with("scene:"); }
+
 SourceKind source_kind(const std::string& text)
 {
-    if (text == "scene" || text.starts_with("scene:")) {
+    if (is_scene(text)) {
         check_scene(text);
         return SourceKind::scene;
     }

@@ -118,4 +118,6 @@ TEST_CASE("face swarm: a file is read to its end on demand, shared by two worker
     }
     CHECK_FALSE(collector->next(200ms));
     CHECK(eventually([&] { return application.status("camera").at("condition") == "end of source"; }));
+    application.set("camera", {{"hand", true}, {"walkers", 2}});  // of the scene: other swarms may ask for it, the file does not begin again
+    CHECK(application.status("camera").at("condition") == "end of source");
 }

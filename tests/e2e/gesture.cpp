@@ -1,14 +1,9 @@
 // The gesture swarm from camera to collector: what is read equals what a plain program with the same classes reads.
 #include "page.hpp"
-#include "swarm.hpp"
-
-#include <doctest/doctest.h>
+#include "plain_program.hpp"
 
 #include <gesture_finder.hpp>
-#include <scene.hpp>
 #include <silhouette.hpp>
-
-#include <opencv2/core/utility.hpp>
 
 #include <cmath>
 
@@ -32,15 +27,24 @@ Json expected(const gesture::Hand& hand)
     return json;
 }
 
-/// What a program without Hive makes of picture `index` of the same scene.
-Json plain(const camera::Scene& scene, int index)
+/// The hands in a silhouette, or in the parts of a picture that have the colour of skin.
+Json plain_hands(const cv::Mat& picture, const char* from)
 {
-    gesture::Silhouette skin;
-    skin.from = "skin";
+    gesture::Silhouette silhouette;
+    silhouette.from = from;
     Json hands = Json::array();
-    for (const auto& hand : gesture::GestureFinder().find(skin.of(scene.picture(index).image)))
+    for (const auto& hand : gesture::GestureFinder().find(silhouette.of(picture)))
         hands.push_back(expected(hand));
     return hands;
+}
+
+camera::SceneSettings hand_before(camera::Background wall)
+{
+    camera::SceneSettings settings;
+    settings.background = wall;
+    settings.faces = 0;
+    settings.hand = true;
+    return settings;
 }
 
 }  // namespace
@@ -55,22 +59,46 @@ TEST_CASE("gesture swarm: on demand, every picture of the scene is read as a pla
     auto application = swarm.application();
     const auto collector = application.collect({{"gesture", "gesture"}});
     application.connect({"camera", ""}, {"gesture", ""});
-    camera::SceneSettings settings;
-    settings.background = camera::Background::plain;
-    settings.faces = 0;
-    settings.hand = true;
-    const camera::Scene scene(settings);
+    const camera::Scene scene(hand_before(camera::Background::plain));
     for (int index = 0; index < pictures; ++index) {
         CAPTURE(index);
         const auto result = collector->next(patient(Milliseconds(10'000)));
         REQUIRE(result);
         CHECK(result->identity.sequence == index + 1);
-        CHECK(result->header.at("hands") == plain(scene, index));
+        CHECK(result->header.at("hands") == plain_hands(scene.picture(index).image, "skin"));
         const auto truth = scene.picture(index).hands;
         REQUIRE(result->header.at("hands").size() == truth.size());
         if (!truth.empty())
             CHECK(result->header.at("hands")[0].at("fingers") == truth[0].fingers);
     }
+}
+
+TEST_CASE("gesture swarm: behind the background drone, on demand, the hands of every picture are those of one plain program")
+{
+    constexpr int pictures = sanitized() ? 45 : 210;  // as above; the first 30 are without the hand
+    const Swarm swarm;
+    const auto gesture = swarm.drone("gesture", "gesture");
+    const auto background = swarm.drone("background", "background");
+    const auto camera = swarm.drone("camera", "camera", {"hand=on", "faces=0", "pace=demand"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"gesture", "gesture"}});
+    application.connect({"background", "mask"}, {"gesture", "mask"});
+    application.connect({"camera", ""}, {"background", ""});
+    const auto settings = hand_before(camera::Background::brick);
+    const auto headers = checked_headers(*collector, "hands", pictures, [&](std::int64_t first) {
+        return plain_program(settings, {}, first, pictures, [](std::int64_t, const background::Foreground& found) { return plain_hands(found.mask, "mask"); });
+    });
+    int shown = 0, read = 0;
+    const camera::Scene scene(settings);
+    for (std::size_t index = 0; index < headers.size(); ++index)
+        if (const auto truth = scene.picture(static_cast<std::int64_t>(index)).hands; !truth.empty()) {
+            ++shown;
+            const auto& hands = headers[index].at("hands");
+            read += !hands.empty() && hands[0].at("fingers") == truth[0].fingers ? 1 : 0;
+        }
+    MESSAGE(read, " of ", shown, " hands are read as they were drawn");
+    CHECK(shown > 0);
+    CHECK(read > 0.95 * shown);
 }
 
 TEST_CASE("gesture swarm: live, the header is as the page shows it, and the picture has the hand marked")

@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <csignal>
-#include <map>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -26,22 +25,6 @@ double age_at_arrival_ms(const hive::Event& result)
 {
     const auto& hop = result.identity.hops.back();
     return static_cast<double>(result.header.at("age_us").get<std::int64_t>() - hop.wait_us - hop.work_us) / 1000;
-}
-
-/// When each worker's results came, over a while.
-std::map<std::string, std::vector<Clock::time_point>> arrivals(hive::Collector& collector, Milliseconds time)
-{
-    std::map<std::string, std::vector<Clock::time_point>> result;
-    for (const auto end = Clock::now() + time; Clock::now() < end;)
-        if (const auto event = collector.next(100ms))
-            result[event->sender].push_back(Clock::now());
-    return result;
-}
-
-double rate_of(const std::vector<Clock::time_point>& times)
-{
-    REQUIRE(times.size() >= 3);
-    return static_cast<double>(times.size() - 1) / std::chrono::duration<double>(times.back() - times.front()).count();
 }
 
 }  // namespace

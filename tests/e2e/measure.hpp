@@ -4,6 +4,7 @@
 #include <swarm.hpp>
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 namespace hive::test {
@@ -40,6 +41,27 @@ inline double rate(Collector& collector, int batch, int periods, Milliseconds pa
     const auto begin = take(1);
     const auto end = take(batch * periods);
     return batch * periods / std::chrono::duration<double>(end - begin).count();
+}
+
+/// When the results of each drone came, by drone.
+using Arrivals = std::map<std::string, std::vector<Clock::time_point>>;
+
+/// Over a while.
+inline Arrivals arrivals(Collector& collector, Milliseconds time)
+{
+    Arrivals result;
+    for (const auto end = Clock::now() + time; Clock::now() < end;)
+        if (const auto event = collector.next(Milliseconds(100)))
+            result[event->sender].push_back(Clock::now());
+    return result;
+}
+
+/// Events a second from when they came.
+inline double rate_of(const std::vector<Clock::time_point>& times)
+{
+    if (times.size() < 3)
+        throw std::runtime_error("too few events came to tell a rate");
+    return static_cast<double>(times.size() - 1) / std::chrono::duration<double>(times.back() - times.front()).count();
 }
 
 }  // namespace hive::test

@@ -1,14 +1,7 @@
 // The tracking swarm, camera to tracks: the same tracks as one program that calls the same algorithms in a loop.
-#include "swarm.hpp"
+#include "plain_program.hpp"
 
 #include "../../drones/track/boxes.hpp"
-
-#include <doctest/doctest.h>
-#include <foreground_finder.hpp>
-#include <opencv2/core/utility.hpp>
-#include <scene.hpp>
-
-#include <map>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -35,22 +28,17 @@ std::vector<track::Box> boxes_of(const background::Foreground& found)
     return boxes;
 }
 
-/// Tracks of each picture, by its sequence (which begins at 1), as the swarm writes them.
-std::map<std::int64_t, Json> plain_program(std::int64_t first)
+/// Tracks of each picture as the swarm writes them.
+std::map<std::int64_t, Json> plain_tracks(std::int64_t first)
 {
-    cv::setNumThreads(1);
-    const camera::Scene scene(settings());
     background::ForegroundFinder finder;
     finder.min_area = 75;
     track::Tracker tracker;
     tracker.width = 320;
     tracker.height = 240;
-    std::map<std::int64_t, Json> tracks;
-    for (std::int64_t sequence = first; sequence < first + pictures; ++sequence) {
-        const auto found = finder.find(scene.picture(sequence - 1).image);
-        tracks[sequence] = track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
-    }
-    return tracks;
+    return plain_program(settings(), finder, first, pictures, [&](std::int64_t sequence, const background::Foreground& found) {
+        return track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
+    });
 }
 
 std::size_t confirmed(const Json& tracks)
@@ -70,18 +58,10 @@ TEST_CASE("tracking swarm: the tracks of every picture on demand are those of on
     const auto collector = application.collect({{"track", "tracks"}});
     swarm.hivectl_done({"connect", "background", "track"});
     swarm.hivectl_done({"connect", "camera", "background"});
-    std::map<std::int64_t, Json> expected;
     std::size_t most = 0;
-    for (int seen = 0; seen < pictures; ++seen) {
-        const auto event = collector->next(patient(5000ms));
-        REQUIRE(event);
-        if (seen == 0)
-            expected = plain_program(event->identity.sequence);
-        const auto picture = event->identity.sequence;
-        REQUIRE_MESSAGE(expected.contains(picture), "picture ", picture);
-        CHECK_MESSAGE(event->header.at("tracks") == expected.at(picture), "picture ", picture);
-        CHECK(event->header.at("width") == 320);
-        most = std::max(most, confirmed(event->header.at("tracks")));
+    for (const auto& header : checked_headers(*collector, "tracks", pictures, plain_tracks)) {
+        CHECK(header.at("width") == 320);
+        most = std::max(most, confirmed(header.at("tracks")));
     }
     CHECK(most >= (sanitized() ? 1 : 3));
 }
