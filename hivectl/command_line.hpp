@@ -1,38 +1,76 @@
-// CLI11, for the files that declare options; everything else of hivectl does without it.
+// The options and arguments of a verb. CLI11 reads them; it takes seconds to compile, so command_line.cpp alone knows it.
 #pragma once
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
-#include <CLI/Validators.hpp>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
-#include <hive/transfer.hpp>
-
-#include <cstdlib>
+namespace CLI {
+class App;
+class Option;
+}
 
 namespace hivectl {
 
-/// A duration in seconds, within what a deadline can be.
-inline CLI::Validator seconds(double least = 0.001, double most = 1e8)
-{
-    const auto problem = [=](std::string& text) -> std::string {
-        char* end = nullptr;
-        const double value = std::strtod(text.c_str(), &end);
-        const bool number = !text.empty() && *end == '\0';
-        if (number && value >= least && value <= most)
-            return {};
-        return text + " is not a number of seconds" + (number ? value < least ? ", or too small" : ", or too large" : "");
-    };
-    return {problem, "", "seconds"};
-}
+/// A command line that cannot be read; what() says why.
+class UsageError : public std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
 
-/// How pictures travel, as `hive::is_encoding` knows it.
-inline CLI::Validator encoding_word()
-{
-    const auto problem = [](std::string& text) {
-        return hive::is_encoding(text) ? std::string() : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
+/// One declared option or argument, to say more about it; copies are the same option.
+class Option {
+public:
+    explicit Option(CLI::Option* option) : option_(option) {}
+
+    Option required() const;
+    Option type_name(const std::string& name) const;  ///< how --help writes the value
+    Option excludes(Option other) const;
+    Option needs(Option other) const;
+
+    // What a value may be:
+    Option one_of(const std::vector<std::string>& words) const;
+    template <typename Number>
+    Option between(Number least, Number most) const;  ///< of int, std::int64_t or double
+    /// A duration in seconds, within what a deadline can be.
+    Option seconds(double least = 0.001, double most = 1e8) const;
+    /// How pictures travel, as `hive::is_encoding` knows it.
+    Option encoding() const;
+
+private:
+    CLI::Option* option_;
+};
+
+class CommandLine {
+public:
+    CommandLine();
+    ~CommandLine();
+    CommandLine(const CommandLine&) = delete;
+    CommandLine& operator=(const CommandLine&) = delete;
+
+    /// An option when `names` begins with a hyphen ("-o,--output"), or else the argument that stands at the next place.
+    /// @param value  of std::string, a number, an optional of one, or std::vector<std::string>; set by read(), until when it has to live
+    template <typename Value>
+    Option option(const std::string& names, Value& value, const std::string& meaning);
+    Option flag(const std::string& names, bool& value, const std::string& meaning);
+
+    /// Sets the values; false: help was asked for. Throws UsageError.
+    [[nodiscard]] bool read(int argc, char** argv);
+
+    /// What is declared, in that order, for --help and completion.
+    struct Entry {
+        bool positional = false;
+        std::string name;                                 ///< of an argument, with "..." if there may be several
+        std::vector<std::string> short_names, long_names; ///< of an option, without hyphens
+        std::string type;                                 ///< of an option's value; empty: it takes none
+        std::string meaning;
     };
-    return {problem, "", "encoding"};
-}
+    [[nodiscard]] std::vector<Entry> entries() const;
+    /// Is `word` an option, and the next word its value?
+    [[nodiscard]] bool takes_value(const std::string& word) const;
+
+private:
+    std::unique_ptr<CLI::App> app_;
+};
 
 }  // namespace hivectl

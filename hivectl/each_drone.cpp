@@ -10,10 +10,10 @@
 
 namespace hivectl {
 
-Run for_each_drone(CLI::App& app, Session& session, std::string_view verb, std::string_view done, void (hive::Application::*action)(const std::string&))
+Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, std::string_view done, void (hive::Application::*action)(const std::string&))
 {
     auto names = std::make_shared<std::vector<std::string>>();
-    app.add_option("NAME", *names, "drones, or globs such as 'face-*'")->required();
+    line.option("NAME", *names, "drones, or globs such as 'face-*'").required();
     return [names, &session, verb, done, action] {
         auto& application = session.application();
         Outcome outcome(verb);

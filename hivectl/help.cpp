@@ -40,18 +40,15 @@ std::string entry(std::string_view left, std::string_view right, std::size_t ind
     return line + wrapped(right, indent) + "\n";
 }
 
-/// "-n, --count N": CLI11 writes the names with a comma; the type is cut before the validators' texts.
-std::string option_left(const CLI::Option& option)
+/// "-n, --count N"
+std::string option_left(const CommandLine::Entry& option)
 {
     std::string text;
-    for (const auto& name : option.get_snames())
+    for (const auto& name : option.short_names)
         text += (text.empty() ? "-" : ", -") + name;
-    for (const auto& name : option.get_lnames())
+    for (const auto& name : option.long_names)
         text += (text.empty() ? "--" : ", --") + name;
-    const std::string type = option.get_type_name();
-    if (option.get_expected_max() > 0 && !type.empty())
-        text += " " + type.substr(0, type.find(':'));
-    return text;
+    return option.type.empty() ? text : text + " " + option.type;
 }
 
 std::string examples(std::string_view text)
@@ -100,18 +97,18 @@ std::string overview(const std::vector<Verb>& all)
            "124 timed out, 130 interrupted\n";
 }
 
-std::string help_of(const Verb& verb, const CLI::App& app)
+std::string help_of(const Verb& verb, const CommandLine& line)
 {
     std::string text = "hivectl " + std::string(verb.name) + (verb.usage.empty() ? "" : " " + std::string(verb.usage)) + "\n\n"
                      + wrapped(verb.summary, 0) + ".\n";
     if (!verb.details.empty())
         text += "\n" + wrapped(verb.details, 0) + "\n";
     std::string arguments, options;
-    for (const CLI::Option* option : app.get_options()) {
-        if (option->get_positional())
-            arguments += entry(option->get_name(true, false), option->get_description(), 22);
+    for (const auto& option : line.entries()) {
+        if (option.positional)
+            arguments += entry(option.name, option.meaning, 22);
         else
-            options += entry(option_left(*option), option->get_description(), 22);
+            options += entry(option_left(option), option.meaning, 22);
     }
     if (!arguments.empty())
         text += "\narguments:\n" + arguments;

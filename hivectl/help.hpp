@@ -10,7 +10,7 @@ namespace hivectl {
 
 /// All verbs by group, and where to go on.
 std::string overview(const std::vector<Verb>& all);
-/// Everything about one verb; `app` has its options declared.
-std::string help_of(const Verb& verb, const CLI::App& app);
+/// Everything about one verb; `line` has its options declared.
+std::string help_of(const Verb& verb, const CommandLine& line);
 
 }  // namespace hivectl

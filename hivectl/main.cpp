@@ -26,25 +26,24 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
     return exit_code::usage;
 }
 
-void add_common(CLI::App& app, const Verb& verb, Session& session)
+void add_common(CommandLine& line, const Verb& verb, Session& session)
 {
-    app.add_flag("--json", session.json, "print JSON instead of text; one object a line where it streams");
-    app.add_option("--timeout", session.timeout_s, std::string(verb.timeout))->type_name("SECONDS")->check(seconds());
+    line.flag("--json", session.json, "print JSON instead of text; one object a line where it streams");
+    line.option("--timeout", session.timeout_s, std::string(verb.timeout)).type_name("SECONDS").seconds();
 }
 
 int run(const Verb& verb, int argc, char** argv)
 {
-    CLI::App app{std::string(verb.summary), "hivectl " + std::string(verb.name)};
-    app.set_help_flag("-h,--help", "print this");
+    CommandLine line;
     Session session;
-    const Run action = verb.declare(app, session);
-    add_common(app, verb, session);
+    const Run action = verb.declare(line, session);
+    add_common(line, verb, session);
     try {
-        app.parse(argc, argv);
-    } catch (const CLI::CallForHelp&) {
-        write_out(help_of(verb, app));
-        return exit_code::done;
-    } catch (const CLI::ParseError& error) {
+        if (!line.read(argc, argv)) {
+            write_out(help_of(verb, line));
+            return exit_code::done;
+        }
+    } catch (const UsageError& error) {
         complain(verb.name, printable(error.what()) + "; see hivectl " + std::string(verb.name) + " --help");
         return exit_code::usage;
     }

@@ -5,12 +5,9 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace hivectl {
 
+class CommandLine;
 class Session;
 
 /// What stands at a place of the command line, for completion. The last one of a verb repeats.
@@ -30,7 +27,7 @@ struct Verb {
     std::string_view timeout = "give up after this long (default 5)";  ///< what --timeout means here
     std::vector<Operand> operands = {};
     /// Declares options and arguments; what it returns is called after a successful parse.
-    Run (*declare)(CLI::App& app, Session& session) = nullptr;
+    Run (*declare)(CommandLine& line, Session& session) = nullptr;
 };
 
 }  // namespace hivectl

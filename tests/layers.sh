@@ -26,6 +26,8 @@ refuse "Asio belongs to transport, event and the emulated camera" 'asio' protoco
 refuse "the emulated camera is no part of Hive" 'hive/' drones/axis/emulator
 refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/event libhive/service libhive/manager hivectl
 refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/event libhive/manager libhive/vision drones
+mapfile -t verbs < <(find hivectl \( -name '*.hpp' -o -name '*.cpp' \) -not -name command_line.cpp)
+refuse "in hivectl one file knows CLI11: it takes seconds to compile" 'CLI/' "${verbs[@]}"
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
 refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \

@@ -73,14 +73,14 @@ int run(const Options& options, Session& session)
     return code;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->names, "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON")->required();
-    app.add_option("-n", options->count, "end after this many sets")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
-    app.add_option("--within", options->within_ms, "the nearest captures, at most this far apart (default: those of the same capture)")
-        ->type_name("MS")->check(CLI::Range(0, 3'600'000));
-    app.add_flag("--notify", options->notify, "ask for headers only; the drones need not make the bodies");
+    line.option("NAME", options->names, "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON").required();
+    line.option("-n", options->count, "end after this many sets").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53);
+    line.option("--within", options->within_ms, "the nearest captures, at most this far apart (default: those of the same capture)")
+        .type_name("MS").between(0, 3'600'000);
+    line.flag("--notify", options->notify, "ask for headers only; the drones need not make the bodies");
     return [options, &session] { return run(*options, session); };
 }
 

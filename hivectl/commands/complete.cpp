@@ -55,22 +55,19 @@ Words operands(Operand operand, const std::string& first, const std::string& cur
     return {};
 }
 
-Words flags(const CLI::App& app)
+Words flags(const CommandLine& line)
 {
     Words names{"--json", "--timeout", "--help"};
-    for (const CLI::Option* option : app.get_options())
-        for (const auto& name : option->get_lnames())
+    for (const auto& option : line.entries())
+        for (const auto& name : option.long_names)
             names.push_back("--" + name);
     return names;
 }
 
 /// Does the option `word` take the next word as its value?
-bool takes_value(const CLI::App& app, const std::string& word)
+bool takes_value(const CommandLine& line, const std::string& word)
 {
-    if (word == "--timeout")
-        return true;
-    const CLI::Option* option = word.starts_with('-') ? app.get_option_no_throw(word) : nullptr;
-    return option && option->get_items_expected_max() > 0;
+    return word == "--timeout" || line.takes_value(word);
 }
 
 Words candidates(const Words& words, Session& session)
@@ -86,17 +83,17 @@ Words candidates(const Words& words, Session& session)
     const Verb* verb = verb_named(all, words[0]);
     if (!verb)
         return {};
-    CLI::App app;
+    CommandLine line;
     Session unused;
-    const Run declared = verb->declare(app, unused);
+    const Run declared = verb->declare(line, unused);
     const std::string& current = words.back();
-    if (takes_value(app, words[words.size() - 2]))
+    if (takes_value(line, words[words.size() - 2]))
         return {};
     if (current.starts_with('-'))
-        return flags(app);
+        return flags(line);
     Words before;
     for (std::size_t i = 1; i + 1 < words.size(); ++i)
-        if (!words[i].starts_with('-') && !takes_value(app, words[i - 1]))
+        if (!words[i].starts_with('-') && !takes_value(line, words[i - 1]))
             before.push_back(words[i]);
     if (verb->operands.empty())
         return {};
@@ -120,10 +117,10 @@ int run(const Words& words, Session& session)
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto words = std::make_shared<Words>();
-    app.add_option("WORD", *words, "the words after hivectl; the last one is being typed");
+    line.option("WORD", *words, "the words after hivectl; the last one is being typed");
     return [words, &session] { return run(*words, session); };
 }
 

@@ -47,10 +47,10 @@ end
 complete -c hivectl -a '(__hivectl_complete)'
 )";
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto shell = std::make_shared<std::string>();
-    app.add_option("SHELL", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    line.option("SHELL", *shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
     return [shell, &session] {
         const std::string script(*shell == "bash" ? bash_script : *shell == "zsh" ? zsh_script : fish_script);
         write_out(session.json ? Row{{"shell", *shell}, {"script", script}}.json() + "\n" : script);

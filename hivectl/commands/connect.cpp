@@ -58,24 +58,24 @@ int run(const Options& options, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("SENDER", options->sender, "drone or drone.output; the output goes without saying when only one fits")->required();
-    app.add_option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")->required();
-    auto* stream = app.add_flag("--stream", options->stream, "send every event, not only the newest when the receiver is ready; what it cannot keep up with is dropped and counted");
-    app.add_option("--window", options->window, "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
-        ->type_name("N")->check(CLI::Range(1, 64))->excludes(stream);
-    auto* notify = app.add_flag("--notify", options->notify, "send headers without bodies");
-    app.add_flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
-        ->excludes(stream)->excludes(notify);
-    app.add_option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")
-        ->type_name("NAME")->excludes(stream)->excludes(notify);
-    app.add_option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
-        ->type_name("SECONDS")->check(seconds());
-    app.add_option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
-        ->type_name("NAME")->check(encoding_word())->excludes(notify);
-    app.add_flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
+    line.option("SENDER", options->sender, "drone or drone.output; the output goes without saying when only one fits").required();
+    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'").required();
+    const auto stream = line.flag("--stream", options->stream, "send every event, not only the newest when the receiver is ready; what it cannot keep up with is dropped and counted");
+    line.option("--window", options->window, "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
+        .type_name("N").between(1, 64).excludes(stream);
+    const auto notify = line.flag("--notify", options->notify, "send headers without bodies");
+    line.flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
+        .excludes(stream).excludes(notify);
+    line.option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")
+        .type_name("NAME").excludes(stream).excludes(notify);
+    line.option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
+        .type_name("SECONDS").seconds();
+    line.option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
+        .type_name("NAME").encoding().excludes(notify);
+    line.flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
     return [options, &session] { return run(*options, session); };
 }
 

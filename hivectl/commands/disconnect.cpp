@@ -33,11 +33,11 @@ int run(const Options& options, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("SENDER", options->sender, "drone or drone.output")->required();
-    app.add_option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")->required();
+    line.option("SENDER", options->sender, "drone or drone.output").required();
+    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'").required();
     return [options, &session] { return run(*options, session); };
 }
 

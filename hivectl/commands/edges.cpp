@@ -37,10 +37,10 @@ int run(const std::vector<std::string>& words, Session& session)
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto names = std::make_shared<std::vector<std::string>>();
-    app.add_option("NAME", *names, "only connections of these drones or globs (default: all)");
+    line.option("NAME", *names, "only connections of these drones or globs (default: all)");
     return [names, &session] { return run(*names, session); };
 }
 

@@ -88,14 +88,14 @@ int run(const Options& options, Session& session)
     return options.follow ? follow(drones, options, session) : show_last(drones, session);
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->names, "drones or globs (default: all that run)");
-    auto* following = app.add_flag("-f,--follow", options->follow, "print each one as it happens, until Ctrl-C");
-    app.add_option("-n", options->count, "with --follow: end after this many")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53))->needs(following);
-    app.add_option("--on-exception", options->policy, "change what the drones do from now on: skip the input and go on, or halt until resumed")
-        ->type_name("skip|halt")->check(CLI::IsMember({"skip", "halt"}))->excludes(following);
+    line.option("NAME", options->names, "drones or globs (default: all that run)");
+    const auto following = line.flag("-f,--follow", options->follow, "print each one as it happens, until Ctrl-C");
+    line.option("-n", options->count, "with --follow: end after this many").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53).needs(following);
+    line.option("--on-exception", options->policy, "change what the drones do from now on: skip the input and go on, or halt until resumed")
+        .type_name("skip|halt").one_of({"skip", "halt"}).excludes(following);
     return [options, &session] { return run(*options, session); };
 }
 

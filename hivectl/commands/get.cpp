@@ -44,11 +44,11 @@ int get_many(const Options& options, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->target, "a drone, or a glob such as 'face-*'")->required();
-    app.add_option("PARAMETER", options->names, "which parameters (default: all)");
+    line.option("NAME", options->target, "a drone, or a glob such as 'face-*'").required();
+    line.option("PARAMETER", options->names, "which parameters (default: all)");
     return [options, &session] { return is_glob(options->target) ? get_many(*options, session) : get_one(*options, session); };
 }
 

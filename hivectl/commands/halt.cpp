@@ -14,7 +14,7 @@ Verb halt_verb()
             .examples = "hivectl halt face\n"
                         "hivectl halt 'face-*'",
             .operands = {Operand::drone},
-            .declare = [](CLI::App& app, Session& session) { return for_each_drone(app, session, "halt", "halted", &hive::Application::halt); }};
+            .declare = [](CommandLine& line, Session& session) { return for_each_drone(line, session, "halt", "halted", &hive::Application::halt); }};
 }
 
 }  // namespace hivectl

@@ -78,13 +78,13 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->to, "drone or drone.input; the input goes without saying when only one takes the type")->required();
-    app.add_option("FILE", options->file, "what to send; - is stdin (then --type is needed)")->required();
-    app.add_option("--type", options->type, "its media type (default: from the ending: .jpg .png .bmp .json .txt ...)")->type_name("TYPE");
-    app.add_option("--header", options->header, "a JSON object to go with it")->type_name("JSON");
+    line.option("NAME", options->to, "drone or drone.input; the input goes without saying when only one takes the type").required();
+    line.option("FILE", options->file, "what to send; - is stdin (then --type is needed)").required();
+    line.option("--type", options->type, "its media type (default: from the ending: .jpg .png .bmp .json .txt ...)").type_name("TYPE");
+    line.option("--header", options->header, "a JSON object to go with it").type_name("JSON");
     return [options, &session] { return run(*options, session); };
 }
 

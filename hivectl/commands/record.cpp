@@ -158,20 +158,20 @@ int run(const Options& options, Session& session)
     return exit_code_for(code, writer);
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->names, "drones (all of their outputs), drone.output, or globs")->required();
-    app.add_option("-o,--output", options->file, "where to")->type_name("FILE")->required();
-    app.add_option("-n", options->count, "end after this many events")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
-    app.add_option("--for", options->seconds, "end after this long")->type_name("SECONDS")->check(seconds());
-    app.add_option("--max-size", options->max_size, "end before the file grows larger")->type_name("MB")->check(CLI::Range(0.001, 1e9));
-    app.add_flag("--overwrite", options->overwrite, "replace the file if it is there");
-    auto* notify = app.add_flag("--notify", options->notify, "headers without bodies");
-    auto* stream = app.add_flag("--stream", options->stream, "be sent every event, through the sender's queue; what it cannot hold is dropped");
-    app.add_option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
-        ->type_name("N")->check(CLI::Range(1, 64))->excludes(stream);
-    app.add_option("--encoding", options->encoding, "how pictures are recorded: raw, png, jpeg or jpeg:QUALITY (default: as they are)")->type_name("NAME")->excludes(notify);
+    line.option("NAME", options->names, "drones (all of their outputs), drone.output, or globs").required();
+    line.option("-o,--output", options->file, "where to").type_name("FILE").required();
+    line.option("-n", options->count, "end after this many events").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53);
+    line.option("--for", options->seconds, "end after this long").type_name("SECONDS").seconds();
+    line.option("--max-size", options->max_size, "end before the file grows larger").type_name("MB").between(0.001, 1e9);
+    line.flag("--overwrite", options->overwrite, "replace the file if it is there");
+    const auto notify = line.flag("--notify", options->notify, "headers without bodies");
+    const auto stream = line.flag("--stream", options->stream, "be sent every event, through the sender's queue; what it cannot hold is dropped");
+    line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+        .type_name("N").between(1, 64).excludes(stream);
+    line.option("--encoding", options->encoding, "how pictures are recorded: raw, png, jpeg or jpeg:QUALITY (default: as they are)").type_name("NAME").excludes(notify);
     return [options, &session] { return run(*options, session); };
 }
 

@@ -85,19 +85,19 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("FILE", options->file, "the recording")->required();
-    app.add_option("--as", options->name, "name of the drone in the swarm (default: replay)")->type_name("NAME");
-    app.add_option("--pace", options->pace, "real: as the events came (default); demand: the next one when all receivers ask, nothing skipped")
-        ->type_name("real|demand")->check(CLI::IsMember({"real", "demand"}));
-    app.add_option("--speed", options->speed, "times as fast as the events came")->type_name("FACTOR")->check(CLI::Range(0.01, 1000.0));
-    app.add_option("--from", options->from, "begin there in the recording")->type_name("SECONDS")->check(seconds(0));
-    app.add_option("--to", options->to, "end there")->type_name("SECONDS")->check(seconds());
-    app.add_flag("--loop", options->loop, "begin again at the end");
-    app.add_flag("--halted", options->halted, "wait for hivectl resume, so that everything can be connected first");
-    app.add_flag("--info", options->info, "print what is in the file, and start nothing");
+    line.option("FILE", options->file, "the recording").required();
+    line.option("--as", options->name, "name of the drone in the swarm (default: replay)").type_name("NAME");
+    line.option("--pace", options->pace, "real: as the events came (default); demand: the next one when all receivers ask, nothing skipped")
+        .type_name("real|demand").one_of({"real", "demand"});
+    line.option("--speed", options->speed, "times as fast as the events came").type_name("FACTOR").between(0.01, 1000.0);
+    line.option("--from", options->from, "begin there in the recording").type_name("SECONDS").seconds(0);
+    line.option("--to", options->to, "end there").type_name("SECONDS").seconds();
+    line.flag("--loop", options->loop, "begin again at the end");
+    line.flag("--halted", options->halted, "wait for hivectl resume, so that everything can be connected first");
+    line.flag("--info", options->info, "print what is in the file, and start nothing");
     return [options, &session] { return run(*options, session); };
 }
 

@@ -55,16 +55,16 @@ int run(const Options& options, Session& session)
     return code;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->names, "drones, drone.output, or globs; the output goes without saying when only one is JSON")->required();
-    app.add_option("-n", options->count, "end after this many")->type_name("N")->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 53));
-    app.add_flag("--ordered", options->ordered, "in the order of capture, however many drones share the work");
-    app.add_flag("--notify", options->notify, "ask for headers only; the drone need not make the bodies");
-    auto* sync = app.add_flag("--sync", options->sync, "the newest result each time one has been printed; those in between are skipped");
-    app.add_option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
-        ->type_name("N")->check(CLI::Range(1, 64))->excludes(sync);
+    line.option("NAME", options->names, "drones, drone.output, or globs; the output goes without saying when only one is JSON").required();
+    line.option("-n", options->count, "end after this many").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53);
+    line.flag("--ordered", options->ordered, "in the order of capture, however many drones share the work");
+    line.flag("--notify", options->notify, "ask for headers only; the drone need not make the bodies");
+    const auto sync = line.flag("--sync", options->sync, "the newest result each time one has been printed; those in between are skipped");
+    line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+        .type_name("N").between(1, 64).excludes(sync);
     return [options, &session] { return run(*options, session); };
 }
 

@@ -14,7 +14,7 @@ Verb resume_verb()
             .examples = "hivectl resume face\n"
                         "hivectl resume 'face-*'",
             .operands = {Operand::drone},
-            .declare = [](CLI::App& app, Session& session) { return for_each_drone(app, session, "resume", "resumed", &hive::Application::resume); }};
+            .declare = [](CommandLine& line, Session& session) { return for_each_drone(line, session, "resume", "resumed", &hive::Application::resume); }};
 }
 
 }  // namespace hivectl

@@ -52,11 +52,11 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->target, "a drone, or a glob such as 'face-*'")->required();
-    app.add_option("key=value", options->settings, "parameters and their new values")->required();
+    line.option("NAME", options->target, "a drone, or a glob such as 'face-*'").required();
+    line.option("key=value", options->settings, "parameters and their new values").required();
     return [options, &session] {
         const auto settings = parse_settings(options->settings);
         return is_glob(options->target) ? set_many(*options, settings, session) : set_one(*options, settings, session);

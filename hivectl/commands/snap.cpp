@@ -85,11 +85,11 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures")->required();
-    app.add_option("FILE", options->file, "where to; - is stdout")->required();
+    line.option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures").required();
+    line.option("FILE", options->file, "where to; - is stdout").required();
     return [options, &session] { return run(*options, session); };
 }
 

@@ -33,18 +33,18 @@ int run(const Options& options, Session& session)
     return start_in_background(session, {"start", options.kind, options.name, arguments(options)});
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("KIND", options->kind, "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH")->required();
-    app.add_option("key=value", options->settings, "parameters to begin with");
-    app.add_option("--as", options->name, "its name in the swarm (default: KIND)")->type_name("NAME");
-    app.add_option("--on-exception", options->on_exception, "when its code throws: skip the input (default), or halt until resumed")
-        ->type_name("skip|halt")->check(CLI::IsMember({"skip", "halt"}));
-    app.add_option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT")->type_name("ADDRESS");
-    app.add_flag("--insecure", options->insecure, "let --listen take peers without a key: only on a network that you trust wholly");
-    app.add_option("--log-level", options->log_level, "how much it writes to its log: debug, info (default), warning, error or off")
-        ->type_name("LEVEL")->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
+    line.option("KIND", options->kind, "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH").required();
+    line.option("key=value", options->settings, "parameters to begin with");
+    line.option("--as", options->name, "its name in the swarm (default: KIND)").type_name("NAME");
+    line.option("--on-exception", options->on_exception, "when its code throws: skip the input (default), or halt until resumed")
+        .type_name("skip|halt").one_of({"skip", "halt"});
+    line.option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT").type_name("ADDRESS");
+    line.flag("--insecure", options->insecure, "let --listen take peers without a key: only on a network that you trust wholly");
+    line.option("--log-level", options->log_level, "how much it writes to its log: debug, info (default), warning, error or off")
+        .type_name("LEVEL").one_of({"debug", "info", "warning", "error", "off"});
     return [options, &session] {
         if (options->name.empty())
             options->name = options->kind;

@@ -33,11 +33,11 @@ int run(const Options& options, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->names, "drones, or globs such as 'face-*'");
-    app.add_flag("--all", options->all, "every drone that runs on this machine");
+    line.option("NAME", options->names, "drones, or globs such as 'face-*'");
+    line.flag("--all", options->all, "every drone that runs on this machine");
     return [options, &session] { return run(*options, session); };
 }
 

@@ -48,11 +48,11 @@ int run(const Options& options, Session& session)
     return exit_code::interrupted;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_flag("--once", options->once, "print one table after one interval");
-    app.add_option("--interval", options->interval_s, "time between two looks (default 1)")->type_name("SECONDS")->check(seconds(0.05, 3600));
+    line.flag("--once", options->once, "print one table after one interval");
+    line.option("--interval", options->interval_s, "time between two looks (default 1)").type_name("SECONDS").seconds(0.05, 3600);
     return [options, &session] { return run(*options, session); };
 }
 

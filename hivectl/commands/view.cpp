@@ -113,14 +113,14 @@ int run(const Options& options, Session& session)
     return look(launch);
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures")->required();
-    app.add_option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
-        ->type_name("PORT")->check(CLI::Range(1, 65535));
-    app.add_option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
-        ->type_name("NAME")->check(encoding_word());
+    line.option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures").required();
+    line.option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
+        .type_name("PORT").between(1, 65535);
+    line.option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
+        .type_name("NAME").encoding();
     return [options, &session] { return run(*options, session); };
 }
 

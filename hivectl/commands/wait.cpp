@@ -69,13 +69,13 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CLI::App& app, Session& session)
+Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    app.add_option("NAME", options->names, "drones; they need not run yet")->required();
-    app.add_option("--for", options->goal, "running: it answers and is past its start (default); idle: it has nothing to do; "
+    line.option("NAME", options->names, "drones; they need not run yet").required();
+    line.option("--for", options->goal, "running: it answers and is past its start (default); idle: it has nothing to do; "
                                            "halted: it takes nothing until resumed; gone: it has ended")
-        ->type_name("running|idle|halted|gone")->check(CLI::IsMember({"running", "idle", "halted", "gone"}));
+        .type_name("running|idle|halted|gone").one_of({"running", "idle", "halted", "gone"});
     return [options, &session] { return run(*options, session); };
 }
 

@@ -39,6 +39,14 @@ function(hive_batches target size)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
 endfunction()
 
+# Headers that many executables begin with, compiled once: they take them by REUSE_FROM. The target that holds them is compiled as
+# executables are, -fPIE, or else they could not.
+function(hive_common_headers target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+  target_compile_options(${target} PRIVATE -fPIE)
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+endfunction()
+
 # A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
 # sideways include does not compile.
 function(hive_layer name)
@@ -61,9 +69,11 @@ function(hive_drone name)
     add_library(${name}_algorithm STATIC ${drone_ALGORITHM})
     target_include_directories(${name}_algorithm PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
     target_link_libraries(${name}_algorithm PUBLIC ${drone_LIBRARIES})
+    hive_batches(${name}_algorithm 4)
   endif()
   add_executable(hive-${name} main.cpp ${drone_WIRING})
   target_link_libraries(hive-${name} PRIVATE hive hive_vision)
+  target_precompile_headers(hive-${name} REUSE_FROM wiring_headers)
   if(drone_ALGORITHM)
     target_link_libraries(hive-${name} PRIVATE ${name}_algorithm)
   endif()

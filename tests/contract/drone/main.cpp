@@ -1,5 +1,4 @@
 // The drone contract: what every drone binary promises, whatever it does.
-#define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
 #include "subject.hpp"

@@ -5,9 +5,9 @@
 
 #include <fstream>
 #include <map>
-#include <sstream>
 
 using subject::Json;
+using subject::written;
 
 namespace {
 
@@ -47,14 +47,6 @@ std::vector<std::vector<std::string>> table_under(const std::string& heading)
             break;
     rows.erase(rows.begin(), rows.begin() + std::min<std::ptrdiff_t>(2, std::ssize(rows)));
     return rows;
-}
-
-std::string written(double number)
-{
-    std::ostringstream text;
-    text.precision(15);
-    text << number;
-    return text.str();
 }
 
 std::string range_of(const Json& parameter)

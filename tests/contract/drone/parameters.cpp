@@ -4,22 +4,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <sstream>
 
 using subject::Json;
 using subject::Milliseconds;
+using subject::written;
 
 namespace {
 
 Json get_all(raw::Peer& peer) { return peer.ask(raw::get).at("result").at("parameters"); }
-
-std::string written(double number)
-{
-    std::ostringstream text;
-    text.precision(15);
-    text << number;
-    return text.str();
-}
 
 /// Values that the parameter cannot take.
 std::vector<Json> refused_values(const Json& parameter)

@@ -7,6 +7,7 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <signal.h>
+#include <sstream>
 #include <stdexcept>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
@@ -84,6 +85,14 @@ std::vector<std::string> picture_inputs()
         if (input.at("type").get<std::string>().find("image/jpeg") != std::string::npos)
             names.push_back(input.at("name"));
     return names;
+}
+
+std::string written(double number)
+{
+    std::ostringstream text;
+    text.precision(15);
+    text << number;
+    return text.str();
 }
 
 hive::test::Process Home::launch(const std::vector<std::string>& arguments, const std::string& log) const

@@ -31,6 +31,8 @@ Ended run_offline(const std::vector<std::string>& arguments);
 const Json& description();
 /// The rows of description()["inputs"] that take pictures.
 std::vector<std::string> picture_inputs();
+/// A number as pages and answers write it.
+std::string written(double number);
 
 /// A home with a drone of the kind under test in it, named "subject".
 class Home {

@@ -1,5 +1,4 @@
 // Runs the tests, or is one of the processes that they kill.
-#define DOCTEST_CONFIG_IMPLEMENT
 #include "peers.hpp"
 
 #include <doctest/doctest.h>

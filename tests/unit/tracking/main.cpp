@@ -1,5 +1,4 @@
 // The unit tests of background, track and the walkers that they are tried on.
-#define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>

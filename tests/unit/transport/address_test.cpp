@@ -1,5 +1,4 @@
 // Addresses as text, and the pauses between attempts.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <hive/transport/transport.hpp>
 
 #include <doctest/doctest.h>

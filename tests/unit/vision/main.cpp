@@ -1,5 +1,4 @@
 // The unit tests of vision and of the algorithms of the drones that need it.
-#define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>

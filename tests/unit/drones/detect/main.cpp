@@ -1,5 +1,4 @@
 // The entry of the tests of the detect drone's algorithm.
-#define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>

@@ -1,0 +1,104 @@
+// CLI11 behind the words of command_line.hpp.
+#include "command_line.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+
+#include <hive/transfer.hpp>
+
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+
+namespace hivectl {
+
+Option Option::required() const { return Option(option_->required()); }
+Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
+Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
+Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
+Option Option::one_of(const std::vector<std::string>& words) const { return Option(option_->check(CLI::IsMember(words))); }
+
+template <typename Number>
+Option Option::between(Number least, Number most) const
+{
+    return Option(option_->check(CLI::Range(least, most)));
+}
+template Option Option::between(int, int) const;
+template Option Option::between(std::int64_t, std::int64_t) const;
+template Option Option::between(double, double) const;
+
+Option Option::seconds(double least, double most) const
+{
+    const auto problem = [=](const std::string& text) -> std::string {
+        char* end = nullptr;
+        const double value = std::strtod(text.c_str(), &end);
+        const bool number = !text.empty() && *end == '\0';
+        if (number && value >= least && value <= most)
+            return {};
+        return text + " is not a number of seconds" + (number ? value < least ? ", or too small" : ", or too large" : "");
+    };
+    return Option(option_->check(problem, "", "seconds"));
+}
+
+Option Option::encoding() const
+{
+    const auto problem = [](const std::string& text) {
+        return hive::is_encoding(text) ? std::string() : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
+    };
+    return Option(option_->check(problem, "", "encoding"));
+}
+
+CommandLine::CommandLine() : app_(std::make_unique<CLI::App>()) { app_->set_help_flag("-h,--help", "print this"); }
+CommandLine::~CommandLine() = default;
+
+template <typename Value>
+Option CommandLine::option(const std::string& names, Value& value, const std::string& meaning)
+{
+    return Option(app_->add_option(names, value, meaning));
+}
+template Option CommandLine::option(const std::string&, std::string&, const std::string&);
+template Option CommandLine::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option CommandLine::option(const std::string&, int&, const std::string&);
+template Option CommandLine::option(const std::string&, std::int64_t&, const std::string&);
+template Option CommandLine::option(const std::string&, double&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<int>&, const std::string&);
+template Option CommandLine::option(const std::string&, std::optional<double>&, const std::string&);
+
+Option CommandLine::flag(const std::string& names, bool& value, const std::string& meaning) { return Option(app_->add_flag(names, value, meaning)); }
+
+bool CommandLine::read(int argc, char** argv)
+{
+    try {
+        app_->parse(argc, argv);
+        return true;
+    } catch (const CLI::CallForHelp&) {
+        return false;
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(error.what());
+    }
+}
+
+std::vector<CommandLine::Entry> CommandLine::entries() const
+{
+    std::vector<Entry> all;
+    for (const CLI::Option* option : static_cast<const CLI::App&>(*app_).get_options()) {
+        const std::string type = option->get_expected_max() > 0 ? option->get_type_name() : "";
+        all.push_back({.positional = option->get_positional(),
+                       .name = option->get_name(true, false),
+                       .short_names = option->get_snames(),
+                       .long_names = option->get_lnames(),
+                       .type = type.substr(0, type.find(':')),  // what validators would add
+                       .meaning = option->get_description()});
+    }
+    return all;
+}
+
+bool CommandLine::takes_value(const std::string& word) const
+{
+    const CLI::Option* option = word.starts_with('-') ? app_->get_option_no_throw(word) : nullptr;
+    return option && option->get_items_expected_max() > 0;
+}
+
+}  // namespace hivectl

@@ -1,3 +1,0 @@
-// The unit tests of the view drone's parts.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>

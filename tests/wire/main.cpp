@@ -1,3 +1,0 @@
-// The entry of the wire tests.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>
