@@ -27,7 +27,7 @@ std::string local_address(const Run& run, const std::string& drone) { return "un
 ConnectionOptions options_of(const Run& run)
 {
     ConnectionOptions options;
-    const int wide = run.size > 1'000'000 ? 4 : 32;
+    const int wide = run.size > 1'000'000 ? 2 : 32;  // more of the large ones only push each other out of the cache
     options.transfer = run.test == Test::latency ? Transfer::streaming : Transfer::synchronized;
     options.window = run.window > 0 ? run.window : run.test == Test::throughput ? wide : 1;
     return options;
