@@ -1,4 +1,4 @@
-// What one program without Hive makes of the camera's scene with the same algorithms, to compare a swarm with.
+// What one program without Hive makes of the same pictures with the same algorithms, to compare a swarm with.
 #pragma once
 
 #include <swarm.hpp>
@@ -13,15 +13,20 @@
 
 namespace hive::test {
 
-/// By sequence (which begins at 1): what `of(sequence, foreground)` makes of each of so many pictures of the scene.
-template <class Of>
-std::map<std::int64_t, Json> plain_program(const camera::SceneSettings& settings, background::ForegroundFinder finder, std::int64_t first, int pictures, Of of)
+/// The pictures of the camera's scene by sequence, which begins at 1.
+inline auto scene_pictures(const camera::SceneSettings& settings)
+{
+    return [scene = camera::Scene(settings)](std::int64_t sequence) { return scene.picture(sequence - 1).image; };
+}
+
+/// By sequence: what `of(sequence, foreground)` makes of each of so many pictures.
+template <class Picture, class Of>
+std::map<std::int64_t, Json> plain_program(Picture picture, background::ForegroundFinder finder, std::int64_t first, int pictures, Of of)
 {
     cv::setNumThreads(1);  // as the drones
-    const camera::Scene scene(settings);
     std::map<std::int64_t, Json> result;
     for (std::int64_t sequence = first; sequence < first + pictures; ++sequence)
-        result[sequence] = of(sequence, finder.find(scene.picture(sequence - 1).image));
+        result[sequence] = of(sequence, finder.find(picture(sequence)));
     return result;
 }
 

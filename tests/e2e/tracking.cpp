@@ -3,6 +3,8 @@
 
 #include "../../drones/track/boxes.hpp"
 
+#include <opencv2/videoio.hpp>
+
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
@@ -29,14 +31,15 @@ std::vector<track::Box> boxes_of(const background::Foreground& found)
 }
 
 /// Tracks of each picture as the swarm writes them.
-std::map<std::int64_t, Json> plain_tracks(std::int64_t first)
+template <class Picture>
+std::map<std::int64_t, Json> plain_tracks(Picture picture, cv::Size size, std::int64_t first)
 {
     background::ForegroundFinder finder;
     finder.min_area = 75;
     track::Tracker tracker;
-    tracker.width = 320;
-    tracker.height = 240;
-    return plain_program(settings(), finder, first, pictures, [&](std::int64_t sequence, const background::Foreground& found) {
+    tracker.width = size.width;
+    tracker.height = size.height;
+    return plain_program(std::move(picture), finder, first, pictures, [&](std::int64_t sequence, const background::Foreground& found) {
         return track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
     });
 }
@@ -59,10 +62,40 @@ TEST_CASE("tracking swarm: the tracks of every picture on demand are those of on
     swarm.hivectl_done({"connect", "background", "track"});
     swarm.hivectl_done({"connect", "camera", "background"});
     std::size_t most = 0;
-    for (const auto& header : checked_headers(*collector, "tracks", pictures, plain_tracks)) {
+    for (const auto& header : checked_headers(*collector, "tracks", pictures, [](auto first) { return plain_tracks(scene_pictures(settings()), settings().size, first); })) {
         CHECK(header.at("width") == 320);
         most = std::max(most, confirmed(header.at("tracks")));
     }
+    CHECK(most >= (sanitized() ? 1 : 3));
+}
+
+TEST_CASE("tracking swarm: so are those of filmed walkers")
+{
+    const auto video = shared_data("media/pedestrians_0001-0400.avi");
+    if (!video) {
+        MESSAGE("skipped: there is no video beside the source tree");
+        return;
+    }
+    const Swarm swarm;
+    const auto track = swarm.drone("track", "track", {"fps=" + std::to_string(fps)});
+    const auto background = swarm.drone("background", "background", {"min_area=75"});
+    const auto camera = swarm.drone("camera", "camera", {"source=" + video->string(), "pace=demand"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"track", "tracks"}});
+    swarm.hivectl_done({"connect", "background", "track"});
+    swarm.hivectl_done({"connect", "camera", "background"});
+    cv::VideoCapture film(video->string(), cv::CAP_FFMPEG);
+    const cv::Size size(static_cast<int>(film.get(cv::CAP_PROP_FRAME_WIDTH)), static_cast<int>(film.get(cv::CAP_PROP_FRAME_HEIGHT)));
+    std::int64_t read = 0;
+    const auto picture = [&](std::int64_t sequence) {
+        cv::Mat result;
+        for (; read < sequence; ++read)
+            REQUIRE(film.read(result));
+        return result;
+    };
+    std::size_t most = 0;
+    for (const auto& header : checked_headers(*collector, "tracks", pictures, [&](auto first) { return plain_tracks(picture, size, first); }))
+        most = std::max(most, confirmed(header.at("tracks")));
     CHECK(most >= (sanitized() ? 1 : 3));
 }
 
