@@ -30,11 +30,10 @@ std::vector<std::string> shell_blocks(const fs::path& page)
     return blocks;
 }
 
-/// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C. The others have all the time of a busy machine.
+/// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C.
 constexpr auto reader = R"(set -euo pipefail
 hivectl() {
-    local code=0 patience=20
-    case "$1" in top|results|exceptions) patience=$watch ;; esac
+    local code=0
     timeout -s INT "${patience}" "$program" "$@" || code=$?
     case "$1:$code" in top:124|results:124|exceptions:124) return 0 ;; esac
     return $code
@@ -49,7 +48,7 @@ void run_blocks(const std::string& name)
     REQUIRE_MESSAGE(!blocks.empty(), name, " has no block marked sh");
     const Swarm swarm;
     for (const auto& block : blocks) {
-        const std::string values = "program=" + swarm.program("hivectl").string() + "\nwatch=" + (sanitized() ? "15" : "3") + "\ncd " + swarm.home().string() + "\n";
+        const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + (sanitized() ? "15" : "3") + "\ncd " + swarm.home().string() + "\n";
         const auto finished = swarm.run({"/bin/bash", "-c", values + reader + block}, 60'000ms);
         CHECK_MESSAGE(finished.exit_code == 0, name, ": exit code ", finished.exit_code, " of\n", block, "\nit printed\n", finished.out, finished.err);
     }
