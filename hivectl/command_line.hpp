@@ -41,6 +41,7 @@ private:
     CLI::Option* option_;
 };
 
+/// What one verb takes: declared first, then read, or shown by --help and completion.
 class CommandLine {
 public:
     CommandLine();

@@ -137,7 +137,7 @@ TEST_CASE("three swarms: the scripts, one after the other, share one camera and 
         CHECK(event.at("seq") == set.at("seq"));
 }
 
-TEST_CASE("three swarms: each has its own rate, and stopping one changes those of the others by less than 2 %")
+TEST_CASE("three swarms: each has its own rate, and stopping one changes those of gesture and track, and how soon face has its next picture, by less than 2 %")
 {
     if (sanitized())
         return;  // a measurement

@@ -1,10 +1,12 @@
 // The turn: who runs the network side, and when it changes hands.
 #include <hive/event/loop.hpp>
 
+#include <asio/post.hpp>
 #include <asio/steady_timer.hpp>
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <future>
 #include <stdexcept>
 #include <vector>
@@ -142,6 +144,17 @@ TEST_CASE("loop: a thread that waits lets another one in, and asks again when it
     done = true;
     running.loop.interrupt();
     CHECK(waiting.wait_for(long_enough / 2) == std::future_status::ready);
+}
+
+TEST_CASE("loop: a thread that performs one task after the other does not keep the network thread from running what is ready")
+{
+    Running running;
+    std::atomic<std::thread::id> ran_on{};
+    running.loop.call([&] { asio::post(running.loop.context(), [&] { ran_on = self(); }); });
+    for (const auto end = in(long_enough); ran_on == std::thread::id() && Clock::now() < end;)
+        running.loop.perform([] {});
+    CHECK(ran_on != std::thread::id());
+    CHECK(ran_on != self());
 }
 
 TEST_CASE("loop: what a called task throws is thrown to the caller, and the turn is free again")
