@@ -3,9 +3,9 @@
 #include "people_finder.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
-#include <hive/vision/loans.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -110,13 +110,7 @@ void detect_drone(hive::Drone& drone)
         const auto found = detector.find(picture);
         hive::Json header = to_header(found, picture);
         objects.emit(header);
-        const auto form = hive::vision::plain_form(picture.size(), 3);
-        header.update(form.header);
-        annotated.emit(std::move(header), [&] {
-            cv::Mat canvas = loans.colour_copy(picture);
-            detect::draw(canvas, found);
-            return form.body(canvas);
-        }, form.type);
+        hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) { detect::draw(canvas, found); });
     }, "pictures to look for objects in");
     drone.run();
 }

@@ -2,9 +2,9 @@
 #include "face_finder.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
-#include <hive/vision/loans.hpp>
 
 #include <opencv2/core/utility.hpp>
 
@@ -56,13 +56,7 @@ void face_drone(hive::Drone& drone)
         const auto found = finder.find(picture);
         hive::Json header = to_header(found, picture);
         faces.emit(header);
-        const auto form = hive::vision::plain_form(picture.size(), 3);
-        header.update(form.header);
-        annotated.emit(std::move(header), [&] {
-            cv::Mat framed = loans.colour_copy(picture);
-            FaceFinder::draw(framed, found);
-            return form.body(framed);
-        }, form.type);
+        hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) { FaceFinder::draw(canvas, found); });
     }, "pictures to look for faces in");
     drone.run();
 }

@@ -3,9 +3,9 @@
 #include "silhouette.hpp"
 
 #include <hive/drone.hpp>
+#include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
-#include <hive/vision/loans.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -71,13 +71,7 @@ void gesture_drone(hive::Drone& drone)
         const auto hands = finder.find(silhouette.of(picture));
         hive::Json header = to_header(hands, picture);
         gestures.emit(header);
-        const auto form = hive::vision::plain_form(picture.size(), 3);
-        header.update(form.header);
-        annotated.emit(std::move(header), [&] {
-            cv::Mat canvas = loans.colour_copy(picture);
-            gesture::draw(canvas, hands);
-            return form.body(canvas);
-        }, form.type);
+        hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) { gesture::draw(canvas, hands); });
     }, "masks, or pictures with silhouette=skin");
     drone.run();
 }
