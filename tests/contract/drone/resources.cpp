@@ -43,7 +43,7 @@ TEST_CASE("drone: one that has nothing to do uses less than 2 % of a core; a sou
     peer.next(Milliseconds(500));  // the start is over
     const auto before = processor_time(process.pid());
     const auto begin = hive::test::Clock::now();
-    peer.next(Milliseconds(5000));
+    peer.next(Milliseconds(2500));
     const auto used = processor_time(process.pid()) - before;
     const auto passed = std::chrono::duration_cast<Milliseconds>(hive::test::Clock::now() - begin);
     MESSAGE("used " << used.count() << " ms of " << passed.count());
