@@ -91,6 +91,22 @@ TEST_CASE("shared memory: a part of a slot, a small body and one of ordinary mem
     CHECK(bodies[2].data()[picture - 1] == 'b');
 }
 
+TEST_CASE("shared memory: bodies by reference and in packets keep their order, and neither counts as control")
+{
+    SharingPair pair;
+    constexpr int count = 200;
+    const std::string long_header = "{\"fill\":\"" + std::string(4000, 'x') + "\"}";
+    for (int i = 0; i < count; ++i)  // nothing is written before the loop runs; of references alone this is 400 KB
+        pair.dialing.connection->send(hive::protocol::make_packet(
+            PacketType::event, i % 2 ? long_header : "{}", 3, i % 2 ? pair.filled(i, 5000) : Body(std::string(5000, static_cast<char>(i)))));
+    const auto bodies = pair.received(count);
+    CHECK(pair.dialing.closed == 0);
+    for (int i = 0; i < count; ++i) {
+        CAPTURE(i);
+        CHECK(std::to_integer<int>(bodies[static_cast<std::size_t>(i)].bytes()[0]) == i % 256);
+    }
+}
+
 TEST_CASE("shared memory: two thousand pictures through eight slots, all intact and none lost")
 {
     SharingPair pair;

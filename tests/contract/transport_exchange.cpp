@@ -44,8 +44,6 @@ TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole 
             && std::equal(body.begin(), body.end(), reinterpret_cast<const char*>(packet.body.data()));
     }
     CHECK(same);
-    REQUIRE(pair.loop.until([&] { return pair.dialing.connection->events_waiting() == 0; }));
-    CHECK(pair.dialing.drained >= 1);
 }
 
 TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 MiB are identical", Place, Unix, Tcp, InProcess)
@@ -127,7 +125,7 @@ TEST_CASE_TEMPLATE("connection: handlers that own their connection go with it, o
         auto token = std::make_shared<int>(1);
         alive = token;
         hive::transport::dial(pair.loop.context, pair.listener->address(), 5s, [token](auto connection, std::exception_ptr) {
-            connection->start({.packet = [connection, token](Packet&&) {}, .closed = {}, .drained = {}});
+            connection->start({.packet = [connection, token](Packet&&) {}, .closed = {}});
         });
         token.reset();
         auto& first = pair.listening.connection;

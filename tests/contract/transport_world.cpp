@@ -60,7 +60,6 @@ void End::start(std::shared_ptr<Connection> with)
                 code = error.code();
                 text = error.what();
             },
-        .drained = [this] { ++drained; },
     });
 }
 

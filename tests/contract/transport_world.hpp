@@ -74,7 +74,6 @@ struct End {
     int closed = 0;
     Errc code{};
     std::string text;
-    int drained = 0;
     bool opens = true;  ///< calls open() when the first packet comes
     std::function<void(const Packet&)> on_packet;
 

@@ -53,11 +53,6 @@ public:
         const auto core = core_.lock();
         return core && core->shares();
     }
-    [[nodiscard]] std::size_t events_waiting() const override
-    {
-        const auto core = core_.lock();
-        return core ? core->events_waiting() : 0;
-    }
     void close(const Error& reason) override
     {
         if (const auto core = core_.lock())

@@ -13,7 +13,7 @@ constexpr std::size_t batch_bytes = 64 * 1024;
 bool in_event_lane(protocol::PacketType type)
 {
     using enum protocol::PacketType;
-    return type == event || type == notification || type == exception || type == put;
+    return type == event || type == reference || type == notification || type == exception || type == put;
 }
 
 }  // namespace
@@ -24,9 +24,7 @@ void PacketWriter::push(protocol::Packet packet, Written written, int descriptor
     const auto size = packet.size();
     const auto prefix = encode(packet.prefix());
     (is_event ? events_ : control_).push_back({std::move(packet), prefix, std::move(written), is_event, descriptor});
-    if (is_event)
-        ++event_count_;
-    else
+    if (!is_event)
         control_bytes_ += size;
 }
 
@@ -83,9 +81,7 @@ std::vector<PacketWriter::Written> PacketWriter::wrote(std::size_t bytes)
 
 void PacketWriter::finish(Item& item, std::vector<Written>& callbacks)
 {
-    if (item.is_event)
-        --event_count_;
-    else
+    if (!item.is_event)
         control_bytes_ -= item.packet.size();
     if (item.written)
         callbacks.push_back(std::move(item.written));

@@ -31,7 +31,6 @@ public:
 
     [[nodiscard]] bool idle() const { return batch_.empty() && control_.empty() && events_.empty(); }
     [[nodiscard]] std::size_t control_bytes() const { return control_bytes_; }
-    [[nodiscard]] std::size_t events() const { return event_count_; }
 
 private:
     struct Item {
@@ -51,7 +50,6 @@ private:
     std::size_t begun_ = 0;
     std::vector<asio::const_buffer> buffers_;
     std::size_t control_bytes_ = 0;  ///< of control packets not wholly written
-    std::size_t event_count_ = 0;    ///< of events not wholly written
 };
 
 }  // namespace hive::transport

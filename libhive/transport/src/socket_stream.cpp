@@ -17,7 +17,7 @@ namespace {
 
 class SocketStream final : public Stream {
 public:
-    SocketStream(Socket socket, std::string peer) : socket_(std::move(socket)), peer_(std::move(peer)), local_(is_unix(socket_)) {}
+    SocketStream(Socket socket, std::string peer) : socket_(std::move(socket)), peer_(std::move(peer)) {}
 
     // One system call each, with the whole size: asio's composed operations would cut it into slices of 64 KiB.
     void read_some(asio::mutable_buffer into, Handler handler) override { socket_.async_read_some(into, std::move(handler)); }
@@ -32,18 +32,11 @@ public:
         socket_.close(ignored);
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
-    [[nodiscard]] bool local() const override { return local_; }
+    [[nodiscard]] bool local() const override { return false; }
 
 private:
-    static bool is_unix(const Socket& socket)
-    {
-        std::error_code problem;
-        return socket.local_endpoint(problem).protocol().family() == AF_UNIX && !problem;
-    }
-
     Socket socket_;
     std::string peer_;
-    bool local_;
 };
 
 }  // namespace

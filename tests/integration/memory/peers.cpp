@@ -38,8 +38,7 @@ void Producer::start()
                                 }
                                 produce();
                             },
-                        .closed = [this](const hive::Error&) { closed_ = true; },
-                        .drained = {}});
+                        .closed = [this](const hive::Error&) { closed_ = true; }});
     connection_->send(make_packet(PacketType::hello, "{}"));
 }
 
@@ -63,8 +62,7 @@ void Receiver::start()
                                 else
                                     take(packet.body);
                             },
-                        .closed = [this](const hive::Error&) { closed_ = true; },
-                        .drained = {}});
+                        .closed = [this](const hive::Error&) { closed_ = true; }});
     connection_->send(make_packet(PacketType::hello, "{}"));
 }
 

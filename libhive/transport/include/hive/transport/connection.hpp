@@ -30,8 +30,8 @@ enum class Carriage {
 };
 
 /// Lives on the network side; all calls and handlers are there. Two lanes leave it: control packets, and events
-/// (event, notification, exception and put carry bodies). Control packets overtake waiting events at every packet
-/// boundary. Pings and pongs are answered here and shown to nobody, and so is all that is said about shared memory: above,
+/// (event, by reference or not, notification, exception and put carry bodies). Control packets overtake waiting events at
+/// every packet boundary. Pings and pongs are answered here and shown to nobody, and so is all that is said about shared memory: above,
 /// an event has a body, wherever its bytes lie.
 ///
 /// The first packet must fit protocol::hello_limits and be a hello; when it has been handed over, open() raises the
@@ -41,7 +41,6 @@ public:
     struct Handlers {
         std::function<void(protocol::Packet&&)> packet;       ///< a whole packet came
         std::function<void(const hive::Error&)> closed;  ///< once, the last call; also after close()
-        std::function<void()> drained;                   ///< the event lane has become empty
     };
     /// Called once: true when the last byte is with the operating system, false when the connection ended before.
     using Written = std::function<void(bool)>;
@@ -61,8 +60,6 @@ public:
     /// The peer wants to: from now on bodies of events that lie in this pool go by reference. Only where can_share().
     virtual void share(std::shared_ptr<Pool> pool) = 0;
     [[nodiscard]] virtual bool shares() const = 0;
-    /// Packets in the event lane that are not wholly written. The caller keeps this small; nothing here drops.
-    [[nodiscard]] virtual std::size_t events_waiting() const = 0;
     /// Ends the connection; `closed` follows with this error, from the event loop.
     virtual void close(const hive::Error& reason) = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
