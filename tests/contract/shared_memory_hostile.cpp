@@ -119,6 +119,19 @@ TEST_CASE("hostile shared memory: references outside their slot or to nothing")
     CHECK(verdict(short_reference) == Errc::malformed);
 }
 
+TEST_CASE("hostile shared memory: slots that are no whole pages, and a body over the limit")
+{
+    HostilePeer odd;
+    odd.offer({.id = 0, .slots = 4, .slot_size = 6000}, memory(24000, all_seals));
+    CHECK(verdict(odd) == Errc::malformed);
+
+    HostilePeer large;
+    constexpr std::size_t size = 128u << 20;  // nothing of it is ever touched
+    large.offer({.id = 0, .slots = 1, .slot_size = size}, memory(size, all_seals));
+    large.refer({{0, 0, 1}, 0, size});
+    CHECK(verdict(large) == Errc::too_large);
+}
+
 TEST_CASE("hostile shared memory: what was mapped can neither shrink nor grow under its reader")
 {
     HostilePeer peer;

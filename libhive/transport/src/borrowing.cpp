@@ -82,12 +82,12 @@ void Borrowing::map(const protocol::Segment& offered, Descriptor descriptor)
     mappings_[offered.id] = Mapping::map(offered, descriptor);
 }
 
-Body Borrowing::resolve(const protocol::Reference& reference)
+Body Borrowing::resolve(const protocol::Reference& reference, std::uint64_t most)
 {
     const auto found = mappings_.find(reference.slot.segment);
     if (found == mappings_.end())
         throw Error(Errc::malformed, "a reference to segment " + std::to_string(reference.slot.segment) + ", which was not offered");
-    const auto bytes = found->second->bytes(reference);
+    const auto bytes = found->second->bytes(reference, most);
     borrowed_->hold(found->second, reference.slot);
     const auto owner = std::shared_ptr<const void>(bytes.data(), [mapping = found->second, borrowed = borrowed_, slot = reference.slot](const void*) {
         borrowed->let_go(slot);

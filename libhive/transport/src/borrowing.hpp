@@ -27,8 +27,8 @@ public:
     /// Maps a segment that the peer offers. Throws Errc::malformed when it is not sealed, too small, or one too many; nothing
     /// that the peer may still shrink or that may be written here is ever mapped. Throws Errc::io when the system refuses.
     void map(const protocol::Segment& offered, Descriptor descriptor);
-    /// The body that a reference names. Throws Errc::malformed when there is no such place.
-    [[nodiscard]] Body resolve(const protocol::Reference& reference);
+    /// The body that a reference names. Throws Errc::malformed when there is no such place, Errc::too_large when it is over `most` bytes.
+    [[nodiscard]] Body resolve(const protocol::Reference& reference, std::uint64_t most);
     /// The slots whose bodies have ended since the last call.
     [[nodiscard]] std::vector<protocol::Slot> take_returns();
     void end() noexcept;

@@ -36,6 +36,7 @@ void ConnectionCore::start(Connection::Handlers handlers)
 void ConnectionCore::open(const protocol::Limits& limits)
 {
     reader_.open(limits);
+    most_body_ = limits.body;
     opened_ = true;
     admission_.reset();
     asio::post(context_, [self = shared_from_this()] {
@@ -109,6 +110,10 @@ Error ConnectionCore::about_peer(const Error& error) const { return {error.code(
 
 Error ConnectionCore::read_failure(std::error_code error) const
 {
+    if (error == asio::error::no_descriptors)
+        return {Errc::io, "no descriptor is left for the memory that it shares"};
+    if (error == std::errc::protocol_error)
+        return {Errc::malformed, "it sent more descriptors than belong to segments"};
     if (error != asio::error::eof)
         return {Errc::connection_lost, "reading failed: " + error.message()};
     if (reader_.inside())
@@ -131,8 +136,10 @@ void ConnectionCore::on_read(std::error_code error, std::size_t bytes)
 {
     if (ended_)
         return;
-    if (error)
-        return end(about_peer(read_failure(error)), true);
+    if (error) {
+        const auto failure = read_failure(error);
+        return end(about_peer(failure), failure.code() == Errc::connection_lost);
+    }
     const bool begins = !reader_.inside();
     reader_.received(bytes);
     const bool ends = deliver() > 0;
@@ -204,7 +211,7 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
         return true;
     }
     packet.type = PacketType::event;
-    packet.body = borrowing_->resolve(protocol::reference_from_body(packet.body));
+    packet.body = borrowing_->resolve(protocol::reference_from_body(packet.body), most_body_);
     return false;
 }
 
@@ -258,11 +265,8 @@ void ConnectionCore::on_written(std::error_code error, std::size_t bytes)
     if (error)
         return end(about_peer({Errc::connection_lost, "writing failed: " + error.message()}), true);
     liveness_.sent(Clock::now());
-    const auto events = writer_.events();
     for (const auto& written : writer_.wrote(bytes))
         written(true);
-    if (const auto told = handlers_; told && told->drained && events > 0 && writer_.events() == 0)
-        told->drained();
     writing_ = false;
     write();
 }

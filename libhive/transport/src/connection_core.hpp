@@ -28,7 +28,6 @@ public:
     Carriage send(protocol::Packet packet, Connection::Written written);
     void share(std::shared_ptr<Pool> pool) { lending_.emplace(std::move(pool)); }
     [[nodiscard]] bool shares() const { return lending_.has_value() && !ended_; }
-    [[nodiscard]] std::size_t events_waiting() const { return writer_.events(); }
     /// Ends it; Written callbacks and then `closed` are posted.
     /// @param by_peer  it is the peer that went away
     void end(const Error& reason, bool by_peer = false);
@@ -68,6 +67,7 @@ private:
     std::unique_ptr<Borrowing> borrowing_;  ///< from the first segment of the peer on
     std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a call that is going on, which may end everything
     std::optional<Error> ended_;
+    std::uint64_t most_body_ = 0;
     bool hello_came_ = false;
     bool opened_ = false;
     bool reading_ = false;

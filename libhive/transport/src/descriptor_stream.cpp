@@ -14,13 +14,14 @@ namespace hive::transport {
 namespace {
 
 constexpr std::size_t most_descriptors = 16;  // that wait to be taken; a peer that sends more is cut off
+constexpr std::size_t most_at_once = 4;
 
 std::error_code system_error(int number) { return {number, std::generic_category()}; }
 
 /// Room for the descriptors of one message, as the kernel wants it.
 union Control {
     cmsghdr header;
-    std::array<char, CMSG_SPACE(sizeof(int) * 4)> bytes;
+    std::array<char, CMSG_SPACE(sizeof(int) * most_at_once)> bytes;
 };
 
 class DescriptorStream final : public Stream {
@@ -81,13 +82,18 @@ private:
             return read_some(into, std::move(handler));
         if (size < 0)
             return handler(system_error(errno), 0);
-        keep_descriptors(message);
-        if ((message.msg_flags & MSG_CTRUNC) != 0 || descriptors_.size() > most_descriptors)
+        const auto came = keep_descriptors(message);
+        const bool some_missing = (message.msg_flags & MSG_CTRUNC) != 0;
+        if (descriptors_.size() > most_descriptors || (some_missing && came == most_at_once))
+            return handler(std::make_error_code(std::errc::protocol_error), 0);
+        if (some_missing)
             return handler(asio::error::no_descriptors, 0);
         handler(size == 0 ? std::error_code(asio::error::eof) : std::error_code(), static_cast<std::size_t>(size));
     }
-    void keep_descriptors(msghdr& message)
+    /// Returns how many came with this message.
+    std::size_t keep_descriptors(msghdr& message)
     {
+        const auto before = descriptors_.size();
         for (auto* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
             if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS)
                 continue;
@@ -97,6 +103,7 @@ private:
                 descriptors_.emplace_back(number);
             }
         }
+        return descriptors_.size() - before;
     }
     void send(int descriptor, std::span<const asio::const_buffer> from, Handler handler)
     {

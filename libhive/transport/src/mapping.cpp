@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace hive::transport {
 namespace {
@@ -27,11 +28,21 @@ void require_size(int descriptor, std::uint64_t size)
         throw Error(Errc::malformed, "shared memory of " + std::to_string(status.st_size) + " bytes that says it has " + std::to_string(size));
 }
 
+std::uint64_t page_size() { return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)); }
+
+/// Only whole pages can become private one slot at a time.
+void require_whole_pages(std::uint64_t slot_size)
+{
+    if (slot_size % page_size() != 0)
+        throw Error(Errc::malformed, "shared memory in slots of " + std::to_string(slot_size) + " bytes, which is no multiple of a page");
+}
+
 }  // namespace
 
 std::shared_ptr<Mapping> Mapping::map(const protocol::Segment& offered, const Descriptor& descriptor)
 {
     const auto size = offered.slots * offered.slot_size;
+    require_whole_pages(offered.slot_size);
     require_sealed(descriptor.get());
     require_size(descriptor.get(), size);
     void* const base = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.get(), 0);
@@ -44,13 +55,17 @@ Mapping::Mapping(const protocol::Segment& segment, std::byte* base) : segment_(s
 
 Mapping::~Mapping() { ::munmap(base_, segment_.slots * segment_.slot_size); }
 
-std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference)
+std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference, std::uint64_t most)
 {
     const auto index = reference.slot.index;
     if (index >= segment_.slots || reference.offset > segment_.slot_size || reference.size > segment_.slot_size - reference.offset)
         throw Error(Errc::malformed, "a reference to " + std::to_string(reference.size) + " bytes outside their slot");
-    if (!seen_[index])
-        ::madvise(at(index), reference.offset + reference.size, MADV_POPULATE_READ);  // else page by page; old kernels do that
+    if (reference.size > most)
+        throw Error(Errc::too_large, "a body of " + std::to_string(reference.size) + " bytes, limit " + std::to_string(most));
+    if (!seen_[index]) {
+        const auto before = reference.offset % page_size();
+        ::madvise(at(index) + reference.offset - before, before + reference.size, MADV_POPULATE_READ);  // else page by page; old kernels do that
+    }
     seen_[index] = true;
     return {at(index) + reference.offset, reference.size};
 }
@@ -63,7 +78,8 @@ void Mapping::make_private(std::uint32_t index) noexcept
         return;  // without memory the old picture may be overwritten; there is nothing better to do
     std::memcpy(copy, at(index), size);
     ::mprotect(copy, size, PROT_READ);
-    ::mremap(copy, size, size, MREMAP_MAYMOVE | MREMAP_FIXED, at(index));
+    if (::mremap(copy, size, size, MREMAP_MAYMOVE | MREMAP_FIXED, at(index)) == MAP_FAILED)
+        ::munmap(copy, size);
 }
 
 }  // namespace hive::transport

@@ -20,9 +20,8 @@ public:
     Mapping(const Mapping&) = delete;
     Mapping& operator=(const Mapping&) = delete;
 
-    [[nodiscard]] const protocol::Segment& segment() const noexcept { return segment_; }
-    /// The bytes that a reference names; throws Errc::malformed when they are not all inside one slot.
-    [[nodiscard]] std::span<const std::byte> bytes(const protocol::Reference& reference);
+    /// The bytes that a reference names; throws Errc::malformed when they are not all inside one slot, Errc::too_large when they are over `most`.
+    [[nodiscard]] std::span<const std::byte> bytes(const protocol::Reference& reference, std::uint64_t most);
     /// Puts a private copy in the place of a slot, at the same addresses; what the producer does there is no longer seen.
     void make_private(std::uint32_t index) noexcept;
 
