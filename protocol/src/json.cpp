@@ -117,6 +117,30 @@ Json parse_json(std::string_view text, const JsonLimits& limits)
     return builder.take();
 }
 
+void require_within(const Json& value, const JsonLimits& limits, std::size_t around)
+{
+    const auto refuse = [](const char* what, std::size_t most, const char* of) {
+        throw Error(Errc::too_large, std::string("JSON with ") + what + std::to_string(most) + of);
+    };
+    const auto check_text = [&](const std::string& text) {
+        if (text.size() > limits.string_bytes)
+            refuse("a string of over ", limits.string_bytes, " bytes");
+    };
+    if (value.is_string())
+        return check_text(value.get_ref<const std::string&>());
+    if (!value.is_structured())
+        return;
+    if (around >= limits.depth)
+        refuse("more than ", limits.depth, " levels");
+    if (value.is_object() && value.size() > limits.keys)
+        refuse("more than ", limits.keys, " keys in one object");
+    if (value.is_object())
+        for (const auto& [key, item] : value.get_ref<const Json::object_t&>())
+            check_text(key);
+    for (const Json& item : value)
+        require_within(item, limits, around + 1);
+}
+
 std::string to_text(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::string in_quotes(std::string_view text)

@@ -59,6 +59,7 @@ Event event_from_json(const Json& json, std::size_t body_size)
 Emission::Emission(Event event, bool complete)
     : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(header_text(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt})))
 {
+    require_within(event_.header, {}, 1);
     constexpr std::size_t share_bytes = 128;  // what sharing adds
     if (header_->size() + share_bytes > protocol::Limits{}.header)
         throw Error(Errc::too_large, "the header of an event is " + std::to_string(header_->size()) + " bytes, limit "

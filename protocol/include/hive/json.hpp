@@ -24,6 +24,10 @@ struct JsonLimits {
 /// duplicate keys, on numbers that do not fit a double or an integer of 64 bits, and on what exceeds the limits.
 Json parse_json(std::string_view text, const JsonLimits& limits = {});
 
+/// Throws Errc::too_large when parse_json would, for the levels, keys or strings of such a value.
+/// @param around  levels of the text that the value will be part of
+void require_within(const Json& value, const JsonLimits& limits = {}, std::size_t around = 0);
+
 /// One line of JSON; bytes that are not UTF-8 become U+FFFD.
 std::string to_text(const Json& value);
 

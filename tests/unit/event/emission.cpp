@@ -63,6 +63,37 @@ TEST_CASE("emission: a header over the limit is refused where it is made")
     CHECK_THROWS_AS(Emission{event}, Error);
 }
 
+TEST_CASE("emission: a header that no receiver would read is refused where it is made")
+{
+    const auto refused = [](Json header) {
+        Event event = emission(1)->event();
+        event.header = std::move(header);
+        try {
+            const Emission sent(std::move(event));
+        } catch (const hive::Error& error) {
+            return error.code() == hive::Errc::too_large;
+        }
+        return false;
+    };
+    const auto nested = [](int levels) {
+        Json value = 1;
+        for (int i = 0; i < levels; ++i)
+            value = Json{{"a", value}};
+        return value;
+    };
+    CHECK_FALSE(refused(nested(15)));
+    CHECK(refused(nested(16)));
+    CHECK_FALSE(refused({{"text", std::string(16384, 'x')}}));
+    CHECK(refused({{"text", std::string(16385, 'x')}}));
+    CHECK(refused({{std::string(16385, 'x'), 1}}));
+    Json wide = Json::object();
+    for (int i = 0; i < 256; ++i)
+        wide["k" + std::to_string(i)] = i;
+    CHECK_FALSE(refused(wide));
+    wide["one more"] = 1;
+    CHECK(refused(wide));
+}
+
 TEST_CASE("emission: a packet with a wrong header is malformed")
 {
     for (const char* header : {"{}", "[]", "{\"source\":\"a b\"}", "{\"source\":\"camera\",\"epoch\":-1}"})

@@ -53,7 +53,7 @@ public:
 
     /// Sends an event to whoever wants it. Never waits for a receiver. Inside a callback the event inherits the
     /// identity and time of the input; elsewhere it begins a new one, captured now.
-    /// @param header  a JSON object, at most about 60 KiB as text
+    /// @param header  a JSON object, at most about 60 KiB as text, 15 levels, 256 keys in one object and 16 KiB in one string: beyond it Errc::too_large is thrown
     /// @param type    the media type of the body; empty: the first one that the output was declared with
     void emit(Json header = Json::object(), Body body = {}, std::string type = {}) const;
     /// As above, with a body that is made only if it is wanted().

@@ -24,7 +24,7 @@ struct Share {
 class Emission {
 public:
     /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header
-    /// Throws Errc::too_large when the header does not fit a packet.
+    /// Throws Errc::too_large when the header does not fit a packet, or no receiver would read it for its levels, keys or strings.
     explicit Emission(Event event, bool complete = true);
 
     [[nodiscard]] const Event& event() const noexcept { return event_; }
