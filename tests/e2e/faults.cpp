@@ -125,6 +125,22 @@ TEST_CASE("start: a drone that dies at its start is reported with its exit code 
     CHECK(Json::parse(swarm.hivectl_done({"ps", "--json"})).empty());
 }
 
+TEST_CASE("limits: a file or a value that no drone would take is refused here, and the drone goes on")
+{
+    const Swarm swarm;
+    const auto face = swarm.drone("face", "face");
+    const auto large = swarm.home() / "large";
+    std::ofstream(large).put('x');
+    std::filesystem::resize_file(large, 70'000'000);
+    const auto put = swarm.hivectl({"put", "face.image", large.string(), "--type", "image/jpeg"});
+    CHECK(put.exit_code == 5);
+    CHECK(put.err.find("a body of 70000000 bytes, limit 67108864") != std::string::npos);
+    const auto set = swarm.hivectl({"set", "face", "cascade=" + std::string(20'000, 'x')});
+    CHECK(set.exit_code == 5);
+    CHECK(set.err.find("a string of over 16384 bytes") != std::string::npos);
+    CHECK(swarm.hivectl_done({"ps"}).find("face") != std::string::npos);
+}
+
 TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a command no longer than its timeout, and goes on")
 {
     const Swarm swarm;

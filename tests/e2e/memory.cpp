@@ -6,6 +6,7 @@
 #include <fstream>
 #include <numeric>
 #include <sys/resource.h>
+#include <unistd.h>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -36,22 +37,33 @@ std::size_t shared_mappings(pid_t pid)
     return count;
 }
 
-/// The processes started while it lives may write no file, and so no shared memory, larger than this.
-class NoLargeFiles {
+/// Holds for this process, and for those it starts meanwhile.
+class Limit {
 public:
-    NoLargeFiles()
+    Limit(decltype(RLIMIT_FSIZE) resource, rlim_t most) : resource_(resource)
     {
-        REQUIRE(::getrlimit(RLIMIT_FSIZE, &before_) == 0);
-        const rlimit little{.rlim_cur = 256 * 1024, .rlim_max = before_.rlim_max};
-        REQUIRE(::setrlimit(RLIMIT_FSIZE, &little) == 0);
+        REQUIRE(::getrlimit(resource_, &before_) == 0);
+        const rlimit little{.rlim_cur = most, .rlim_max = before_.rlim_max};
+        REQUIRE(::setrlimit(resource_, &little) == 0);
     }
-    ~NoLargeFiles() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-    NoLargeFiles(const NoLargeFiles&) = delete;
-    NoLargeFiles& operator=(const NoLargeFiles&) = delete;
+    ~Limit() { ::setrlimit(resource_, &before_); }
+    Limit(const Limit&) = delete;
+    Limit& operator=(const Limit&) = delete;
 
 private:
+    decltype(RLIMIT_FSIZE) resource_;
     rlimit before_{};
 };
+
+/// Addresses that this process uses, in bytes.
+rlim_t addresses_in_use()
+{
+    std::ifstream statm("/proc/self/statm");
+    rlim_t pages = 0;
+    statm >> pages;
+    REQUIRE(pages > 0);
+    return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+}
 
 /// Takes a hundred lossless events; all are whole and in order.
 Json take_hundred(const Swarm& swarm, hive::Application& application)
@@ -85,13 +97,34 @@ TEST_CASE("memory: when memory is short the bodies go through the socket, counte
     const Swarm swarm;
     std::optional<Process> source;
     {
-        const NoLargeFiles limit;
+        const Limit no_large_files(RLIMIT_FSIZE, 256 * 1024);
         source = swarm.drone("ticker", "source", {"pace=demand", "count=100", "bytes=1000000"});
     }
     auto application = swarm.application();
     const auto row = take_hundred(swarm, application);
     CHECK(row.at("shared") == 0);
     CHECK(row.at("fallback") == 100);
+}
+
+TEST_CASE("memory: a receiver that cannot map what is shared comes back and gets the bodies through the socket")
+{
+    if (sanitized())
+        return;  // a sanitizer uses addresses as it likes
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "bytes=1000000"});
+    auto application = swarm.application();
+    const Limit no_room(RLIMIT_AS, addresses_in_use() + 16 * megabyte);  // bodies fit in, a segment does not
+    const auto collector = application.collect({{"source", "tick"}});
+    int intact = 0;
+    std::int64_t before = 0;
+    for (int i = 0; i < 50; ++i) {
+        const auto event = collector->next(patient(5000ms));
+        REQUIRE(event);
+        intact += whole(*event) && (i == 0 || event->identity.sequence == before + 1) ? 1 : 0;
+        before = event->identity.sequence;
+    }
+    CHECK(intact == 50);
+    CHECK(first_receiver(application, "source").at("shared") == 0);
 }
 
 TEST_CASE("memory: a receiver that keeps every event takes nothing from the others")

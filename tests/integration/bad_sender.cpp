@@ -3,8 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <functional>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 using namespace hostile;
@@ -33,6 +36,34 @@ public:
 
 private:
     int descriptor_;
+};
+
+/// A TCP socket that takes no connection: its queue is full.
+class FullSocket {
+public:
+    FullSocket() : listening_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)), filling_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
+    {
+        at_.sin_family = AF_INET;
+        at_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof at_;
+        auto* const any = reinterpret_cast<sockaddr*>(&at_);
+        REQUIRE(::bind(listening_, any, size) == 0);
+        REQUIRE(::listen(listening_, 0) == 0);
+        REQUIRE(::getsockname(listening_, any, &size) == 0);
+        REQUIRE(::connect(filling_, any, size) == 0);
+    }
+    ~FullSocket()
+    {
+        ::close(filling_);
+        ::close(listening_);
+    }
+    FullSocket(const FullSocket&) = delete;
+    FullSocket& operator=(const FullSocket&) = delete;
+    [[nodiscard]] std::string address() const { return "tcp://127.0.0.1:" + std::to_string(ntohs(at_.sin_port)); }
+
+private:
+    sockaddr_in at_{};
+    int listening_, filling_;
 };
 
 /// A face drone that receives a stream from a real camera and is told to receive from a liar too.
@@ -157,6 +188,17 @@ TEST_CASE("hostile sender: an event that breaks the rules ends its connection, w
     }
     CHECK(pair.prey.well());
     pair.check_camera();
+}
+
+TEST_CASE("hostile sender: one that does not even take the connection holds up no end")
+{
+    const Prey face = Prey::face();
+    const FullSocket full;
+    auto asker = face.meet();
+    REQUIRE(asker.send(raw::packet(raw::connect, 0, Json{{"id", 1}, {"from", {{"drone", "liar"}, {"output", "image"}, {"address", full.address()}}}, {"input", "image"}}.dump())));
+    CHECK_FALSE(asker.next(Milliseconds(100)));  // it is dialing
+    REQUIRE(raw::error_of(asker.ask(raw::stop)) == "");
+    CHECK(hive::test::eventually([&] { return face.log().find(": ended") != std::string::npos; }, within(1000)));
 }
 
 TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connection goes on")

@@ -6,11 +6,26 @@ namespace hive::event {
 using protocol::Packet;
 using protocol::PacketType;
 
+namespace {
+
+/// A peer would end the connection for more, and with it everything else that goes on there.
+void require_acceptable(const Json& header, const std::string& text, const Body& body)
+{
+    constexpr protocol::Limits limits;
+    require_within(header);
+    if (text.size() > limits.header)
+        throw Error(Errc::too_large, "a header of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.header));
+    if (body.size() > limits.body)
+        throw Error(Errc::too_large, "a body of " + std::to_string(body.size()) + " bytes, limit " + std::to_string(limits.body));
+}
+
+}  // namespace
+
 Link::Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits,
-           std::shared_ptr<transport::Pool> pool)
+           std::shared_ptr<transport::Pool> pool, bool maps)
     : connection_(std::move(connection)), self_(self), limits_(limits), pool_(std::move(pool))
 {
-    self_.maps = connection_->can_share();
+    self_.maps = maps && connection_->can_share();
 }
 
 void Link::start(Events events)
@@ -18,8 +33,7 @@ void Link::start(Events events)
     events_ = std::move(events);
     const auto self = shared_from_this();
     connection_->start({.packet = [self](Packet&& packet) { self->on_packet(packet); },
-                        .closed = [self](const Error& reason) { self->on_closed(reason); },
-                        .drained = {}});
+                        .closed = [self](const Error& reason) { self->on_closed(reason); }});
     connection_->send(protocol::make_packet(PacketType::hello, to_text(protocol::to_json(self_))));
 }
 
@@ -83,8 +97,15 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
 {
     const auto id = ++next_id_;
     header["id"] = id;
-    pending_[id] = {deadline, std::move(on_outcome), std::string(protocol::token(type)) + " to " + peer_.name};
-    connection_->send(protocol::make_packet(type, to_text(header), channel, std::move(body)));
+    auto text = to_text(header);
+    const auto what = std::string(protocol::token(type)) + " to " + peer_.name;
+    try {
+        require_acceptable(header, text, body);
+    } catch (const Error& error) {
+        return on_outcome(Error(error.code(), what + ": " + error.what()));
+    }
+    pending_[id] = {deadline, std::move(on_outcome), what};
+    connection_->send(protocol::make_packet(type, std::move(text), channel, std::move(body)));
 }
 
 void Link::answer(std::int64_t id, const Outcome& outcome)

@@ -9,7 +9,7 @@ using protocol::PacketType;
 
 LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection)
 {
-    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits, pool_);
+    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits, pool_, can_map_);
 }
 
 void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)
@@ -45,6 +45,8 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
     transport::dial(
         context(), address, patience,
         [this, key](std::shared_ptr<transport::Connection> connection, std::exception_ptr problem) {
+            if (connection && ending_)
+                return dialed(key, nullptr, Error(Errc::stopped, options_.self.name + " is ending"));
             if (connection)
                 return adopt(make_link(std::move(connection)), [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });
             try {
@@ -64,6 +66,14 @@ void Module::dialed(const std::string& key, const LinkPtr& link, const Error& er
     if (!node.empty())
         for (const auto& waiting : node.mapped())
             waiting.on_link(link, error);
+    last_one_gone();
+}
+
+/// At the end nothing is waited for once there are neither links nor dials under way.
+void Module::last_one_gone()
+{
+    if (ending_ && links_.empty() && dialing_.empty())
+        last_.cancel();
 }
 
 void Module::request(const transport::Address& address, PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome)
@@ -80,12 +90,13 @@ void Module::request(const transport::Address& address, PacketType type, Json he
 
 void Module::on_closed(Link& link, const Error& reason)
 {
-    if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch)
+    if (reason.code() == Errc::io)
+        can_map_ = false;  // from now on bodies come through the socket
+    if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch || reason.code() == Errc::io)
         log("closed " + link.connection().peer() + ": " + reason.what());
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
     links_.erase(link.shared_from_this());
-    if (ending_ && links_.empty())
-        last_.cancel();
+    last_one_gone();
     for (auto& outlet : outlets_)
         outlet.link_closed(link);
     for (const auto& intake : std::vector(intakes_))

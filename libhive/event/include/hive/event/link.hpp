@@ -29,8 +29,9 @@ public:
     using ChannelSink = std::function<void(const protocol::Packet&)>;
 
     /// @param pool  where the bodies of this module lie that a peer on this machine may read
+    /// @param maps  whether this module can map what a peer shares
     Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits,
-         std::shared_ptr<transport::Pool> pool);
+         std::shared_ptr<transport::Pool> pool, bool maps);
     void start(Events events);
 
     [[nodiscard]] bool open() const noexcept { return open_; }
@@ -39,7 +40,8 @@ public:
     /// Is the peer on this machine?
     [[nodiscard]] bool local() const { return connection_->local(); }
 
-    /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends (Errc::connection_lost).
+    /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends (Errc::connection_lost), or at once
+    /// when the request is over the limits of a packet (Errc::too_large).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel = 0);
     /// Confirms a request. An answer that no peer would take (over the limit of a header) becomes Errc::too_large.
     void answer(std::int64_t id, const Outcome& outcome);

@@ -117,6 +117,7 @@ private:
     LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
+    void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
     void require_free(const Link& link, std::uint16_t channel) const;
@@ -138,6 +139,7 @@ private:
     asio::steady_timer last_{context()};
     asio::signal_set signals_{context()};
     bool armed_ = false, ending_ = false;
+    bool can_map_ = true;  ///< until a mapping failed for want of memory or descriptors
     std::atomic<bool> halted_ = false;
     bool backlogged_ = false;
     std::list<Outlet> outlets_;
