@@ -15,9 +15,11 @@ void Reorder::push(Event event, TimePoint now)
     line.lossless = event.identity.lossless;
     const auto sequence = number_of(event.identity);
     if (line.expected == 0) {
-        line.expected = line.lossless && sequence <= first_window ? 1 : sequence;
+        line.expected = line.lossless ? 1 : sequence;
         line.stuck_since = now;
     }
+    if (line.passed(sequence))
+        return;
     const std::pair key{sequence, event.identity.part};
     line.waiting.emplace(key, std::move(event));
     advance(line, now);
@@ -41,10 +43,13 @@ void Reorder::advance(Line& line, TimePoint now)
             ++line.expected;
         // A sequence already handed out may have further parts: they follow as they come.
         while (!line.waiting.empty() && line.waiting.begin()->first.first <= line.expected) {
-            line.expected = std::max(line.expected, line.waiting.begin()->first.first + 1);
+            const auto sequence = line.waiting.begin()->first.first;
+            if (line.first == 0)
+                line.first = sequence;
+            line.expected = std::max(line.expected, sequence + 1);
             ready_.push_back(std::move(line.waiting.begin()->second));
             line.waiting.erase(line.waiting.begin());
-            line.begun = moved = true;
+            moved = true;
         }
         if (moved)
             line.stuck_since = now;
@@ -55,7 +60,7 @@ void Reorder::advance(Line& line, TimePoint now)
 
 std::chrono::milliseconds Reorder::patience_of(const Line& line) const
 {
-    if (!line.begun)
+    if (line.first == 0)
         return std::min(patience_, first_patience);
     return line.lossless ? patience_ : std::min(patience_, live_patience);
 }
@@ -65,11 +70,25 @@ void Reorder::expire(TimePoint now)
     for (auto& [key, line] : lines_)
         while (!line.waiting.empty() && (line.stuck_since == TimePoint::min() || now - line.stuck_since >= patience_of(line))) {
             const auto next = line.waiting.begin()->first.first;
-            if (line.begun)
-                missing_ += next - line.expected;
+            if (line.first != 0)
+                give_up(line, next);
             line.expected = next;
             advance(line, now);
         }
+}
+
+void Reorder::give_up(Line& line, std::int64_t next)
+{
+    missing_ += next - line.expected;
+    line.given_up[line.expected] = next;
+    if (line.given_up.size() > remembered_gaps)
+        line.given_up.erase(line.given_up.begin());
+}
+
+bool Reorder::Line::passed(std::int64_t sequence) const
+{
+    const auto after = given_up.upper_bound(sequence);
+    return sequence < first || (after != given_up.begin() && sequence < std::prev(after)->second);
 }
 
 std::optional<Event> Reorder::pop()

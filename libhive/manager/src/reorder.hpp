@@ -22,10 +22,11 @@ public:
     static constexpr std::size_t live_window = 64;  ///< live results waiting for an earlier one, at most
     static constexpr std::chrono::milliseconds live_patience{1000};
     static constexpr std::chrono::milliseconds first_patience{2000};  ///< for results before the first that came
-    static constexpr std::int64_t first_window = 64;  ///< a first sequence up to this is taken for a late one of the beginning
+    static constexpr std::size_t remembered_gaps = 1000;
 
     explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
 
+    /// What comes after its place was given up (it is counted as missing), or from before the first that was handed out, is left out.
     void push(Event event, TimePoint now);
     /// This capture has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
@@ -41,13 +42,17 @@ public:
 private:
     struct Line {  ///< one source in one epoch, one group
         std::int64_t expected = 0;  ///< 0: nothing has come yet
-        bool begun = false;         ///< something was handed out
+        std::int64_t first = 0;     ///< the first that was handed out; 0: none was
         bool lossless = false;
-        std::map<std::pair<std::int64_t, int>, Event> waiting;
+        std::multimap<std::pair<std::int64_t, int>, Event> waiting;  ///< by number and part; several outputs may have the same
         std::set<std::int64_t> failed;
+        std::map<std::int64_t, std::int64_t> given_up;  ///< from, and where it goes on
         TimePoint stuck_since{};
+
+        [[nodiscard]] bool passed(std::int64_t sequence) const;
     };
     void advance(Line& line, TimePoint now);
+    void give_up(Line& line, std::int64_t next);
     [[nodiscard]] std::chrono::milliseconds patience_of(const Line& line) const;
 
     std::chrono::milliseconds patience_;

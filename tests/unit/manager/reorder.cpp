@@ -103,9 +103,34 @@ TEST_CASE("reorder: live results that nobody shares are not held up by what the 
 TEST_CASE("reorder: a collector that comes late begins with what comes first")
 {
     Reorder reorder(30s);
-    push(reorder, {1000, 1001});
+    push(reorder, {1001});
+    push(reorder, {1000});
+    CHECK(drain(reorder).empty());
+    reorder.expire(start + 2001ms);
     CHECK(drain(reorder) == Sequences{1000, 1001});
     CHECK(reorder.missing() == 0);
+}
+
+TEST_CASE("reorder: what comes too late for its place is left out, and was counted")
+{
+    Reorder reorder(30s);
+    push(reorder, {10, 12, 15}, false);
+    reorder.expire(start + 1001ms);
+    reorder.expire(start + 2002ms);
+    CHECK(drain(reorder) == Sequences{10, 12, 15});
+    CHECK(reorder.missing() == 3);
+    push(reorder, {11, 13, 9, 16, 14}, false, start + 3s);
+    CHECK(drain(reorder) == Sequences{16});
+    CHECK(reorder.missing() == 3);
+}
+
+TEST_CASE("reorder: two outputs of one capture both come, also when they had to wait")
+{
+    Reorder reorder(30s);
+    push(reorder, {1, 3, 3});
+    CHECK(drain(reorder) == Sequences{1});
+    push(reorder, {2});
+    CHECK(drain(reorder) == Sequences{2, 3, 3});
 }
 
 TEST_CASE("reorder: at the beginning earlier results are waited for a short while")
