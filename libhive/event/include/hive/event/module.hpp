@@ -102,7 +102,7 @@ public:
     void remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
-    /// Offers an event; lossless ones wait for a receiver when this module has none at all.
+    /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
     [[nodiscard]] bool paused() const noexcept { return halted_ || backlogged_; }
