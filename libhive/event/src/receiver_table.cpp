@@ -69,14 +69,14 @@ ReceiverTable::Decisions ReceiverTable::remove(Id id, bool left, Clock::time_poi
     --group.members;
     take_back(receiver, group, decisions);
     if (group.members == 0)
-        empty(group, left, decisions);
+        empty(name, group, left, decisions);
     else
         pump_group(name, now, decisions);
     return decisions;
 }
 
 /// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new then.
-void ReceiverTable::empty(Group& group, bool left, Decisions& decisions)
+void ReceiverTable::empty(const std::string& name, Group& group, bool left, Decisions& decisions)
 {
     const auto lossless = [](const Job& job) { return job.event->lossless(); };
     if (!group.waiting.empty() && group.waiting.back().attempt == 0 && !lossless(group.waiting.back())) {
@@ -85,7 +85,7 @@ void ReceiverTable::empty(Group& group, bool left, Decisions& decisions)
         --group.counts.in_flight;
     }
     if (left)
-        give_up_waiting(group, decisions);
+        give_up_waiting(name, group, decisions);
     group.awaited = !left && ((newest_ && newest_->lossless()) || std::ranges::any_of(group.waiting, lossless));
     group.emptied = ++emptying_order_;
     forget_oldest(decisions);
@@ -98,22 +98,27 @@ void ReceiverTable::forget_oldest(Decisions& decisions)
     if (groups_.size() - static_cast<std::size_t>(std::ranges::count_if(groups_, active)) <= most_empty_groups)
         return;
     const auto oldest = std::ranges::min_element(groups_, {}, [&](const auto& row) { return std::pair(active(row), row.second.emptied); });
-    give_up_waiting(oldest->second, decisions);
+    give_up_waiting(oldest->first, oldest->second, decisions);
     groups_.erase(oldest);
 }
 
-void ReceiverTable::give_up(EmissionPtr event, Group& group, Decisions& decisions)
+void ReceiverTable::give_up(const Job& job, const std::string& name, Group& group, Decisions& decisions)
 {
     --group.counts.in_flight;
     ++group.counts.abandoned;
-    if (defences_.leases)
-        decisions.failed.push_back(std::move(event));
+    if (!defences_.leases)
+        return;
+    Event event = job.event->event();
+    event.identity.group = job.attempt > 0 ? name : "";
+    event.identity.turn = job.turn;
+    event.identity.attempt = job.attempt;
+    decisions.failed.push_back(std::make_shared<const Emission>(std::move(event)));
 }
 
-void ReceiverTable::give_up_waiting(Group& group, Decisions& decisions)
+void ReceiverTable::give_up_waiting(const std::string& name, Group& group, Decisions& decisions)
 {
-    for (auto& job : std::exchange(group.waiting, {}))
-        give_up(std::move(job.event), group, decisions);
+    for (const auto& job : std::exchange(group.waiting, {}))
+        give_up(job, name, group, decisions);
 }
 
 ReceiverTable::Decisions ReceiverTable::request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done, Clock::time_point now)
@@ -307,7 +312,7 @@ void ReceiverTable::take_back(Receiver& member, Group& group, Decisions& decisio
         if (defences_.leases && job.attempt < most_attempts)
             group.waiting.push_front(std::move(job));
         else
-            give_up(std::move(job.event), group, decisions);
+            give_up(job, member.options.group, group, decisions);
     }
 }
 

@@ -28,8 +28,11 @@ struct Workers {
             for (const auto& [id, more] : got(table.written(send.receiver, send.event->size(), now)))
                 result[id].insert(result[id].end(), more.begin(), more.end());
         }
-        for (const auto& event : decisions.failed)
+        for (const auto& event : decisions.failed) {
             failed.push_back(event->event().identity.sequence);
+            failed_turns.push_back(event->event().identity.turn);
+            last_failed = event->event().identity;
+        }
         return result;
     }
     auto offer(std::int64_t sequence, bool lossless = true) { return got(table.offer(emission(sequence, lossless), false, now)); }
@@ -43,7 +46,8 @@ struct Workers {
 
     ReceiverTable table;
     Clock::time_point now = start;
-    Sequences failed;
+    Sequences failed, failed_turns;
+    Identity last_failed;
     int last_attempt = 0;
     std::int64_t last_turn = 0;
 };
@@ -149,6 +153,9 @@ TEST_CASE("group: after three attempts an event is given up and said so")
     CHECK(workers.failed.empty());
     workers.pass(501ms);
     CHECK(workers.failed == Sequences{1});
+    CHECK(workers.last_failed.group == "workers");  // so that an ordered collector does not wait for its turn
+    CHECK(workers.last_failed.turn == 1);
+    CHECK(workers.last_failed.attempt == 3);
     CHECK(workers.group().abandoned == 1);
     CHECK(balanced(workers.group()));
 }
@@ -256,6 +263,8 @@ TEST_CASE("group: the last member that leaves on purpose ends the work: what is 
     CHECK_FALSE(workers.table.wanted());
     CHECK_FALSE(workers.table.backlogged());
     CHECK(workers.failed == Sequences{1, 2, 3});
+    CHECK(workers.failed_turns == Sequences{1, 2, 0});
+    CHECK(workers.last_failed.group == "");
     CHECK(workers.got(workers.table.add(2, "face-2", epoch, sharing(), workers.now)).empty());
     CHECK(workers.group().abandoned == 3);
     CHECK(balanced(workers.group()));

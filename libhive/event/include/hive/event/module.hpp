@@ -66,7 +66,7 @@ public:
     Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event, Encoder encoder = {});
     void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
     std::function<void()> on_demand = [] {};                        ///< the demand for an outlet changed
-    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
+    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up; its identity has the last attempt
     /// An encoder threw; the event goes as it is.
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.

@@ -44,7 +44,7 @@ public:
     /// What a call decided: what to send now, and which shared events are given up.
     struct Decisions {
         std::vector<Send> sends;
-        std::vector<EmissionPtr> failed;
+        std::vector<EmissionPtr> failed;  ///< with the group, turn and attempt of the last attempt, if there was one
     };
     struct Row {
         Id id;
@@ -140,10 +140,10 @@ private:
     void offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
     void acknowledge(Receiver& member, std::int64_t done, Clock::time_point now);
     void take_back(Receiver& member, Group& group, Decisions& decisions);
-    void empty(Group& group, bool left, Decisions& decisions);
+    void empty(const std::string& name, Group& group, bool left, Decisions& decisions);
     void forget_oldest(Decisions& decisions);
-    void give_up(EmissionPtr event, Group& group, Decisions& decisions);
-    void give_up_waiting(Group& group, Decisions& decisions);
+    void give_up(const Job& job, const std::string& name, Group& group, Decisions& decisions);
+    void give_up_waiting(const std::string& name, Group& group, Decisions& decisions);
     void drop_oldest(Receiver& receiver);
     Receiver* next_member(const std::string& group, std::size_t size, Id& id);
     [[nodiscard]] Clock::duration lease_of(const Receiver& member) const;
