@@ -82,7 +82,6 @@ public:
     [[nodiscard]] bool leasing() const;
     /// Receivers first, then one row for each group with members or work under the name "group NAME".
     [[nodiscard]] std::vector<Row> rows() const;
-    [[nodiscard]] bool empty() const noexcept { return receivers_.empty(); }
 
 private:
     struct Job {
