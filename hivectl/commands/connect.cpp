@@ -67,15 +67,15 @@ Run declare(CommandLine& line, Session& session)
     line.option("--window", options->window, "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
         .type_name("N").between(1, 64).excludes(stream);
     const auto notify = line.flag("--notify", options->notify, "send headers without bodies");
+    const auto first_frame = line.flag("--first-frame", options->first_frame, "begin with the newest event that exists already; not for shared work");
     line.flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
-        .excludes(stream).excludes(notify);
+        .excludes(stream).excludes(notify).excludes(first_frame);
     line.option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")
-        .type_name("NAME").excludes(stream).excludes(notify);
+        .type_name("NAME").excludes(stream).excludes(notify).excludes(first_frame);
     line.option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
         .type_name("SECONDS").seconds();
     line.option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
         .type_name("NAME").encoding().excludes(notify);
-    line.flag("--first-frame", options->first_frame, "begin with the newest event that exists already");
     return [options, &session] { return run(*options, session); };
 }
 

@@ -97,6 +97,22 @@ TEST_CASE("skip: 36 and 38 appear, 37 is counted as abandoned and reported")
     CHECK(shown.find("event 37 is not to my taste") != std::string::npos);
 }
 
+TEST_CASE("skip: an exception that nobody has subscribed to holds up no source on demand, and results that connect later come")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=10"});
+    const auto worker = swarm.drone("sleeper", "worker", {"throw_at=1"});
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"worker", ""});
+    REQUIRE(eventually([&] { return count(application, "worker", "abandoned") == 1; }));
+    const auto collector = application.collect({{"worker", "result"}});
+    for (std::int64_t expected = 2; expected <= 10; ++expected) {
+        const auto result = collector->next(patient(3000ms));
+        REQUIRE_MESSAGE(result, "no result ", expected);
+        CHECK(result->identity.sequence == expected);
+    }
+}
+
 TEST_CASE("policy: it can be changed while the drone runs, and halt by hand lets no event pass until resume")
 {
     const Swarm swarm;

@@ -120,6 +120,24 @@ TEST_CASE("recording: ten thousand events on demand come back as they were, twic
     CHECK(hive::event_text(originals[0]).size() > 1024);
 }
 
+TEST_CASE("recording: the work of a replay that begins again and again can be shared, and no result is taken for a second answer")
+{
+    constexpr std::size_t count = 10;
+    const Swarm swarm;
+    const auto file = (swarm.home() / "run.hive").string();
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    swarm.hivectl_done({"record", "source", "-o", file, "-n", std::to_string(count)});
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file, "pace=demand", "loop=on"});
+    const auto first = swarm.drone("sleeper", "first"), second = swarm.drone("sleeper", "second");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"first", "result"}, {"second", "result"}}, {.connection = wide});
+    swarm.hivectl_done({"connect", "replay.tick", "first", "second", "--share"});
+    take(*collector, 5 * count);
+    CHECK(collector->counts().duplicates == 0);
+    for (const char* worker : {"first", "second"})
+        CHECK(application.status(worker).at("events").at("duplicates") == 0);
+}
+
 TEST_CASE("recording: a recorder that is killed leaves every event that it had taken")
 {
     const Swarm swarm;

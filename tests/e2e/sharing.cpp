@@ -120,6 +120,33 @@ TEST_CASE("kill: every event of a source on demand gives exactly one result, in 
     CHECK(swarm.given() == killed_events);
 }
 
+TEST_CASE("kill: results of a live source stay in order when all workers that share it are killed and come back")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    auto fast = swarm.drone("sleeper", worker_name(1), {"work_ms=4"}), slow = swarm.drone("sleeper", worker_name(2), {"work_ms=43"});
+    auto application = swarm.application();
+    const auto collector = application.collect(results_of(2), {.ordered = true});
+    swarm.hivectl_done({"connect", "source", "worker-*", "--share"});
+    std::int64_t last = 0;
+    const auto inversions = [&](int results) {
+        int count = 0;
+        for (int i = 0; i < results; ++i) {
+            const auto event = collector->next(patient(5000ms));
+            REQUIRE_MESSAGE(event, "no result came any more");
+            count += event->identity.sequence <= last ? 1 : 0;
+            last = event->identity.sequence;
+        }
+        return count;
+    };
+    CHECK(inversions(200) == 0);
+    fast.kill();
+    slow.kill();
+    fast = swarm.drone("sleeper", worker_name(1));  // they were told their work and their source
+    slow = swarm.drone("sleeper", worker_name(2));
+    CHECK(inversions(100) == 0);
+}
+
 TEST_CASE("kill: without leases the same kills lose events")
 {
     KilledWorkers swarm(killed_events, {"HIVE_TEST_NO_LEASES=1"});

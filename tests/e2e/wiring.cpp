@@ -64,6 +64,23 @@ TEST_CASE("connect: a drone that keeps state is refused in a group with exit cod
     CHECK(line.at("header").at("count") >= 1);
 }
 
+TEST_CASE("connect: a group with --first-frame is refused, and nothing is connected")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    for (const auto& sharing : {std::vector<std::string>{"--share"}, {"--group", "workers"}}) {
+        std::vector<std::string> words{"connect", "source", "worker", "--first-frame"};
+        words.insert(words.end(), sharing.begin(), sharing.end());
+        const auto refused = swarm.hivectl(words);
+        CHECK(refused.exit_code == 2);
+        CHECK(has(refused.err, "--first-frame"));
+    }
+    auto application = swarm.application();
+    CHECK_THROWS_AS(application.connect({"source", ""}, {"worker", ""}, {.group = "workers", .first_frame = true, .lease = {}}), hive::Error);
+    CHECK(application.status("worker").at("inputs").empty());
+}
+
 TEST_CASE("restart: a source that was killed and started again gives events again within 1 s, with no command")
 {
     const Swarm swarm;

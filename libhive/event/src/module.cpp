@@ -157,8 +157,9 @@ void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<
 
 void Module::emit(Outlet& outlet, EmissionPtr event)
 {
-    const bool nobody = std::ranges::none_of(outlets_, [](const Outlet& each) { return each.carrier() == PacketType::event && each.wanted(); });
-    outlet.offer(std::move(event), nobody);
+    const auto gives_events = [](const Outlet& each) { return each.carrier() == PacketType::event; };
+    const bool nobody = std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.wanted(); });
+    outlet.offer(std::move(event), gives_events(outlet) && nobody);  // an exception is told to whoever listens, and waits for nobody
     arm();
 }
 

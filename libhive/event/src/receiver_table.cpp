@@ -68,13 +68,57 @@ ReceiverTable::Decisions ReceiverTable::remove(Id id, bool left, Clock::time_poi
     Group& group = groups_[name];
     --group.members;
     take_back(receiver, group, decisions);
-    const bool comes_back = !left && newest_ && newest_->lossless();
-    if (group.members == 0 && !comes_back) {
-        groups_.erase(name);
-        return decisions;
-    }
-    pump_group(name, now, decisions);
+    if (group.members == 0)
+        empty(name, group, left, decisions);
+    else
+        pump_group(name, now, decisions);
     return decisions;
+}
+
+/// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new then.
+void ReceiverTable::empty(const std::string& name, Group& group, bool left, Decisions& decisions)
+{
+    const auto lossless = [](const Job& job) { return job.event->lossless(); };
+    if (!group.waiting.empty() && group.waiting.back().attempt == 0 && !lossless(group.waiting.back())) {
+        group.waiting.pop_back();
+        ++group.counts.skipped;
+        --group.counts.in_flight;
+    }
+    if (left)
+        give_up_waiting(name, group, decisions);
+    group.awaited = !left && ((newest_ && newest_->lossless()) || std::ranges::any_of(group.waiting, lossless));
+    group.emptied = ++emptying_order_;
+    forget_oldest(decisions);
+}
+
+/// Of the groups that nobody waits for, the one without members for longest, if there are too many.
+void ReceiverTable::forget_oldest(Decisions& decisions)
+{
+    const auto active = [](const auto& row) { return row.second.active(); };
+    if (groups_.size() - static_cast<std::size_t>(std::ranges::count_if(groups_, active)) <= most_empty_groups)
+        return;
+    const auto oldest = std::ranges::min_element(groups_, {}, [&](const auto& row) { return std::pair(active(row), row.second.emptied); });
+    give_up_waiting(oldest->first, oldest->second, decisions);
+    groups_.erase(oldest);
+}
+
+void ReceiverTable::give_up(const Job& job, const std::string& name, Group& group, Decisions& decisions)
+{
+    --group.counts.in_flight;
+    ++group.counts.abandoned;
+    if (!defences_.leases)
+        return;
+    Event event = job.event->event();
+    event.identity.group = job.attempt > 0 ? name : "";
+    event.identity.turn = job.turn;
+    event.identity.attempt = job.attempt;
+    decisions.failed.push_back(std::make_shared<const Emission>(std::move(event)));
+}
+
+void ReceiverTable::give_up_waiting(const std::string& name, Group& group, Decisions& decisions)
+{
+    for (const auto& job : std::exchange(group.waiting, {}))
+        give_up(job, name, group, decisions);
 }
 
 ReceiverTable::Decisions ReceiverTable::request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done, Clock::time_point now)
@@ -153,7 +197,7 @@ ReceiverTable::Decisions ReceiverTable::offer(EmissionPtr event, bool hold, Cloc
         if (receiver.options.group.empty() && event->serves(receiver.options.delivery))
             offer_receiver(id, receiver, receiver.options.delivery == Delivery::notification ? kept : event, decisions);
     for (auto& [name, group] : groups_)
-        if (whole)
+        if (whole && group.active())
             offer_group(name, group, event, now, decisions);
     newest_ = kept;
     return decisions;
@@ -265,14 +309,10 @@ void ReceiverTable::take_back(Receiver& member, Group& group, Decisions& decisio
         Job job = std::exchange(lease.job, {});
         --member.counts.in_flight;
         ++member.counts.abandoned;
-        if (defences_.leases && job.attempt < most_attempts) {
+        if (defences_.leases && job.attempt < most_attempts)
             group.waiting.push_front(std::move(job));
-            continue;
-        }
-        --group.counts.in_flight;
-        ++group.counts.abandoned;
-        if (defences_.leases)
-            decisions.failed.push_back(std::move(job.event));
+        else
+            give_up(job, member.options.group, group, decisions);
     }
 }
 
@@ -297,7 +337,8 @@ ReceiverTable::Decisions ReceiverTable::tick(Clock::time_point now)
 
 bool ReceiverTable::wanted() const noexcept
 {
-    return !groups_.empty() || std::ranges::any_of(receivers_, [](const auto& row) { return row.second.options.delivery == Delivery::data; });
+    return std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
+        || std::ranges::any_of(receivers_, [](const auto& row) { return row.second.options.delivery == Delivery::data; });
 }
 
 std::int64_t ReceiverTable::group_credit(const std::string& name) const
@@ -317,7 +358,9 @@ bool ReceiverTable::asked() const
             return true;
         return receiver.streaming() ? receiver.waiting.empty() : receiver.asked - receiver.sent > static_cast<std::int64_t>(receiver.waiting.size());
     };
-    const auto group_asks = [&](const auto& row) { return group_credit(row.first) > static_cast<std::int64_t>(row.second.waiting.size()); };
+    const auto group_asks = [&](const auto& row) {
+        return !row.second.active() || group_credit(row.first) > static_cast<std::int64_t>(row.second.waiting.size());
+    };
     return wanted() && std::ranges::all_of(receivers_, receiver_asks) && std::ranges::all_of(groups_, group_asks);
 }
 
@@ -341,6 +384,8 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
     for (const auto& [id, receiver] : receivers_)
         rows.push_back({id, receiver.name, receiver.options, receiver.counts});
     for (const auto& [name, group] : groups_) {
+        if (!group.active() && group.waiting.empty())
+            continue;
         ConnectionOptions options;
         options.group = name;
         rows.push_back({0, "group " + name, options, group.counts});

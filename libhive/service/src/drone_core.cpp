@@ -66,7 +66,8 @@ void DroneCore::prepare()
     exceptions_ = &module_->add_outlet({"exceptions", "application/x-hive-exception", "what this drone's code threw"}, PacketType::exception);
     module_->on_demand = [this] { mailbox_.nudge(); };
     module_->on_failed = [this](const event::EmissionPtr& event) {
-        report(Errc::abandoned, "given up after " + std::to_string(event::ReceiverTable::most_attempts) + " attempts", &event->event());
+        const int attempts = event->event().identity.attempt;
+        report(Errc::abandoned, "given up after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts"), &event->event());
     };
     module_->on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) { report(problem.code(), problem.what(), &event->event()); };
     add_handlers();

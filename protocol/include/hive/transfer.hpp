@@ -35,7 +35,7 @@ struct ConnectionOptions {
     Delivery delivery = Delivery::data;
     int window = 1;             ///< requests outstanding at once, 1 to 64; streaming has no window
     std::string group = {};     ///< not empty: the receivers of this group share the events, one each
-    bool first_frame = false;   ///< begin with the newest event that already exists
+    bool first_frame = false;   ///< begin with the newest event that already exists; not in a group
     /// How long a member of a group may work on one event before another gets it. Empty: 30 s until the source knows
     /// how long the work takes, then four times that, at least 2 s.
     std::optional<std::chrono::milliseconds> lease = {};

@@ -28,8 +28,11 @@ struct Workers {
             for (const auto& [id, more] : got(table.written(send.receiver, send.event->size(), now)))
                 result[id].insert(result[id].end(), more.begin(), more.end());
         }
-        for (const auto& event : decisions.failed)
+        for (const auto& event : decisions.failed) {
             failed.push_back(event->event().identity.sequence);
+            failed_turns.push_back(event->event().identity.turn);
+            last_failed = event->event().identity;
+        }
         return result;
     }
     auto offer(std::int64_t sequence, bool lossless = true) { return got(table.offer(emission(sequence, lossless), false, now)); }
@@ -43,7 +46,8 @@ struct Workers {
 
     ReceiverTable table;
     Clock::time_point now = start;
-    Sequences failed;
+    Sequences failed, failed_turns;
+    Identity last_failed;
     int last_attempt = 0;
     std::int64_t last_turn = 0;
 };
@@ -149,6 +153,9 @@ TEST_CASE("group: after three attempts an event is given up and said so")
     CHECK(workers.failed.empty());
     workers.pass(501ms);
     CHECK(workers.failed == Sequences{1});
+    CHECK(workers.last_failed.group == "workers");  // so that an ordered collector does not wait for its turn
+    CHECK(workers.last_failed.turn == 1);
+    CHECK(workers.last_failed.attempt == 3);
     CHECK(workers.group().abandoned == 1);
     CHECK(balanced(workers.group()));
 }
@@ -201,12 +208,86 @@ TEST_CASE("group: work of a source on demand waits for a crashed last member to 
     CHECK(workers.got(workers.table.add(7, "face-1", epoch, sharing(), workers.now)) == Got{{7, {1}}});
 }
 
-TEST_CASE("group: the last member that leaves on purpose ends the group")
+TEST_CASE("group: work of a live source waits for a crashed last member too, without holding up or costing the source anything")
 {
     Workers workers(1);
-    workers.offer(1);
-    workers.table.remove(1, true, workers.now);
+    workers.offer(1, false);
+    workers.done(1, 1);
+    workers.offer(2, false);
+    workers.offer(3, false);
+    workers.table.remove(1, false, workers.now);
     CHECK_FALSE(workers.table.wanted());
+    CHECK_FALSE(workers.table.backlogged());
+    CHECK(workers.group().in_flight == 1);
+    CHECK(workers.offer(4, false).empty());
+    CHECK(workers.group().produced == 3);
+    CHECK(workers.got(workers.table.add(7, "face-1", epoch, sharing(), workers.now)) == Got{{7, {2}}});
+    CHECK(workers.last_attempt == 2);
+    CHECK(workers.done(7, 1).empty());
+    CHECK(workers.group().skipped == 1);  // event 3
+    CHECK(balanced(workers.group()));
+}
+
+TEST_CASE("group: turns go on after the group was without members, so that results can still be put in order")
+{
+    for (const bool left : {true, false}) {
+        Workers workers(1);
+        workers.offer(1, false);
+        workers.done(1, 1);
+        workers.offer(2, false);
+        workers.done(1, 2);
+        workers.table.remove(1, left, workers.now);
+        workers.table.add(7, "face-1", epoch, sharing(), workers.now);
+        CHECK(workers.offer(3, false) == Got{{7, {3}}});
+        CHECK(workers.last_turn == 3);
+    }
+}
+
+TEST_CASE("group: a live source that somebody else receives keeps nothing new for a group without members")
+{
+    Workers workers(1);
+    workers.table.add(9, "view", epoch, window(64), workers.now);
+    workers.table.remove(1, false, workers.now);
+    CHECK(workers.offer(1, false) == Got{{9, {1}}});
+    CHECK(workers.table.asked());
+    CHECK(workers.got(workers.table.add(7, "face-1", epoch, sharing(), workers.now)).empty());
+}
+
+TEST_CASE("group: the last member that leaves on purpose ends the work: what is left of it is given up and said so")
+{
+    Workers workers(1, sharing(2));
+    workers.offer(1);
+    workers.offer(2);
+    workers.offer(3);
+    workers.got(workers.table.remove(1, true, workers.now));
+    CHECK_FALSE(workers.table.wanted());
+    CHECK_FALSE(workers.table.backlogged());
+    CHECK(workers.failed == Sequences{1, 2, 3});
+    CHECK(workers.failed_turns == Sequences{1, 2, 0});
+    CHECK(workers.last_failed.group == "");
+    CHECK(workers.got(workers.table.add(2, "face-2", epoch, sharing(), workers.now)).empty());
+    CHECK(workers.group().abandoned == 3);
+    CHECK(balanced(workers.group()));
+}
+
+TEST_CASE("group: of the groups without members only the last are remembered, and what waited in a forgotten one is given up")
+{
+    Workers workers(0);
+    const auto member_of = [&](std::size_t number) {
+        auto options = sharing();
+        options.group = "group-" + std::to_string(number);
+        return options;
+    };
+    for (std::size_t i = 0; i <= ReceiverTable::most_empty_groups; ++i) {
+        workers.table.add(i, "face", epoch, member_of(i), workers.now);
+        workers.offer(static_cast<std::int64_t>(i), false);
+        CHECK(workers.failed.empty());
+        workers.got(workers.table.remove(i, false, workers.now));
+    }
+    CHECK(workers.failed == Sequences{0});
+    CHECK(workers.table.rows().size() == ReceiverTable::most_empty_groups);
+    CHECK(workers.got(workers.table.add(100, "face", epoch, member_of(0), workers.now)).empty());
+    CHECK(workers.got(workers.table.add(101, "face", epoch, member_of(1), workers.now)) == Got{{101, {1}}});
 }
 
 }  // namespace hive::event

@@ -36,6 +36,19 @@ TEST_CASE("sequence filter: other outputs, parts and epochs are other answers")
     CHECK(filter.first(later));
 }
 
+TEST_CASE("sequence filter: an identity that a replay gives again is another job, in a turn of its own")
+{
+    SequenceFilter filter;
+    auto job = answer(1, 1);
+    job.identity.group = "workers";
+    job.identity.turn = 1;
+    CHECK(filter.first(job));
+    job.identity.turn = 11;
+    CHECK(filter.first(job));
+    job.identity.attempt = 2;
+    CHECK_FALSE(filter.first(job));
+}
+
 TEST_CASE("sequence filter: events that nobody shares pass as often as they come")
 {
     SequenceFilter filter;

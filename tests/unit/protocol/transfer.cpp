@@ -26,12 +26,21 @@ TEST_CASE("options: defaults are the paper's synchronized transfer of one event 
 TEST_CASE("options: every field survives the way")
 {
     const ConnectionOptions shared{.transfer = Transfer::synchronized, .delivery = Delivery::data, .window = 64, .group = "workers",
-                                   .first_frame = true, .lease = 2500ms, .encoding = "jpeg:80"};
+                                   .lease = 2500ms, .encoding = "jpeg:80"};
     ConnectionOptions watching;
     watching.transfer = Transfer::streaming;
     watching.delivery = Delivery::notification;
+    watching.first_frame = true;
     for (const auto& options : {shared, watching})
         CHECK(connection_options(parse_json(to_text(to_json(options)))) == options);
+}
+
+TEST_CASE("options: what does not go with a group is refused with both named")
+{
+    for (const char* option : {R"("transfer":"stream")", R"("delivery":"notify")", R"("first_frame":true)"})
+        CHECK_THROWS_AS(connection_options(parse_json(R"({"group":"workers",)" + std::string(option) + "}")), Error);
+    CHECK_THROWS_WITH_AS(connection_options(parse_json(R"({"group":"workers","first_frame":true})")),
+                         "a group gives each event to one member: first_frame, which begins with an event that others may have had, does not go with it", Error);
 }
 
 TEST_CASE("encoding: a word in lower case, with a number if wanted")

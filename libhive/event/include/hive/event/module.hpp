@@ -66,7 +66,7 @@ public:
     Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event, Encoder encoder = {});
     void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
     std::function<void()> on_demand = [] {};                        ///< the demand for an outlet changed
-    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up
+    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up; its identity has the last attempt
     /// An encoder threw; the event goes as it is.
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.
@@ -102,7 +102,7 @@ public:
     void remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
-    /// Offers an event; lossless ones wait for a receiver when this module has none at all.
+    /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
     [[nodiscard]] bool paused() const noexcept { return halted_ || backlogged_; }

@@ -31,6 +31,7 @@ public:
     static constexpr int most_attempts = 3;
     static constexpr std::size_t most_queued_events = 1024;      ///< of a streaming receiver, when they are small
     static constexpr std::size_t most_queued_bytes = 1u << 20;   ///< beyond two events
+    static constexpr std::size_t most_empty_groups = 16;         ///< remembered, with their turns and what waits in them
     static constexpr std::size_t lane_bytes = 64 * 1024;         ///< handed to the transport at once, beyond one event
 
     /// A decision: give this event to this receiver.
@@ -43,7 +44,7 @@ public:
     /// What a call decided: what to send now, and which shared events are given up.
     struct Decisions {
         std::vector<Send> sends;
-        std::vector<EmissionPtr> failed;
+        std::vector<EmissionPtr> failed;  ///< with the group, turn and attempt of the last attempt, if there was one
     };
     struct Row {
         Id id;
@@ -60,7 +61,7 @@ public:
 
     /// A receiver registered; `epoch` is its registration's.
     Decisions add(Id id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Clock::time_point now);
-    /// It deregistered, or its connection ended (`left` false: it may come back, so the work of its group waits for it).
+    /// It deregistered, or its connection ended (`left` false: it may come back, so work that it had as the last of its group waits).
     Decisions remove(Id id, bool left, Clock::time_point now);
     /// It asked: both numbers count from its registration.
     Decisions request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done, Clock::time_point now);
@@ -79,9 +80,8 @@ public:
     [[nodiscard]] bool backlogged() const;
     /// Is there work on lease, so that tick() is needed?
     [[nodiscard]] bool leasing() const;
-    /// Receivers first, then one row for each group under the name "group NAME".
+    /// Receivers first, then one row for each group with members or work under the name "group NAME".
     [[nodiscard]] std::vector<Row> rows() const;
-    [[nodiscard]] bool empty() const noexcept { return receivers_.empty(); }
 
 private:
     struct Job {
@@ -124,9 +124,13 @@ private:
     struct Group {
         std::deque<Job> waiting;  ///< taken back first, then new ones
         int members = 0;
+        bool awaited = false;       ///< its last member was lost with work on demand, so the source waits for the next one
+        std::uint64_t emptied = 0;  ///< order in which groups lost their last members
         std::int64_t turns = 0;
         WorkTimes times;
         Counts counts;
+
+        [[nodiscard]] bool active() const { return members > 0 || awaited; }
     };
 
     void pump(Id id, Receiver& receiver, Decisions& decisions);
@@ -135,6 +139,10 @@ private:
     void offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
     void acknowledge(Receiver& member, std::int64_t done, Clock::time_point now);
     void take_back(Receiver& member, Group& group, Decisions& decisions);
+    void empty(const std::string& name, Group& group, bool left, Decisions& decisions);
+    void forget_oldest(Decisions& decisions);
+    void give_up(const Job& job, const std::string& name, Group& group, Decisions& decisions);
+    void give_up_waiting(const std::string& name, Group& group, Decisions& decisions);
     void drop_oldest(Receiver& receiver);
     Receiver* next_member(const std::string& group, std::size_t size, Id& id);
     [[nodiscard]] Clock::duration lease_of(const Receiver& member) const;
@@ -145,7 +153,7 @@ private:
     std::map<std::string, Group> groups_;
     std::deque<EmissionPtr> held_;  ///< lossless events that had no receiver yet
     EmissionPtr newest_;
-    std::uint64_t asking_order_ = 0;
+    std::uint64_t asking_order_ = 0, emptying_order_ = 0;
 };
 
 }  // namespace hive::event

@@ -19,7 +19,7 @@ public:
     bool first(const Event& event);
 
 private:
-    using Key = std::tuple<std::string, std::int64_t, std::int64_t, std::string, int>;
+    using Key = std::tuple<std::string, std::int64_t, std::int64_t, std::int64_t, std::string, int>;
     std::set<Key> seen_;
     std::deque<Key> order_;
 };
