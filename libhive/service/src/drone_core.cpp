@@ -16,6 +16,9 @@ namespace {
 constexpr int most_handover = 64;  ///< emitted events that the network side has not yet seen, per output
 constexpr auto never = std::chrono::steady_clock::time_point::max();
 
+/// A time as an event may tell it; 0 is unknown.
+std::int64_t telling(std::int64_t time_us) { return time_us >= 0 && time_us <= max_json_integer ? time_us : 0; }
+
 }  // namespace
 
 DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
@@ -289,8 +292,9 @@ bool DroneCore::asked(std::size_t output) const
 
 Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
 {
-    return {.source = settings_.name, .epoch = epoch_, .sequence = ++outputs_[output]->sequence, .captured_us = captured_us,
-            .monotonic_us = event::steady_us() - (event::wall_us() - captured_us), .lossless = lossless, .hops = {}};
+    const auto age_us = event::wall_us() - captured_us;
+    return {.source = settings_.name, .epoch = epoch_, .sequence = ++outputs_[output]->sequence, .captured_us = telling(captured_us),
+            .monotonic_us = telling(event::steady_us() - age_us), .lossless = lossless, .hops = {}};
 }
 
 /// The identity of what is emitted for the present set.
