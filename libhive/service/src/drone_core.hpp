@@ -122,6 +122,7 @@ private:
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
     void on_disconnect(const event::Incoming& incoming);
+    [[nodiscard]] Json present_values(const Json& wanted) const;
     void on_set(const event::Incoming& incoming);
     void on_get(const event::Incoming& incoming);
     void on_put(const event::Incoming& incoming);

@@ -20,6 +20,8 @@ namespace {
 constexpr std::size_t most_receivers_listed = 128;
 /// A drone told to stop ends within this, whatever its code does.
 constexpr auto last_grace = std::chrono::seconds(2);
+/// For a `set`, whatever its deadline.
+constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);
 
 std::vector<std::string> port_names(const std::vector<Port>& ports)
 {
@@ -68,24 +70,30 @@ void DroneCore::on_get(const Incoming& incoming)
     incoming.answer(Json{{"parameters", parameters.values(names)}});
 }
 
+/// Of the parameters that `wanted` names.
+Json DroneCore::present_values(const Json& wanted) const
+{
+    Json values = Json::object();
+    for (const auto& [name, value] : wanted.items())
+        values.update(parameters.values({name}));
+    return values;
+}
+
 void DroneCore::on_set(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "set");
     const Json values = parameters.checked(fields.object("parameters"));
-    const auto deadline = Clock::now() + std::chrono::milliseconds(fields.integer_or("deadline_ms", 1, 86'400'000, 5000));
+    const auto deadline = Clock::now() + std::min(most_patience, std::chrono::milliseconds(fields.integer_or("deadline_ms", 0, max_json_integer, 5000)));
     if (fields.flag_or("check_only", false))
-        return incoming.answer(Json{{"parameters", values}});
+        return incoming.answer(Json{{"parameters", values}, {"previous", present_values(values)}});
     mailbox_.push([this, values, deadline, answer = incoming.answer] {
-        if (Clock::now() > deadline)
+        if (Clock::now() >= deadline)
             return answer(Error(Errc::timeout, settings_.name + " was busy until the deadline had passed; nothing was set"));
         try {
-            std::vector<std::string> names;
-            for (const auto& [name, value] : values.items())
-                names.push_back(name);
-            const Json before = names.empty() ? Json::object() : parameters.values(names);
+            const Json before = present_values(values);
             apply(values);
             module_->post([this] { remember(); });
-            answer(Json{{"parameters", names.empty() ? Json::object() : parameters.values(names)}, {"previous", before}});
+            answer(Json{{"parameters", present_values(values)}, {"previous", before}});
         } catch (const Error& error) {
             answer(Error(error.code() == Errc::failed ? Errc::refused : error.code(), error.what()));
         } catch (const std::exception& error) {
