@@ -33,7 +33,8 @@ public:
         port_ = ntohs(address.sin_port);
     }
     ~MuteServer() { ::close(socket_); }
-    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(port_) + "/video"; }
+    [[nodiscard]] std::string port() const { return std::to_string(port_); }
+    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + port() + "/video"; }
 
 private:
     int socket_;
@@ -89,6 +90,18 @@ TEST_CASE("names: a name whose holder was killed is free at once")
     CHECK(swarm.hivectl({"get", "heir"}).exit_code == 3);
     CHECK(swarm.hivectl_done({"start", "sleeper", "--as", "heir"}) == "heir\n");
     CHECK(swarm.application().describe("heir").kind == "sleeper");
+}
+
+TEST_CASE("start: a drone whose further address is taken ends with the reason, and leaves nothing in its way")
+{
+    const Swarm swarm;
+    const MuteServer server;
+    const auto ended = swarm.run({swarm.program("hive-sleeper").string(), "--name", "face", "--listen", "tcp://127.0.0.1:" + server.port(), "--insecure"});
+    CHECK(ended.exit_code == 1);
+    CHECK(has(ended.err, server.port()));
+    CHECK_FALSE(std::filesystem::exists(swarm.home() / "face.sock"));
+    const auto drone = swarm.drone("sleeper", "face");
+    CHECK(swarm.application().describe("face").kind == "sleeper");
 }
 
 TEST_CASE("start: a drone outlives the killed command that was starting it, answers, and can be stopped")

@@ -30,7 +30,12 @@ DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     interface.stateful = program_.stateful;
 }
 
-DroneCore::~DroneCore() = default;
+/// A start that failed may have left the network side serving: it ends before what it uses.
+DroneCore::~DroneCore()
+{
+    if (module_)
+        module_->end();
+}
 
 std::size_t DroneCore::add_output(Port port, Encoder encoder)
 {
