@@ -41,6 +41,14 @@ private:
     int port_ = 0;
 };
 
+std::size_t times(const std::string& text, const std::string& part)
+{
+    std::size_t count = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+        ++count;
+    return count;
+}
+
 }  // namespace
 
 TEST_CASE("stall: a camera whose source is silent still answers, says that it is stalled, and takes another source")
@@ -90,6 +98,26 @@ TEST_CASE("names: a name whose holder was killed is free at once")
     CHECK(swarm.hivectl({"get", "heir"}).exit_code == 3);
     CHECK(swarm.hivectl_done({"start", "sleeper", "--as", "heir"}) == "heir\n");
     CHECK(swarm.application().describe("heir").kind == "sleeper");
+}
+
+TEST_CASE("state: a drone that cannot write it does what it is told, and says once what is wrong")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source");
+    const auto worker = swarm.drone("sleeper", "worker");
+    std::string in_the_way;
+    SUBCASE("not even a new file") { in_the_way = "worker.state.new"; }
+    SUBCASE("not in the place of the old one") { in_the_way = "worker.state"; }
+    std::filesystem::remove(swarm.home() / in_the_way);
+    std::filesystem::create_directory(swarm.home() / in_the_way);
+    CHECK(swarm.hivectl_done({"set", "worker", "work_ms=5"}) == "5\n");
+    CHECK(swarm.hivectl_done({"connect", "source", "worker"}) == "source.tick -> worker.image\n");
+    CHECK(swarm.hivectl_done({"set", "worker", "work_ms=6"}) == "6\n");
+    auto application = swarm.application();
+    CHECK(eventually([&] { return application.status("worker").value("last_exception", Json::object()).value("code", "") == "io"; }));
+    CHECK(application.status("worker").at("inputs").at(0).at("state") == "connected");
+    CHECK(application.status("worker").at("pid") == worker.pid());
+    CHECK(times(swarm.log("worker"), in_the_way) == 1);
 }
 
 TEST_CASE("start: a drone whose further address is taken ends with the reason, and leaves nothing in its way")

@@ -31,13 +31,6 @@ std::vector<std::string> port_names(const std::vector<Port>& ports)
     return names;
 }
 
-Json spec_json(const IntakeSpec& spec)
-{
-    return {{"from", {{"drone", spec.sender}, {"output", spec.output}, {"address", to_text(spec.address)}}},
-            {"input", spec.input},
-            {"options", to_json(spec.options)}};
-}
-
 }  // namespace
 
 void DroneCore::add_handlers()
@@ -186,17 +179,6 @@ void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
     });
 }
 
-void DroneCore::restore(const Json& state)
-{
-    for (const auto& saved : state.value("connections", Json::array()))
-        try {
-            const Fields fields(saved, "saved connection");
-            add_intake(intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))->start({});
-        } catch (const Error& error) {
-            log(std::string("a saved connection is left out: ") + error.what());
-        }
-}
-
 void DroneCore::arrived(Event&& event, const std::weak_ptr<Intake>& weak)
 {
     const bool fresh = filter_.first(event);
@@ -289,23 +271,6 @@ void DroneCore::end(bool forget)
         std::filesystem::remove(home.path(name, ".sock"), ignored);
         ::_exit(0);
     }).detach();
-}
-
-void DroneCore::remember()
-{
-    if (stopping_)
-        return;
-    Json connections = Json::array();
-    if (module_)
-        for (const auto& intake : module_->intakes())
-            if (!intake->spec().output.empty())
-                connections.push_back(spec_json(intake->spec()));
-    std::string_view policy;
-    {
-        const std::lock_guard lock(board_mutex_);
-        policy = token(board_.policy);
-    }
-    home_->write_state(settings_.name, {{"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}});
 }
 
 Json DroneCore::status_now()
