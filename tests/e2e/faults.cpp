@@ -5,6 +5,7 @@
 
 #include <arpa/inet.h>
 #include <csignal>
+#include <fstream>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -98,6 +99,37 @@ TEST_CASE("names: a name whose holder was killed is free at once")
     CHECK(swarm.hivectl({"get", "heir"}).exit_code == 3);
     CHECK(swarm.hivectl_done({"start", "sleeper", "--as", "heir"}) == "heir\n");
     CHECK(swarm.application().describe("heir").kind == "sleeper");
+}
+
+TEST_CASE("state: what a drone was told is not for one of another kind with its name")
+{
+    const Swarm swarm;
+    auto sleeper = swarm.drone("sleeper", "heir", {"work_ms=5"});
+    swarm.hivectl_done({"set", "heir", "work_ms=6"});
+    REQUIRE(eventually([&] { return has(text_of(swarm.home() / "heir.state"), "6"); }));
+    sleeper.kill();
+    const auto ticker = swarm.drone("ticker", "heir");
+    CHECK(swarm.application().get("heir", {"count"}) == Json{{"count", 0}});
+    CHECK(has(swarm.log("heir"), "sleeper"));
+}
+
+TEST_CASE("state: a saved value that is refused now is left out with a word, and the others are kept, and a file that is damaged is left out")
+{
+    const Swarm swarm;
+    const auto file = swarm.home() / "heir.state";
+    auto drone = swarm.drone("sleeper", "heir", {"work_ms=5", "throw_at=7"});
+    drone.kill();
+    Json state = Json::parse(text_of(file));
+    state["parameters"].update({{"work_ms", -1}, {"colour", "red"}});
+    std::ofstream(file, std::ios::trunc) << state;
+    drone = swarm.drone("sleeper", "heir");
+    CHECK(swarm.application().get("heir", {"work_ms", "throw_at"}) == Json{{"work_ms", 0}, {"throw_at", 7}});
+    CHECK(has(swarm.log("heir"), "colour"));
+    drone.kill();
+    std::ofstream(file, std::ios::trunc) << "{\"kind\": \"slee";
+    drone = swarm.drone("sleeper", "heir");
+    CHECK(swarm.application().get("heir", {"throw_at"}) == Json{{"throw_at", 0}});
+    CHECK(has(swarm.log("heir"), "cannot be read"));
 }
 
 TEST_CASE("state: a drone that cannot write it does what it is told, and says once what is wrong")

@@ -78,9 +78,9 @@ void DroneCore::prepare()
     };
     module_->on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) { report(problem.code(), problem.what(), &event->event()); };
     add_handlers();
-    const Json state = home_->read_state(settings_.name).value_or(Json::object());
+    const Json state = left_state(*home_);
     board_.policy = settings_.policy ? *settings_.policy : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy");
-    Json values = parameters.checked(state.value("parameters", Json::object()));
+    Json values = still_taken(state.value("parameters", Json::object()));
     values.update(parameters.checked(settings_.parameters));
     parameters.apply(values, [] {});
     on_start();
@@ -104,8 +104,7 @@ std::optional<Json> DroneCore::given(const std::string& parameter) const
         return settings_.parameters[parameter];
     if (settings_.describe)
         return std::nullopt;  // without a home
-    const Json state = event::Home(event::default_home()).read_state(settings_.name).value_or(Json::object());
-    const Json told = state.value("parameters", Json::object());
+    const Json told = left_state(event::Home(event::default_home())).value("parameters", Json::object());
     return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
 }
 

@@ -134,6 +134,9 @@ private:
     [[nodiscard]] Json status_now();
     [[nodiscard]] Json matching_status(const Board& board) const;
 
+    // drone_state.cpp: before the start
+    [[nodiscard]] Json left_state(const event::Home& home) const;
+    [[nodiscard]] Json still_taken(const Json& saved) const;
     // drone_state.cpp: network side
     void restore(const Json& state);
     [[nodiscard]] Json state() const;

@@ -13,6 +13,35 @@ Json spec_json(const event::IntakeSpec& spec)
 
 }  // namespace
 
+/// What a crashed drone of this name and kind was told; an empty object when there is nothing of use.
+Json DroneCore::left_state(const event::Home& home) const
+try {
+    const auto state = home.read_state(settings_.name);
+    if (!state)
+        return Json::object();
+    if (const auto kind = Fields(*state, "state").text("kind"); kind != interface.kind) {
+        log("what was told to a drone of this name and of the kind " + in_quotes(kind) + " is left out");
+        return Json::object();
+    }
+    return *state;
+} catch (const std::exception& error) {
+    log(std::string("what a drone of this name was told cannot be read and is left out: ") + error.what());
+    return Json::object();
+}
+
+/// The saved values that this drone still takes.
+Json DroneCore::still_taken(const Json& saved) const
+{
+    Json values = Json::object();
+    for (const auto& [name, value] : saved.items())
+        try {
+            values.update(parameters.checked(Json::object({{name, value}})));
+        } catch (const Error& error) {
+            log(std::string("a saved value is left out: ") + error.what());
+        }
+    return values;
+}
+
 void DroneCore::restore(const Json& state)
 {
     for (const auto& saved : state.value("connections", Json::array()))
@@ -35,7 +64,7 @@ Json DroneCore::state() const
         const std::lock_guard lock(board_mutex_);
         policy = token(board_.policy);
     }
-    return {{"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}};
+    return {{"kind", interface.kind}, {"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}};
 }
 
 /// A drone that cannot write its state goes on without, and says so once.
