@@ -1,6 +1,8 @@
 // Prefixes as bytes, summaries as JSON, ports from tracks.
 #include "recording.hpp"
 
+#include <hive/name.hpp>
+
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
@@ -30,7 +32,7 @@ Track track_from(const Json& json)
 {
     Track track{json.at("sender"), json.at("output"), json.at("type"), json.at("events"), json.at("bytes"), json.at("without_body"), json.at("first_us"),
                 json.at("last_us")};
-    if (!is_plain_name(track.sender) || !is_plain_name(track.output))
+    if (!hive::is_name(track.sender) || !hive::is_name(track.output))
         throw std::invalid_argument("a name that is none");
     return track;
 }
@@ -41,7 +43,7 @@ bool has_type(const std::string& types, const std::string& type) { return ("," +
 std::string port_name(const Track& track, bool alone, const std::set<std::string>& taken, std::size_t number)
 {
     for (const auto& name : {alone ? track.output : std::string(), track.sender + "-" + track.output})
-        if (is_plain_name(name) && name != "exceptions" && !taken.contains(name))
+        if (hive::is_name(name) && name != "exceptions" && !taken.contains(name))
             return name;
     return "output-" + std::to_string(number);
 }
@@ -142,13 +144,6 @@ std::vector<Port> ports_of(const std::vector<Track>& tracks)
             port.types += "," + track.type;
     }
     return ports;
-}
-
-bool is_plain_name(std::string_view text)
-{
-    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); };
-    return !text.empty() && text.size() <= 64 && letter(text[0]) && text.find("..") == std::string_view::npos
-        && std::ranges::all_of(text, [&](char c) { return letter(c) || c == '_' || c == '.' || c == '-'; });
 }
 
 }  // namespace recording

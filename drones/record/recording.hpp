@@ -86,9 +86,6 @@ struct Port {
 };
 std::vector<Port> ports_of(const std::vector<Track>& tracks);
 
-/// Is it one of Hive's names?
-bool is_plain_name(std::string_view text);
-
 void put_number(std::span<std::byte> to, std::uint64_t number);
 std::uint64_t number_in(std::span<const std::byte> bytes);
 

@@ -1,6 +1,8 @@
 // The end first, when there is one; otherwise from record to record.
 #include "recording_reader.hpp"
 
+#include <hive/name.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -96,7 +98,7 @@ try {
     if (prefix.track == tracks.size() && tracks.size() < most_tracks) {
         const auto header = nlohmann::json::parse(text(record));
         const Track track{header.at("sender"), header.at("output"), header.at("type"), 0, 0, 0, prefix.time_us};
-        if (is_plain_name(track.sender) && is_plain_name(track.output))
+        if (hive::is_name(track.sender) && hive::is_name(track.output))
             tracks.push_back(track);
     }
     if (prefix.track >= tracks.size())

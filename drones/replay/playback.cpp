@@ -1,6 +1,9 @@
 // Ranges, repetition and due times.
 #include "playback.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace replay {
 
 Playback::Playback(const std::filesystem::path& path, const Range& range) : reader_(path), range_(range) { rewind(); }
@@ -13,29 +16,55 @@ void Playback::rewind()
     while (current_ && current_->prefix.time_us < range_.from_us);
     if (current_ && range_.to_us > 0 && current_->prefix.time_us >= range_.to_us)
         current_.reset();
+    first_us_ = last_us_ = current_ ? current_->prefix.time_us : 0;
+    distances_ = 0;
 }
 
-void Playback::advance(bool again)
+std::int64_t Playback::advance(bool again)
 {
     current_ = reader_.next();
     if (current_ && range_.to_us > 0 && current_->prefix.time_us >= range_.to_us)
         current_.reset();
-    if (!current_ && again)
-        rewind();
+    if (current_) {
+        last_us_ = current_->prefix.time_us;
+        ++distances_;
+        return 0;
+    }
+    if (!again)
+        return 0;
+    const auto pause = pause_us();
+    rewind();
+    return pause;
+}
+
+/// The mean distance of the events; more where a turn would be so short that it comes to spinning.
+std::int64_t Playback::pause_us() const
+{
+    constexpr std::int64_t shortest_turn_us = 100'000;
+    const auto length = std::max<std::int64_t>(last_us_ - first_us_, 0);
+    const auto mean = distances_ > 0 ? length / distances_ : 0;
+    return std::max(mean, shortest_turn_us - length);
 }
 
 Timeline::Clock::time_point Timeline::due(std::int64_t time_us, double speed, Clock::time_point now)
 {
     constexpr auto late = std::chrono::seconds(1);
-    const auto at = [&] { return start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::micro>(static_cast<double>(time_us - first_us_) / speed)); };
+    const auto took = [&](std::int64_t us) { return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::micro>(static_cast<double>(us) / speed)); };
+    const auto at = [&] { return start_ + took(time_us - first_us_); };
     if (!begun_ || time_us < last_us_ || speed != speed_ || now - at() > late) {
         begun_ = true;
         first_us_ = time_us;
         speed_ = speed;
-        start_ = now;
+        start_ = now + took(std::exchange(pause_us_, 0));
     }
     last_us_ = time_us;
     return at();
+}
+
+void Timeline::restart(std::int64_t pause_us)
+{
+    begun_ = false;
+    pause_us_ = pause_us;
 }
 
 }  // namespace replay

@@ -24,14 +24,17 @@ public:
     /// The event whose turn it is; nothing at the end.
     [[nodiscard]] const std::optional<recording::Record>& current() const noexcept { return current_; }
     /// @param again  at the end the first one follows
-    void advance(bool again);
+    /// @return       then how long after the last one, in µs of the recording; otherwise 0
+    std::int64_t advance(bool again);
 
 private:
     void rewind();
+    [[nodiscard]] std::int64_t pause_us() const;
 
     recording::Reader reader_;
     Range range_;
     std::optional<recording::Record> current_;
+    std::int64_t first_us_ = 0, last_us_ = 0, distances_ = 0;  ///< of this turn
 };
 
 /// The times of the recording on the clock of this machine. No clock of its own: the caller says what time it is.
@@ -42,12 +45,12 @@ public:
     /// When an event is due. Time that goes back begins anew with this event; so does what is more than a second late, so that no burst
     /// follows a pause.
     Clock::time_point due(std::int64_t time_us, double speed, Clock::time_point now);
-    /// The next event is due at once.
-    void restart() { begun_ = false; }
+    /// The next event begins anew: it is due after a pause of the recording, or at once.
+    void restart(std::int64_t pause_us = 0);
 
 private:
     bool begun_ = false;
-    std::int64_t first_us_ = 0, last_us_ = 0;
+    std::int64_t pause_us_ = 0, first_us_ = 0, last_us_ = 0;
     double speed_ = 1;
     Clock::time_point start_{};
 };

@@ -170,7 +170,8 @@ try {
 void ReplayDrone::take_next()
 {
     event_.reset();
-    playback_->advance(loop_);
+    if (const auto pause_us = playback_->advance(loop_); pause_us > 0)
+        timeline_.restart(pause_us);
 }
 
 /// The body is read only if somebody receives it.

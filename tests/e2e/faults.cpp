@@ -5,6 +5,7 @@
 
 #include <arpa/inet.h>
 #include <csignal>
+#include <fstream>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -33,12 +34,21 @@ public:
         port_ = ntohs(address.sin_port);
     }
     ~MuteServer() { ::close(socket_); }
-    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(port_) + "/video"; }
+    [[nodiscard]] std::string port() const { return std::to_string(port_); }
+    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + port() + "/video"; }
 
 private:
     int socket_;
     int port_ = 0;
 };
+
+std::size_t times(const std::string& text, const std::string& part)
+{
+    std::size_t count = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+        ++count;
+    return count;
+}
 
 }  // namespace
 
@@ -89,6 +99,69 @@ TEST_CASE("names: a name whose holder was killed is free at once")
     CHECK(swarm.hivectl({"get", "heir"}).exit_code == 3);
     CHECK(swarm.hivectl_done({"start", "sleeper", "--as", "heir"}) == "heir\n");
     CHECK(swarm.application().describe("heir").kind == "sleeper");
+}
+
+TEST_CASE("state: what a drone was told is not for one of another kind with its name")
+{
+    const Swarm swarm;
+    auto sleeper = swarm.drone("sleeper", "heir", {"work_ms=5"});
+    swarm.hivectl_done({"set", "heir", "work_ms=6"});
+    REQUIRE(eventually([&] { return has(text_of(swarm.home() / "heir.state"), "6"); }));
+    sleeper.kill();
+    const auto ticker = swarm.drone("ticker", "heir");
+    CHECK(swarm.application().get("heir", {"count"}) == Json{{"count", 0}});
+    CHECK(has(swarm.log("heir"), "sleeper"));
+}
+
+TEST_CASE("state: a saved value that is refused now is left out with a word, and the others are kept, and a file that is damaged is left out")
+{
+    const Swarm swarm;
+    const auto file = swarm.home() / "heir.state";
+    auto drone = swarm.drone("sleeper", "heir", {"work_ms=5", "throw_at=7"});
+    drone.kill();
+    Json state = Json::parse(text_of(file));
+    state["parameters"].update({{"work_ms", -1}, {"colour", "red"}});
+    std::ofstream(file, std::ios::trunc) << state;
+    drone = swarm.drone("sleeper", "heir");
+    CHECK(swarm.application().get("heir", {"work_ms", "throw_at"}) == Json{{"work_ms", 0}, {"throw_at", 7}});
+    CHECK(has(swarm.log("heir"), "colour"));
+    drone.kill();
+    std::ofstream(file, std::ios::trunc) << "{\"kind\": \"slee";
+    drone = swarm.drone("sleeper", "heir");
+    CHECK(swarm.application().get("heir", {"throw_at"}) == Json{{"throw_at", 0}});
+    CHECK(has(swarm.log("heir"), "cannot be read"));
+}
+
+TEST_CASE("state: a drone that cannot write it does what it is told, and says once what is wrong")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source");
+    const auto worker = swarm.drone("sleeper", "worker");
+    std::string in_the_way;
+    SUBCASE("not even a new file") { in_the_way = "worker.state.new"; }
+    SUBCASE("not in the place of the old one") { in_the_way = "worker.state"; }
+    std::filesystem::remove(swarm.home() / in_the_way);
+    std::filesystem::create_directory(swarm.home() / in_the_way);
+    CHECK(swarm.hivectl_done({"set", "worker", "work_ms=5"}) == "5\n");
+    CHECK(swarm.hivectl_done({"connect", "source", "worker"}) == "source.tick -> worker.image\n");
+    CHECK(swarm.hivectl_done({"set", "worker", "work_ms=6"}) == "6\n");
+    auto application = swarm.application();
+    CHECK(eventually([&] { return application.status("worker").value("last_exception", Json::object()).value("code", "") == "io"; }));
+    CHECK(application.status("worker").at("inputs").at(0).at("state") == "connected");
+    CHECK(application.status("worker").at("pid") == worker.pid());
+    CHECK(times(swarm.log("worker"), in_the_way) == 1);
+}
+
+TEST_CASE("start: a drone whose further address is taken ends with the reason, and leaves nothing in its way")
+{
+    const Swarm swarm;
+    const MuteServer server;
+    const auto ended = swarm.run({swarm.program("hive-sleeper").string(), "--name", "face", "--listen", "tcp://127.0.0.1:" + server.port(), "--insecure"});
+    CHECK(ended.exit_code == 1);
+    CHECK(has(ended.err, server.port()));
+    CHECK_FALSE(std::filesystem::exists(swarm.home() / "face.sock"));
+    const auto drone = swarm.drone("sleeper", "face");
+    CHECK(swarm.application().describe("face").kind == "sleeper");
 }
 
 TEST_CASE("start: a drone outlives the killed command that was starting it, answers, and can be stopped")

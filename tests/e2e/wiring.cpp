@@ -81,6 +81,23 @@ TEST_CASE("connect: a group with --first-frame is refused, and nothing is connec
     CHECK(application.status("worker").at("inputs").empty());
 }
 
+TEST_CASE("collect: every event of a stream is received or counted as dropped by the collector that did not take it in time")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=0.1", "count=3000", "bytes=10"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"source", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming, .group = {}, .lease = {}}});
+    application.set("source", {{"fps", 5000}});
+    REQUIRE(eventually([&] { return application.status("source").at("condition") == "end of source"; }, 10'000ms));
+    while (collector->next(300ms)) {
+    }
+    const auto delivered = application.status("source").at("outputs").at(0).at("receivers").at(0).at("delivered").get<std::int64_t>();
+    const auto counts = collector->counts();
+    MESSAGE(delivered, " delivered, ", counts.received, " received, ", counts.dropped, " dropped");
+    CHECK(counts.received < delivered);
+    CHECK(counts.received + counts.dropped == delivered);
+}
+
 TEST_CASE("restart: a source that was killed and started again gives events again within 1 s, with no command")
 {
     const Swarm swarm;

@@ -109,7 +109,10 @@ void Home::write_state(const std::string& name, const Json& state) const
         if (!file.flush())
             fail(Errc::io, "cannot write " + fresh.string());
     }
-    fs::rename(fresh, target);
+    std::error_code problem;
+    fs::rename(fresh, target, problem);
+    if (problem)
+        throw Error(Errc::io, "cannot replace " + target.string() + ": " + problem.message());
 }
 
 void Home::forget_state(const std::string& name) const noexcept

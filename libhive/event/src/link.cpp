@@ -124,7 +124,7 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
     connection_->send(protocol::make_packet(PacketType::confirmation, std::move(text)));
 }
 
-bool Link::expire(Clock::time_point now)
+void Link::expire(Clock::time_point now)
 {
     std::vector<Pending> late;
     for (auto it = pending_.begin(); it != pending_.end();)
@@ -136,7 +136,6 @@ bool Link::expire(Clock::time_point now)
         }
     for (const auto& request : late)
         request.on_outcome(Error(Errc::timeout, request.what + ": no answer in time"));
-    return !pending_.empty();
 }
 
 std::uint16_t Link::claim_channel(ChannelSink sink)

@@ -58,14 +58,21 @@ MailboxCollector::~MailboxCollector()
 
 std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const std::string& output, const ConnectionOptions& connection)
 {
-    auto intake = module_.add_intake({.sender = drone,
-                                      .output = output,
-                                      .address = home_.address(drone),
-                                      .input = drone + "." + output,
-                                      .receiver = module_.self().name,
-                                      .accepts = "*/*",
-                                      .options = connection},
-                                     [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); });
+    const auto weak = std::make_shared<std::weak_ptr<event::Intake>>();
+    const auto sink = [mailbox = mailbox_, weak](Event&& event) {
+        const auto lost = mailbox->push(std::move(event));
+        if (const auto intake = weak->lock())
+            intake->lost += static_cast<std::int64_t>(lost);
+    };
+    const auto intake = module_.add_intake({.sender = drone,
+                                            .output = output,
+                                            .address = home_.address(drone),
+                                            .input = drone + "." + output,
+                                            .receiver = module_.self().name,
+                                            .accepts = "*/*",
+                                            .options = connection},
+                                           sink);
+    *weak = intake;
     return intakes_.emplace_back(intake);
 }
 

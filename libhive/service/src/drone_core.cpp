@@ -16,6 +16,9 @@ namespace {
 constexpr int most_handover = 64;  ///< emitted events that the network side has not yet seen, per output
 constexpr auto never = std::chrono::steady_clock::time_point::max();
 
+/// A time as an event may tell it; 0 is unknown.
+std::int64_t telling(std::int64_t time_us) { return time_us >= 0 && time_us <= max_json_integer ? time_us : 0; }
+
 }  // namespace
 
 DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
@@ -27,7 +30,12 @@ DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     interface.stateful = program_.stateful;
 }
 
-DroneCore::~DroneCore() = default;
+/// A start that failed may have left the network side serving: it ends before what it uses.
+DroneCore::~DroneCore()
+{
+    if (module_)
+        module_->end();
+}
 
 std::size_t DroneCore::add_output(Port port, Encoder encoder)
 {
@@ -71,9 +79,9 @@ void DroneCore::prepare()
     };
     module_->on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) { report(problem.code(), problem.what(), &event->event()); };
     add_handlers();
-    const Json state = home_->read_state(settings_.name).value_or(Json::object());
+    const Json state = left_state(*home_);
     board_.policy = settings_.policy ? *settings_.policy : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy");
-    Json values = parameters.checked(state.value("parameters", Json::object()));
+    Json values = still_taken(state.value("parameters", Json::object()));
     values.update(parameters.checked(settings_.parameters));
     parameters.apply(values, [] {});
     on_start();
@@ -97,8 +105,7 @@ std::optional<Json> DroneCore::given(const std::string& parameter) const
         return settings_.parameters[parameter];
     if (settings_.describe)
         return std::nullopt;  // without a home
-    const Json state = event::Home(event::default_home()).read_state(settings_.name).value_or(Json::object());
-    const Json told = state.value("parameters", Json::object());
+    const Json told = left_state(event::Home(event::default_home())).value("parameters", Json::object());
     return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
 }
 
@@ -290,8 +297,9 @@ bool DroneCore::asked(std::size_t output) const
 
 Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
 {
-    return {.source = settings_.name, .epoch = epoch_, .sequence = ++outputs_[output]->sequence, .captured_us = captured_us,
-            .monotonic_us = event::steady_us() - (event::wall_us() - captured_us), .lossless = lossless, .hops = {}};
+    const auto age_us = event::wall_us() - captured_us;
+    return {.source = settings_.name, .epoch = epoch_, .sequence = ++outputs_[output]->sequence, .captured_us = telling(captured_us),
+            .monotonic_us = telling(event::steady_us() - age_us), .lossless = lossless, .hops = {}};
 }
 
 /// The identity of what is emitted for the present set.

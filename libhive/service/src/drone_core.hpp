@@ -30,8 +30,8 @@ struct DroneSettings {
     bool describe = false;
 };
 
-/// Declarations and the loop belong to the user thread; handlers of requests to the network side (drone_requests.cpp);
-/// what both need is in `board_` under its mutex.
+/// Declarations and the loop belong to the user thread; handlers of requests (drone_requests.cpp) and what outlives a crash
+/// (drone_state.cpp) to the network side; what both need is in `board_` under its mutex.
 class DroneCore {
 public:
     DroneCore(DroneProgram program, DroneSettings settings);
@@ -117,11 +117,11 @@ private:
 
     // network side: drone_requests.cpp
     void add_handlers();
-    void restore(const Json& state);
     void on_connect(event::Incoming incoming);
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
     void on_disconnect(const event::Incoming& incoming);
+    [[nodiscard]] Json present_values(const Json& wanted) const;
     void on_set(const event::Incoming& incoming);
     void on_get(const event::Incoming& incoming);
     void on_put(const event::Incoming& incoming);
@@ -133,6 +133,13 @@ private:
     event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
     [[nodiscard]] Json status_now();
     [[nodiscard]] Json matching_status(const Board& board) const;
+
+    // drone_state.cpp: before the start
+    [[nodiscard]] Json left_state(const event::Home& home) const;
+    [[nodiscard]] Json still_taken(const Json& saved) const;
+    // drone_state.cpp: network side
+    void restore(const Json& state);
+    [[nodiscard]] Json state() const;
     void remember();
 
     DroneProgram program_;
@@ -144,6 +151,7 @@ private:
     event::Outlet* exceptions_ = nullptr;
     event::Mailbox mailbox_;
     event::SequenceFilter filter_;  ///< network side
+    bool forgetful_ = false;        ///< network side: the state cannot be written, which was reported
     std::unique_ptr<event::Module> module_;
     std::atomic<bool> stopping_ = false, halted_ = false;
     std::int64_t epoch_ = 0;

@@ -20,6 +20,8 @@ namespace {
 constexpr std::size_t most_receivers_listed = 128;
 /// A drone told to stop ends within this, whatever its code does.
 constexpr auto last_grace = std::chrono::seconds(2);
+/// For a `set`, whatever its deadline.
+constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);
 
 std::vector<std::string> port_names(const std::vector<Port>& ports)
 {
@@ -27,13 +29,6 @@ std::vector<std::string> port_names(const std::vector<Port>& ports)
     for (const auto& port : ports)
         names.push_back(port.name);
     return names;
-}
-
-Json spec_json(const IntakeSpec& spec)
-{
-    return {{"from", {{"drone", spec.sender}, {"output", spec.output}, {"address", to_text(spec.address)}}},
-            {"input", spec.input},
-            {"options", to_json(spec.options)}};
 }
 
 }  // namespace
@@ -68,24 +63,30 @@ void DroneCore::on_get(const Incoming& incoming)
     incoming.answer(Json{{"parameters", parameters.values(names)}});
 }
 
+/// Of the parameters that `wanted` names.
+Json DroneCore::present_values(const Json& wanted) const
+{
+    Json values = Json::object();
+    for (const auto& [name, value] : wanted.items())
+        values.update(parameters.values({name}));
+    return values;
+}
+
 void DroneCore::on_set(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "set");
     const Json values = parameters.checked(fields.object("parameters"));
-    const auto deadline = Clock::now() + std::chrono::milliseconds(fields.integer_or("deadline_ms", 1, 86'400'000, 5000));
+    const auto deadline = Clock::now() + std::min(most_patience, std::chrono::milliseconds(fields.integer_or("deadline_ms", 0, max_json_integer, 5000)));
     if (fields.flag_or("check_only", false))
-        return incoming.answer(Json{{"parameters", values}});
+        return incoming.answer(Json{{"parameters", values}, {"previous", present_values(values)}});
     mailbox_.push([this, values, deadline, answer = incoming.answer] {
-        if (Clock::now() > deadline)
+        if (Clock::now() >= deadline)
             return answer(Error(Errc::timeout, settings_.name + " was busy until the deadline had passed; nothing was set"));
         try {
-            std::vector<std::string> names;
-            for (const auto& [name, value] : values.items())
-                names.push_back(name);
-            const Json before = names.empty() ? Json::object() : parameters.values(names);
+            const Json before = present_values(values);
             apply(values);
             module_->post([this] { remember(); });
-            answer(Json{{"parameters", names.empty() ? Json::object() : parameters.values(names)}, {"previous", before}});
+            answer(Json{{"parameters", present_values(values)}, {"previous", before}});
         } catch (const Error& error) {
             answer(Error(error.code() == Errc::failed ? Errc::refused : error.code(), error.what()));
         } catch (const std::exception& error) {
@@ -176,17 +177,6 @@ void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
         remember();
         on_outcome(outcome);
     });
-}
-
-void DroneCore::restore(const Json& state)
-{
-    for (const auto& saved : state.value("connections", Json::array()))
-        try {
-            const Fields fields(saved, "saved connection");
-            add_intake(intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))->start({});
-        } catch (const Error& error) {
-            log(std::string("a saved connection is left out: ") + error.what());
-        }
 }
 
 void DroneCore::arrived(Event&& event, const std::weak_ptr<Intake>& weak)
@@ -281,23 +271,6 @@ void DroneCore::end(bool forget)
         std::filesystem::remove(home.path(name, ".sock"), ignored);
         ::_exit(0);
     }).detach();
-}
-
-void DroneCore::remember()
-{
-    if (stopping_)
-        return;
-    Json connections = Json::array();
-    if (module_)
-        for (const auto& intake : module_->intakes())
-            if (!intake->spec().output.empty())
-                connections.push_back(spec_json(intake->spec()));
-    std::string_view policy;
-    {
-        const std::lock_guard lock(board_mutex_);
-        policy = token(board_.policy);
-    }
-    home_->write_state(settings_.name, {{"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}});
 }
 
 Json DroneCore::status_now()

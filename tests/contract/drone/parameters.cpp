@@ -127,7 +127,9 @@ TEST_CASE("drone: of several parameters in one set either all change or none")
                 CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", both}})) == "refused");
             }
         CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), value}, {"no-such-parameter", 1}}}})) == "not_found");
-        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}, {"check_only", true}})) == "");
+        const Json check = peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}, {"check_only", true}});
+        CHECK(raw::error_of(check) == "");
+        CHECK(check.at("result") == Json{{"parameters", {{good.at("name"), value}}}, {"previous", {{good.at("name"), before.at(good.at("name"))}}}});
         CHECK(get_all(peer) == before);
         const Json set = peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}});
         CHECK(raw::text_of(set) == "");
@@ -135,6 +137,18 @@ TEST_CASE("drone: of several parameters in one set either all change or none")
         CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), good.at("default")}}}})) == "");
     }
     CHECK(get_all(peer) == before);
+}
+
+TEST_CASE("drone: a set whose deadline has passed is not applied; a deadline of more than a day is taken")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    for (const auto& parameter : subject::description().at("parameters")) {
+        const Json values{{parameter.at("name"), parameter.at("default")}};
+        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", values}, {"deadline_ms", 0}})) == "timeout");
+        CHECK(raw::text_of(peer.ask(raw::set, {{"parameters", values}, {"deadline_ms", std::int64_t{1} << 53}})) == "");
+    }
 }
 
 TEST_CASE("drone: requests with a wrong field are malformed, and the connection goes on")

@@ -35,6 +35,42 @@ TEST_CASE("playback: a range begins and ends where it says, once or again and ag
     CHECK(times(all, false, 100).size() == 30);
 }
 
+TEST_CASE("playback: the first event comes again as long after the last as the events are apart, and a turn takes at least 100 ms")
+{
+    const auto pause = [](const fs::path& file, const replay::Range& range) {
+        Playback playback(file, range);
+        for (;;)
+            if (const auto us = playback.advance(true); us > 0)
+                return us;
+    };
+    const Folder folder;
+    record(folder / "a", 30);
+    CHECK(pause(folder / "a", {}) == 100'000);
+    record(folder / "one", 1);
+    CHECK(pause(folder / "one", {}) == 100'000);
+    {
+        recording::Writer writer(settings(folder / "pair"));
+        append(writer, 0);
+        append(writer, 1, Clock::time_point{} - 80ms);
+        writer.finish("stopped");
+    }
+    CHECK(pause(folder / "pair", {}) == 80'000);
+    Playback once(folder / "one", {});
+    CHECK(once.advance(false) == 0);
+    CHECK_FALSE(once.current());
+}
+
+TEST_CASE("timeline: what begins anew after a pause is due when the pause is over, divided by the speed")
+{
+    Timeline timeline;
+    const Timeline::Clock::time_point now{100s};
+    CHECK(timeline.due(0, 2, now) == now);
+    timeline.restart(100'000);
+    CHECK(timeline.due(0, 2, now) == now + 50ms);
+    CHECK(timeline.due(0, 2, now + 10ms) == now + 50ms);
+    CHECK(timeline.due(1'000'000, 2, now + 50ms) == now + 550ms);
+}
+
 TEST_CASE("timeline: events are due as far apart as they came, divided by the speed")
 {
     Timeline timeline;

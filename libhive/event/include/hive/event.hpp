@@ -24,8 +24,8 @@ struct Identity {
     std::string source;             ///< the drone that captured
     std::int64_t epoch = 0;         ///< of the source: a restarted source has a larger one
     std::int64_t sequence = 0;      ///< of the capture, from 1, in that epoch
-    std::int64_t captured_us = 0;   ///< wall clock, microseconds since 1970
-    std::int64_t monotonic_us = 0;  ///< the source machine's steady clock at the same moment
+    std::int64_t captured_us = 0;   ///< wall clock, microseconds since 1970; 0: unknown
+    std::int64_t monotonic_us = 0;  ///< the source machine's steady clock at the same moment; 0: unknown
     bool lossless = false;          ///< from a source that produces on demand: nobody on the way may skip it
     std::string group = {};              ///< shared work: the group that shares it; otherwise empty
     std::int64_t turn = 0;          ///< shared work: counts the events of the group, from 1 without gaps

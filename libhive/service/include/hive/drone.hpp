@@ -59,6 +59,7 @@ public:
     /// As above, with a body that is made only if it is wanted().
     void emit(Json header, const std::function<Body()>& body, std::string type = {}) const;
     /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless). The body is made only if it is wanted().
+    /// A time before 1970 is unknown to receivers; on the steady clock, so is one before the machine's start.
     void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body,
                        std::string type = {}) const;
     /// Sends an event again, as it once was: identity, capture time, hops, header, type and body are those of `event`; only who sends it is

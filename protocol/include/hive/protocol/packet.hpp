@@ -14,7 +14,7 @@ inline constexpr std::uint8_t version = 1;
 inline constexpr std::size_t prefix_size = 16;
 inline constexpr std::array<char, 4> magic{'H', 'I', 'V', 'E'};
 
-/// What a packet is for. The numbers are the wire's (SPEC.md, section 4).
+/// What a packet is for. The numbers are the wire's (SPEC.md, section 2).
 enum class PacketType : std::uint8_t {
     hello = 1,
     ping = 2,
@@ -67,7 +67,7 @@ using PrefixBytes = std::array<unsigned char, prefix_size>;
 
 PrefixBytes encode(const Prefix& prefix) noexcept;
 
-/// Throws Errc::malformed (magic, type, reserved), Errc::version_mismatch naming both versions, Errc::too_large.
+/// Throws Errc::malformed (magic, type), Errc::version_mismatch naming both versions, Errc::too_large.
 /// @param bytes  prefix_size bytes
 Prefix decode_prefix(const unsigned char* bytes, const Limits& limits);
 

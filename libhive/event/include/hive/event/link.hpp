@@ -45,8 +45,8 @@ public:
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel = 0);
     /// Confirms a request. An answer that no peer would take (over the limit of a header) becomes Errc::too_large.
     void answer(std::int64_t id, const Outcome& outcome);
-    /// Fails the requests whose deadline has passed; true while others are pending.
-    bool expire(Clock::time_point now);
+    /// Fails the requests whose deadline has passed.
+    void expire(Clock::time_point now);
     [[nodiscard]] bool pending() const noexcept { return !pending_.empty(); }
 
     /// A channel number of this end for a registration; its packets go to the sink until it is released.

@@ -28,7 +28,6 @@ public:
     Matcher(const std::vector<std::string>& inputs, Match match);
 
     void rule(Match match) { match_ = match; }
-    [[nodiscard]] Match rule() const noexcept { return match_; }
 
     /// An event of one of the inputs, which its `input` names.
     void push(Event event, TimePoint now);
