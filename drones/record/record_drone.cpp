@@ -4,16 +4,37 @@
 #include "event_record.hpp"
 
 #include <csignal>
+#include <filesystem>
 
 namespace recording {
 namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+/// "run-2.hive" for "run.hive", "run-3.hive" for that; the first that is not there.
+std::string next_free(const fs::path& file)
+{
+    auto stem = file.stem().string();
+    int number = 2;
+    const auto dash = stem.rfind('-');
+    const auto digits = dash == std::string::npos ? std::string() : stem.substr(dash + 1);
+    if (!digits.empty() && digits.size() < 6 && digits.find_first_not_of("0123456789") == std::string::npos) {
+        number = std::stoi(digits) + 1;
+        stem.resize(dash);
+    }
+    std::error_code ignored;
+    fs::path next;
+    do
+        next = file.parent_path() / (stem + "-" + std::to_string(number++) + file.extension().string());
+    while (fs::exists(next, ignored));
+    return next.string();
+}
 
 }  // namespace
 
-RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone)
+RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
 {
     drone_.parameter("file", file_, hive::anything(), "where to; a new one ends the recording and begins another; empty: ends it");
     drone_.parameter("overwrite", overwrite_, hive::anything(), "a file that is there already may be replaced");
@@ -39,11 +60,22 @@ Limits RecordDrone::limits() const
 
 void RecordDrone::apply()
 {
+    if (std::exchange(remembered_, false))
+        spare_what_was_recorded();
     if (file_ != opened_)
         open();
     if (writer_)
         writer_->limits(limits());
     say();
+}
+
+/// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite` says.
+void RecordDrone::spare_what_was_recorded()
+{
+    if (std::error_code none; !fs::exists(file_, none))
+        return;
+    const auto before = std::exchange(file_, next_free(file_));
+    drone_.log(before + " was being recorded when the drone was killed, and stays as it is; goes on in " + file_);
 }
 
 /// The new file first: if it cannot be, the old one goes on.

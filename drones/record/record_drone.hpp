@@ -20,6 +20,7 @@ public:
 
 private:
     void apply();
+    void spare_what_was_recorded();
     void open();
     void close(const std::string& how);
     void take(const hive::Event& event);
@@ -29,6 +30,7 @@ private:
     [[nodiscard]] Limits limits() const;
 
     hive::Drone& drone_;
+    bool remembered_;  ///< the file is that of before a crash
     std::string file_;
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;

@@ -103,7 +103,7 @@ void ReplayDrone::open(const Opened& wanted)
     output_of_ = std::move(output_of);
     opened_ = wanted;
     event_.reset();
-    damaged_ = 0;
+    damaged_ = without_body_ = 0;
     begun_ = ended_ = false;
     drone_.condition("waiting for a receiver");
 }
@@ -125,26 +125,39 @@ std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<recording::T
 
 bool ReplayDrone::anybody() const
 {
-    return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); });
+    return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.received(); });
 }
+
+/// Watchers of headers ask for nothing, so on demand only what was recorded without a body is theirs, at the pace of the recording.
+ReplayDrone::Step ReplayDrone::next_step() const
+{
+    if (pace_ == "real")
+        return Step::when_due;
+    if (std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); }))
+        return Step::when_asked;
+    return anybody() && lacks_body() ? Step::when_due : Step::none;
+}
+
+bool ReplayDrone::lacks_body() const { return event_->size > 0 && playback_->current()->prefix.body_size == 0; }
 
 std::chrono::microseconds ReplayDrone::step()
 {
     if (!playback_ || ended_ || (!begun_ && !anybody()))
         return 1s;
-    if (!std::exchange(begun_, true))
-        drone_.condition("");
+    begun_ = true;
     if (!playback_->current())
         return at_end();
     if (!event_ && !prepare())
         return 0s;
     const bool wanted = output().wanted();
-    if (pace_ == "real") {
+    const auto step = next_step();
+    drone_.condition(step == Step::none ? "waiting for a receiver of bodies" : "");
+    if (step == Step::none)
+        return 1s;
+    if (step == Step::when_due) {
         const auto due = timeline_.due(playback_->current()->prefix.time_us, speed_, Timeline::Clock::now());
         if (const auto wait = std::chrono::ceil<std::chrono::microseconds>(due - Timeline::Clock::now()); wait > 0us)
             return wait;
-    } else if (!wanted && !anybody()) {
-        return 1s;
     }
     if (wanted && event_->identity.lossless && !output().asked())
         return 1s;
@@ -179,8 +192,10 @@ void ReplayDrone::send()
 {
     const auto record = *playback_->current();
     const auto& to = output();
+    const bool without_body = lacks_body();
     hive::Event event = std::move(*event_);
     try {
+        without_body_ += to.wanted() && without_body ? 1 : 0;
         if (to.wanted())
             event.body = body_of(playback_->reader(), record, to);
     } catch (const std::exception& error) {
@@ -206,6 +221,8 @@ std::chrono::microseconds ReplayDrone::at_end()
     std::string text = "end of recording";
     if (damaged_ > 0)
         text += "; damaged events left out: " + std::to_string(damaged_);
+    if (without_body_ > 0)
+        text += "; recorded without a body, and so not for receivers of bodies: " + std::to_string(without_body_);
     drone_.condition(problem.empty() ? text : text + "; " + problem);
     return 1s;
 }

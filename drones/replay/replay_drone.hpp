@@ -29,6 +29,8 @@ private:
         bool operator==(const Opened&) const = default;
     };
 
+    enum class Step { when_due, when_asked, none };
+
     void declare();
     void declare_outputs();
     void apply();
@@ -36,6 +38,8 @@ private:
     [[nodiscard]] Range range() const;
     [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<recording::Track>& tracks) const;
     [[nodiscard]] bool anybody() const;
+    [[nodiscard]] Step next_step() const;
+    [[nodiscard]] bool lacks_body() const;
     std::chrono::microseconds step();
     bool prepare();
     void take_next();
@@ -55,7 +59,7 @@ private:
     Timeline timeline_;
     bool begun_ = false, ended_ = false;
     std::optional<hive::Event> event_;    ///< the current one, without its body
-    std::int64_t damaged_ = 0;
+    std::int64_t damaged_ = 0, without_body_ = 0;
 };
 
 }  // namespace replay

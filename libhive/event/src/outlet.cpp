@@ -121,9 +121,10 @@ void Outlet::transmit(const ReceiverTable::Send& send, const Emission& form)
 
 void Outlet::refresh()
 {
-    const bool wanted = table_.wanted(), asked = table_.asked(), backlogged = table_.backlogged();
-    const bool changed = wanted != wanted_ || asked != asked_ || backlogged != backlogged_;
+    const bool wanted = table_.wanted(), received = !places_.empty(), asked = table_.asked(), backlogged = table_.backlogged();
+    const bool changed = wanted != wanted_ || received != received_ || asked != asked_ || backlogged != backlogged_;
     wanted_ = wanted;
+    received_ = received;
     shares_ = std::ranges::any_of(places_, [](const auto& row) { return row.second.data && row.second.link->connection().shares(); });
     asked_ = asked;
     backlogged_ = backlogged;

@@ -62,6 +62,7 @@ Matching Drone::on_matched(const std::vector<MatchedInput>& inputs, Match match,
 void Matching::rule(Match match) const { core_->matchings[index_].matcher.rule(match); }
 
 std::optional<Json> Drone::given(const std::string& parameter) const { return core_.given(parameter); }
+bool Drone::remembered(const std::string& parameter) const { return core_.remembered(parameter); }
 void Drone::on_change(std::function<void()> callback) { core_.on_change = std::move(callback); }
 void Drone::on_start(std::function<void()> callback) { core_.on_start = std::move(callback); }
 void Drone::main(std::function<std::chrono::microseconds()> step) { core_.main = std::move(step); }
@@ -76,6 +77,7 @@ bool Drone::stopping() const { return core_.stopping(); }
 Loan Output::loan(std::size_t bytes) const { return core_->loan(bytes); }
 
 bool Output::wanted() const { return core_->wanted(index_); }
+bool Output::received() const { return core_->received(index_); }
 bool Output::asked() const { return core_->asked(index_); }
 
 void Output::emit(Json header, Body body, std::string type) const

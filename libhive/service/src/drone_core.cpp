@@ -86,6 +86,7 @@ void DroneCore::prepare()
     parameters.apply(values, [] {});
     on_start();
     on_change();
+    parameters.read_back();
     set_state(State::idle);
     module_->start();
     module_->call([&] {
@@ -287,6 +288,12 @@ bool DroneCore::wanted(std::size_t output) const
 {
     const auto* outlet = outputs_[output]->outlet;
     return outlet && outlet->wanted();
+}
+
+bool DroneCore::received(std::size_t output) const
+{
+    const auto* outlet = outputs_[output]->outlet;
+    return outlet && outlet->received();
 }
 
 bool DroneCore::asked(std::size_t output) const

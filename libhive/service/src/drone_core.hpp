@@ -60,11 +60,13 @@ public:
     /// Any thread.
     [[nodiscard]] Loan loan(std::size_t bytes);
     [[nodiscard]] bool wanted(std::size_t output) const;
+    [[nodiscard]] bool received(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type);
     void repeat(std::size_t output, Event event);
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
+    [[nodiscard]] bool remembered(const std::string& parameter) const { return !settings_.parameters.contains(parameter) && given(parameter); }
     [[nodiscard]] Json status();
     void wake();
     void condition(const std::string& text);

@@ -45,6 +45,11 @@ void ParameterSet::apply(const Json& checked_values, const std::function<void()>
         accept();
         throw;
     }
+    read_back();
+}
+
+void ParameterSet::read_back()
+{
     const std::lock_guard lock(mutex_);
     for (const auto& [name, read] : read_)
         values_[name] = read();

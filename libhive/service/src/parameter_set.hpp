@@ -29,6 +29,8 @@ public:
     /// Assigns checked values, calls `accept`, and takes what the variables hold then for what was applied. If `accept` throws, the
     /// old values are back, it was called again, and it throws on.
     void apply(const Json& checked_values, const std::function<void()>& accept);
+    /// What the variables hold now is what is told from now on.
+    void read_back();
     /// All, or those named. Throws Errc::not_found.
     [[nodiscard]] Json values(const std::vector<std::string>& names = {}) const;
     /// The values that differ from the defaults.

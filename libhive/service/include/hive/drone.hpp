@@ -43,6 +43,8 @@ class Output {
 public:
     /// Does anybody receive the bodies of this output? If not, there is no need to make one.
     [[nodiscard]] bool wanted() const;
+    /// Does anybody receive this output, be it headers alone?
+    [[nodiscard]] bool received() const;
     /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
     [[nodiscard]] bool asked() const;
 
@@ -106,6 +108,8 @@ public:
     /// The value that a parameter was given and will begin with: by --set, or by what the drone was told before a crash. Before run(); for
     /// drones whose ports depend on it. Nothing: its default. It is checked when the drone runs.
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
+    /// Is that what the drone was told before a crash, and not given now?
+    [[nodiscard]] bool remembered(const std::string& parameter) const;
     /// Declares a parameter bound to `variable`, whose present value is the default. `set` assigns it between callbacks.
     void parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help);
     void parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help);

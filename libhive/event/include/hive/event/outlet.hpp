@@ -14,11 +14,11 @@
 
 namespace hive::event {
 
-/// Network side, but for wanted(), asked() and shares().
+/// Network side, but for wanted(), received(), asked() and shares().
 class Outlet {
 public:
     struct Hooks {
-        std::function<void()> changed;                   ///< wanted(), asked() or backlogged()
+        std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
         std::function<void(const EmissionPtr&, const Error&)> not_encoded;  ///< the encoder threw; the event goes as it is
         Dispatch::Run on_encoder_thread, on_network_side;
@@ -45,6 +45,8 @@ public:
     void tick();
 
     [[nodiscard]] bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
+    /// Does anybody receive it, be it headers alone?
+    [[nodiscard]] bool received() const noexcept { return received_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
     /// Does anybody receive bodies through shared memory?
@@ -80,7 +82,7 @@ private:
     ReceiverTable::Id next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
-    std::atomic<bool> wanted_ = false, asked_ = false, shares_ = false;
+    std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, shares_ = false;
     bool backlogged_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
