@@ -104,7 +104,7 @@ void ReplayDrone::open(const Opened& wanted)
     opened_ = wanted;
     event_.reset();
     damaged_ = without_body_ = 0;
-    begun_ = ended_ = false;
+    begun_ = ended_ = asked_before_ = false;
     drone_.condition("waiting for a receiver");
 }
 
@@ -128,14 +128,18 @@ bool ReplayDrone::anybody() const
     return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.received(); });
 }
 
-/// Watchers of headers ask for nothing, so on demand only what was recorded without a body is theirs, at the pace of the recording.
-ReplayDrone::Step ReplayDrone::next_step() const
+/// Watchers of headers ask for nothing, so on demand what has no body is theirs at the pace of the recording, unless there were receivers
+/// of bodies before, which may come back.
+ReplayDrone::Step ReplayDrone::next_step()
 {
     if (pace_ == "real")
         return Step::when_due;
-    if (std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); }))
+    const bool asked_now = std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); });
+    asked_before_ = asked_before_ || asked_now;
+    if (asked_now)
         return Step::when_asked;
-    return anybody() && lacks_body() ? Step::when_due : Step::none;
+    const bool for_watchers = anybody() && !asked_before_ && playback_->current()->prefix.body_size == 0;
+    return for_watchers ? Step::when_due : Step::none;
 }
 
 bool ReplayDrone::lacks_body() const { return event_->size > 0 && playback_->current()->prefix.body_size == 0; }
@@ -222,7 +226,7 @@ std::chrono::microseconds ReplayDrone::at_end()
     if (damaged_ > 0)
         text += "; damaged events left out: " + std::to_string(damaged_);
     if (without_body_ > 0)
-        text += "; recorded without a body, and so not for receivers of bodies: " + std::to_string(without_body_);
+        text += "; without a body, so for no receiver of bodies: " + std::to_string(without_body_);
     drone_.condition(problem.empty() ? text : text + "; " + problem);
     return 1s;
 }

@@ -38,7 +38,7 @@ private:
     [[nodiscard]] Range range() const;
     [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<recording::Track>& tracks) const;
     [[nodiscard]] bool anybody() const;
-    [[nodiscard]] Step next_step() const;
+    Step next_step();
     [[nodiscard]] bool lacks_body() const;
     std::chrono::microseconds step();
     bool prepare();
@@ -57,7 +57,7 @@ private:
     std::unique_ptr<Playback> playback_;
     std::vector<std::size_t> output_of_;  ///< by track
     Timeline timeline_;
-    bool begun_ = false, ended_ = false;
+    bool begun_ = false, ended_ = false, asked_before_ = false;
     std::optional<hive::Event> event_;    ///< the current one, without its body
     std::int64_t damaged_ = 0, without_body_ = 0;
 };
