@@ -59,4 +59,10 @@ std::optional<Credentials> read_credentials(const std::string& path)
     return Credentials{line.substr(0, colon), line.substr(colon + 1)};
 }
 
+std::filesystem::file_time_type written_at(const std::string& path)
+{
+    std::error_code none;
+    return std::filesystem::last_write_time(path, none);
+}
+
 }  // namespace axis

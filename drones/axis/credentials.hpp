@@ -1,6 +1,7 @@
 // The user and password of the camera: from a file that only its owner can read, or from the environment.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -18,5 +19,7 @@ inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
 /// @return  nothing when neither is there
 /// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too
 std::optional<Credentials> read_credentials(const std::string& path);
+/// When the file was written; always the same time when there is none.
+std::filesystem::file_time_type written_at(const std::string& path);
 
 }  // namespace axis

@@ -121,6 +121,15 @@ TEST_CASE("credentials: from a file that its owner alone can read")
     CHECK_THROWS_WITH_AS(read_credentials("/tmp"), doctest::Contains("not a file"), std::runtime_error);
 }
 
+TEST_CASE("credentials: a file that is written again with the same has another time; none has always the same")
+{
+    const File file("root:pass", 0600);
+    const auto before = written_at(file.path);
+    std::filesystem::last_write_time(file.path, before + std::chrono::seconds(1));
+    CHECK(written_at(file.path) > before);
+    CHECK(written_at("") == written_at("/nowhere/at/all"));
+}
+
 TEST_CASE("credentials: without a file from the environment, or none")
 {
     ::unsetenv(user_variable);
