@@ -115,6 +115,17 @@ TEST_CASE("axis login: a camera that wants one and a drone that has none say so;
     take_pictures(*application.collect({{"axis", "image"}}), 1);
 }
 
+TEST_CASE("axis login: half a login in the environment is not tried; the drone says what is missing and does not start")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest"});
+    const auto started = swarm.run({"/usr/bin/env", "HIVE_AXIS_USER=root", swarm.program("hive-axis").string(), "--name", "axis", "--set", "url=" + camera.url(),
+                                    "--set", "allow_address=127.0.0.1"});
+    CHECK(started.exit_code != 0);
+    CHECK(has(started.err, "HIVE_AXIS_PASSWORD is missing"));
+    CHECK(camera.count("connections") == 0);
+}
+
 TEST_CASE("axis login: a password is neither on a command line nor in the log nor in a parameter, and a URL with one is refused")
 {
     const Swarm swarm;

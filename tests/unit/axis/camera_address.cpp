@@ -137,6 +137,12 @@ TEST_CASE("credentials: without a file from the environment, or none")
     ::setenv(user_variable, "viewer", 1);
     ::setenv(password_variable, "secret", 1);
     CHECK(read_credentials("") == Credentials{"viewer", "secret"});
+    ::setenv(password_variable, "", 1);
+    CHECK_THROWS_WITH_AS(read_credentials(""), doctest::Contains("HIVE_AXIS_PASSWORD is missing"), std::runtime_error);
+    ::unsetenv(password_variable);
+    CHECK_THROWS_WITH_AS(read_credentials(""), doctest::Contains("HIVE_AXIS_PASSWORD is missing"), std::runtime_error);
     ::unsetenv(user_variable);
+    ::setenv(password_variable, "secret", 1);
+    CHECK_THROWS_WITH_AS(read_credentials(""), doctest::Contains("HIVE_AXIS_USER is missing"), std::runtime_error);
     ::unsetenv(password_variable);
 }
