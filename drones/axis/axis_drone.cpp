@@ -1,6 +1,8 @@
 // The wiring: parameters to VAPIX names, pictures to events.
 #include "axis_drone.hpp"
 
+#include "certificate.hpp"
+
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
@@ -126,6 +128,7 @@ void AxisDrone::change()
 
 void AxisDrone::open()
 {
+    check_certificate(place_.certificate);
     std::optional<Access> found;
     if (!place_.url.empty())
         found = access();

@@ -249,7 +249,7 @@ void Http::Transfer::finish(CURLcode code)
     long problem = 0;
     curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
     if (code != CURLE_OK)
-        throw error_of_transfer(access_.url, patience_, code, problem);
+        throw error_of_transfer(access_, patience_, code, problem);
     head_is_whole();
 }
 

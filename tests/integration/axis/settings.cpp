@@ -127,6 +127,17 @@ TEST_CASE("axis settings: without a camera the drone runs and says what it needs
     CHECK(has(swarm.hivectl({"set", "axis", "url=ftp://x"}).err, "write http:// or https://"));
 }
 
+TEST_CASE("axis settings: a certificate that is not there is refused at once, at the start and by set")
+{
+    const Swarm swarm;
+    const auto started = swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "certificate=/nowhere/x.pem"});
+    CHECK(started.exit_code != 0);
+    CHECK(has(started.err, "certificate: there is no file /nowhere/x.pem"));
+    const auto drone = swarm.drone("axis", "axis", {"url=https://192.0.2.10"});
+    CHECK(has(swarm.hivectl({"set", "axis", "certificate=/nowhere/x.pem"}).err, "certificate: there is no file /nowhere/x.pem"));
+    CHECK(swarm.hivectl_done({"get", "axis", "certificate"}).find("/nowhere") == std::string::npos);
+}
+
 TEST_CASE("axis settings: the header of a picture has the fields that the page shows")
 {
     const std::string page = text_of(HIVE_SOURCE_DIR "/drones/axis/README.md"), begin = "Its header: `";

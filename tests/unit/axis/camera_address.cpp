@@ -1,6 +1,7 @@
 // Where a camera may be, and who may log in there.
 #include "address_rule.hpp"
 #include "camera_url.hpp"
+#include "certificate.hpp"
 #include "credentials.hpp"
 
 #include <doctest/doctest.h>
@@ -107,6 +108,17 @@ TEST_CASE("addresses: what is no internet address at all is refused")
     sockaddr unknown{};
     unknown.sa_family = AF_UNIX;
     CHECK_FALSE(AddressRule().allows(unknown));
+}
+
+TEST_CASE("certificate: a file that is not there or has none is refused by its name")
+{
+    CHECK_NOTHROW(check_certificate(""));
+    CHECK_NOTHROW(check_certificate(File("of the door\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n", 0644).path));
+    CHECK_THROWS_WITH_AS(check_certificate("/nowhere/at/all"), "certificate: there is no file /nowhere/at/all", std::runtime_error);
+    CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no file /tmp"), std::runtime_error);
+    const File key("-----BEGIN PRIVATE KEY-----\n", 0600), empty("", 0600);
+    for (const auto* file : {&key, &empty})
+        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " has none").c_str()), std::runtime_error);
 }
 
 TEST_CASE("credentials: from a file that its owner alone can read")
