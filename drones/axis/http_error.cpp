@@ -53,7 +53,8 @@ CameraError error_of_transfer(const Access& access, const Patience& patience, in
     case CURLE_SSL_CONNECT_ERROR:
     case CURLE_PEER_FAILED_VERIFICATION: return {Trouble::insecure, "no encrypted connection to " + host + ": " + reason};
     case CURLE_SSL_CACERT_BADFILE:
-        return {Trouble::insecure, "no encrypted connection to " + host + ": the certificate in " + (access.certificate.empty() ? "the system" : access.certificate) + " cannot be read"};
+        return {Trouble::insecure, "no encrypted connection to " + host + ": the certificate in " + (access.certificate.empty() ? "the system" : access.certificate)
+                                       + " cannot be read"};
     case CURLE_UNSUPPORTED_PROTOCOL:
     case CURLE_WEIRD_SERVER_REPLY: return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not speak HTTP"};
     case CURLE_OUT_OF_MEMORY: return {Trouble::too_large, "the head of the answer is too large"};  // one endless line
