@@ -26,7 +26,7 @@ void annotate_drone(hive::Drone& drone)
     annotate::Drawing drawing;
     std::string match = "exact";
     int tolerance = 50;
-    drone.parameter("match", match, hive::one_of({"exact", "nearest"}), "exact: marks of the same picture; nearest: by the time of the capture");
+    drone.parameter("match", match, hive::one_of({"exact", "nearest"}), "exact: marks of the same picture; nearest: each set of marks on the one picture nearest in time");
     drone.parameter("tolerance", tolerance, hive::between(0, 10'000).in("ms"), "with match=nearest: how far the captures may be apart");
     drone.parameter("thickness", drawing.thickness, hive::between(1, 20).in("px"), "of the lines");
     drone.parameter("labels", drawing.labels, hive::anything(), "write what the marks are");

@@ -1,6 +1,8 @@
 // The wiring: parameters to VAPIX names, pictures to events.
 #include "axis_drone.hpp"
 
+#include "certificate.hpp"
+
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
@@ -102,19 +104,31 @@ Access AxisDrone::access() const
     return {parse_camera_url(place_.url), read_credentials(place_.credentials), place_.basic_over_http, place_.certificate, AddressRule(place_.allow_address)};
 }
 
-/// Another place: a new link, which tells the camera what is wanted when it has found it. Otherwise the camera is told here,
-/// so that its refusal refuses the `set`.
 void AxisDrone::apply()
+try {
+    change();
+    refused_ = false;
+} catch (...) {
+    refused_ = true;
+    throw;
+}
+
+/// Another place: a new link, which tells the camera what is wanted when it has found it. Otherwise the camera is told here,
+/// so that its refusal refuses the `set`. A `set` to what is there already means to try again.
+void AxisDrone::change()
 {
     if (opened_ != place_)
         return open();
-    if (link_)
+    if (link_ && told_ == wanted() && !refused_)
+        link_->once_more();
+    else if (link_)
         tell_camera(changes(told_, wanted()));
     told_ = wanted();
 }
 
 void AxisDrone::open()
 {
+    check_certificate(place_.certificate);
     std::optional<Access> found;
     if (!place_.url.empty())
         found = access();

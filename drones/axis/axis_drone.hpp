@@ -26,6 +26,7 @@ private:
 
     void declare();
     void apply();
+    void change();
     void open();
     void tell_camera(const Parameters& changed);
     [[nodiscard]] Access access() const;
@@ -43,6 +44,7 @@ private:
 
     std::optional<Place> opened_;
     Parameters told_;  ///< what the link has been told to make of the camera
+    bool refused_ = false;  ///< the last change; the next one puts everything back
     std::unique_ptr<CameraLink> link_;
     std::string condition_;
 };

@@ -22,6 +22,7 @@ struct CameraLink::Shared {
 
     LinkSettings settings;  // of the thread alone, but for `wanted`
     LinkHooks hooks;        // notice and log: under the mutex, so that they end with the link
+    std::filesystem::file_time_type credentials_written = written_at(settings.credentials_path);
     std::int64_t count = 0;
     Clock::time_point last_picture{};
 
@@ -191,7 +192,7 @@ void CameraLink::Shared::pause()
 {
     std::unique_lock lock(mutex);
     while (!stopping && lifeline.locked_out()) {
-        changed.wait_for(lock, look_at_credentials, [&] { return stopping; });
+        changed.wait_for(lock, look_at_credentials, [&] { return stopping || !lifeline.locked_out(); });
         lock.unlock();
         look_for_credentials();
         lock.lock();
@@ -203,9 +204,11 @@ void CameraLink::Shared::look_for_credentials()
 {
     try {
         auto now = read_credentials(settings.credentials_path);
-        if (now == settings.access.credentials)
+        const auto written = written_at(settings.credentials_path);
+        if (now == settings.access.credentials && written == credentials_written)
             return;
         settings.access.credentials = std::move(now);
+        credentials_written = written;
         const std::lock_guard lock(mutex);
         lifeline.new_credentials(Clock::now());
     } catch (const std::exception&) {  // it is being written, or gone: what is said already stays true
@@ -254,6 +257,13 @@ void CameraLink::restart()
 {
     const std::lock_guard lock(shared_->mutex);
     shared_->restart = true;
+}
+
+void CameraLink::once_more()
+{
+    const std::lock_guard lock(shared_->mutex);
+    shared_->lifeline.once_more(Clock::now());
+    shared_->changed.notify_all();
 }
 
 bool CameraLink::login_refused() const

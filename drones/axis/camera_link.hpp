@@ -34,7 +34,7 @@ struct Picture {
 
 struct LinkSettings {
     Access access;
-    std::string credentials_path;  ///< looked at again while the password is wrong
+    std::string credentials_path;  ///< looked at again while the password is wrong; a file that is only written again counts as new
     Pace pace = Pace::live;
     Parameters wanted;             ///< applied whenever the camera has been found
 };
@@ -63,6 +63,8 @@ public:
     void wanted(const Parameters& wanted);
     /// Begins the stream anew: a camera gives a running stream no other size.
     void restart();
+    /// A password that is tried no more is tried once more; the file of credentials is read first.
+    void once_more();
     /// The password was refused when it was last tried: whoever tries it elsewhere helps to lock its user out.
     [[nodiscard]] bool login_refused() const;
     [[nodiscard]] std::string condition() const;

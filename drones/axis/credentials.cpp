@@ -43,20 +43,41 @@ std::string first_line(const std::string& path)
     return text.substr(0, text.find_first_of("\r\n"));
 }
 
+std::string variable(const char* name)
+{
+    const char* value = std::getenv(name);
+    return value ? value : "";
+}
+
+/// Half a login would be tried all the same, and cameras count.
+std::optional<Credentials> credentials_of_environment()
+{
+    const Credentials found{variable(user_variable), variable(password_variable)};
+    if (found.user.empty() && found.password.empty())
+        return std::nullopt;
+    if (found.user.empty() || found.password.empty())
+        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? user_variable : password_variable) + " is missing in the environment, where "
+                                 + (found.user.empty() ? password_variable : user_variable) + " is set");
+    return found;
+}
+
 }  // namespace
 
 std::optional<Credentials> read_credentials(const std::string& path)
 {
-    if (path.empty()) {
-        const char* user = std::getenv(user_variable);
-        const char* password = std::getenv(password_variable);
-        return user && *user ? std::optional(Credentials{user, password ? password : ""}) : std::nullopt;
-    }
+    if (path.empty())
+        return credentials_of_environment();
     const std::string line = first_line(path);
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0)
         throw std::runtime_error("credentials: the first line of " + path + " must be user:password");
     return Credentials{line.substr(0, colon), line.substr(colon + 1)};
+}
+
+std::filesystem::file_time_type written_at(const std::string& path)
+{
+    std::error_code none;
+    return std::filesystem::last_write_time(path, none);
 }
 
 }  // namespace axis

@@ -24,6 +24,8 @@ void start_library_once()
         throw std::runtime_error("libcurl does not start");
 }
 
+std::string seconds(std::chrono::milliseconds time) { return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s"; }
+
 }  // namespace
 
 struct Http::Handles {
@@ -229,9 +231,11 @@ void Http::Transfer::check_time() const
 {
     const auto now = Clock::now();
     if (now - begun_ > patience_.whole)
-        throw CameraError(Trouble::silent, "no whole answer from " + access_.url.text() + " in time");
+        throw CameraError(Trouble::silent, "no whole answer from " + access_.url.text() + " within " + seconds(patience_.whole)
+                                               + ": the camera or the network is slow; try again");
     if (connected_ && now - last_byte_ > patience_.silence)
-        throw CameraError(Trouble::silent, "no answer from " + access_.url.text() + ", which is connected");
+        throw CameraError(Trouble::silent, "no answer from " + access_.url.text() + ": it takes connections and then says nothing for " + seconds(patience_.silence)
+                                               + "; check that it is the camera, or restart the camera");
 }
 
 std::optional<CURLcode> Http::Transfer::outcome() const
@@ -249,7 +253,7 @@ void Http::Transfer::finish(CURLcode code)
     long problem = 0;
     curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
     if (code != CURLE_OK)
-        throw error_of_transfer(access_.url, patience_, code, problem);
+        throw error_of_transfer(access_, patience_, code, problem);
     head_is_whole();
 }
 

@@ -41,18 +41,20 @@ CameraError error_of_status(const Access& access, const Head& head)
     return {Trouble::refused_status, host + " answers with status " + status};
 }
 
-CameraError error_of_transfer(const CameraUrl& url, const Patience& patience, int code, long problem)
+CameraError error_of_transfer(const Access& access, const Patience& patience, int code, long problem)
 {
-    const std::string host = url.text(), reason = curl_easy_strerror(static_cast<CURLcode>(code));
+    const std::string host = access.url.text(), reason = curl_easy_strerror(static_cast<CURLcode>(code));
     switch (code) {
-    case CURLE_COULDNT_RESOLVE_HOST: return {Trouble::unknown_host, "no such host: " + url.host};
+    case CURLE_COULDNT_RESOLVE_HOST: return {Trouble::unknown_host, "no such host: " + access.url.host};
     case CURLE_COULDNT_CONNECT:
         return problem == ECONNREFUSED ? CameraError(Trouble::refused, "connection refused by " + host) : CameraError(Trouble::no_route, "no route to " + host);
     case CURLE_OPERATION_TIMEDOUT:
         return {Trouble::no_answer, "no connection to " + host + " within " + std::to_string(patience.connecting.count() / 1000) + " s"};
     case CURLE_SSL_CONNECT_ERROR:
-    case CURLE_PEER_FAILED_VERIFICATION:
-    case CURLE_SSL_CACERT_BADFILE: return {Trouble::insecure, "no encrypted connection to " + host + ": " + reason};
+    case CURLE_PEER_FAILED_VERIFICATION: return {Trouble::insecure, "no encrypted connection to " + host + ": " + reason};
+    case CURLE_SSL_CACERT_BADFILE:
+        return {Trouble::insecure, "no encrypted connection to " + host + ": the certificate in " + (access.certificate.empty() ? "the system" : access.certificate)
+                                       + " cannot be read"};
     case CURLE_UNSUPPORTED_PROTOCOL:
     case CURLE_WEIRD_SERVER_REPLY: return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not speak HTTP"};
     case CURLE_OUT_OF_MEMORY: return {Trouble::too_large, "the head of the answer is too large"};  // one endless line

@@ -57,7 +57,7 @@ std::string Lifeline::told(const CameraError& error) const
     case Trouble::silent: return broken_.empty() ? "stalled" : "stalled: " + broken_;
     case Trouble::login_needed: return "auth_failed: " + text;
     case Trouble::login_refused:
-        return locked_out() ? "auth_failed: " + text + "; it is not tried again until the credentials change"
+        return locked_out() ? "auth_failed: " + text + "; to try it again, touch the file of credentials or set credentials again, also to the same"
                             : text + " (try " + std::to_string(logins_) + " of " + std::to_string(most_logins) + ")";
     default: return text;
     }
@@ -68,6 +68,14 @@ void Lifeline::new_credentials(Time now)
     logins_ = 0;
     pause_ = shortest;
     next_try_ = now;
+}
+
+void Lifeline::once_more(Time now)
+{
+    if (!locked_out())
+        return;
+    new_credentials(now);
+    logins_ = most_logins - 1;
 }
 
 std::string Lifeline::condition(Time now) const

@@ -34,6 +34,8 @@ public:
     void failed(const CameraError& error, Time now);
     /// There are other credentials: they may be tried.
     void new_credentials(Time now);
+    /// Somebody wants the same ones tried again: once, because a camera counts. Without effect unless locked out.
+    void once_more(Time now);
 
     [[nodiscard]] Time next_try() const { return next_try_; }
     /// The password was wrong when it was last tried.

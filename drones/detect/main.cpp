@@ -43,6 +43,8 @@ public:
             throw hive::Error(hive::Errc::refused, "stride is a multiple of 4");
         detect::NetworkSettings wanted = settings_;
         wanted.mean = detect::mean_from(mean_);
+        if (wanted.classes != loaded_.classes)
+            static_cast<void>(detect::class_names(wanted.classes));  // also without a model
         if (wanted.model.empty())
             network_.reset();
         else if (!network_ || loaded_ != wanted)

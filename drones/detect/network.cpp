@@ -22,7 +22,23 @@ void require_file(const std::string& path, const std::string& what)
         throw std::runtime_error("no " + what + " at " + path);
 }
 
-std::vector<std::string> read_names(const std::string& path)
+cv::dnn::Net read_net(const std::string& path)
+{
+    require_file(path, "model");
+    try {
+        cv::dnn::Net net = cv::dnn::readNetFromONNX(path);
+        if (!net.empty())
+            return net;
+    } catch (const cv::Exception&) {  // names lines of OpenCV; the sentence below says what a user can know
+    }
+    throw std::runtime_error(path + " is not an ONNX model that OpenCV's DNN can read");
+}
+
+std::vector<int> shape_of(const cv::Mat& output) { return {output.size.p, output.size.p + output.dims}; }
+
+}  // namespace
+
+std::vector<std::string> class_names(const std::string& path)
 {
     std::vector<std::string> names;
     if (path.empty())
@@ -43,22 +59,6 @@ std::vector<std::string> read_names(const std::string& path)
     return names;
 }
 
-cv::dnn::Net read_net(const std::string& path)
-{
-    require_file(path, "model");
-    try {
-        cv::dnn::Net net = cv::dnn::readNetFromONNX(path);
-        if (!net.empty())
-            return net;
-    } catch (const cv::Exception&) {  // names lines of OpenCV; the sentence below says what a user can know
-    }
-    throw std::runtime_error(path + " is not an ONNX model that OpenCV's DNN can read");
-}
-
-std::vector<int> shape_of(const cv::Mat& output) { return {output.size.p, output.size.p + output.dims}; }
-
-}  // namespace
-
 cv::Scalar mean_from(const std::string& text)
 {
     std::vector<double> numbers;
@@ -76,7 +76,7 @@ cv::Scalar mean_from(const std::string& text)
 }
 
 Network::Network(const NetworkSettings& settings)
-    : settings_(settings), names_(read_names(settings.classes)), net_(read_net(settings.model))
+    : settings_(settings), names_(class_names(settings.classes)), net_(read_net(settings.model))
 {
     choose_output();
 }

@@ -1,22 +1,40 @@
 // One slot under a mutex.
 #include "exchange.hpp"
 
+#include <utility>
+
 namespace view {
 
 void Exchange::put(std::shared_ptr<const Picture> picture, Time now)
 {
-    Newest next{std::move(picture), 0, now};
+    Newest next{std::move(picture), 0, now, 0};
     {
         const std::lock_guard lock(mutex_);
         next.number = newest_.number + 1;
+        next.version = newest_.version + 1;
+        captioned_ = now;
         std::swap(newest_, next);
     }  // the pixels of the former one are given back outside of the lock
 }
 
-Exchange::Newest Exchange::newest() const
+Exchange::Newest Exchange::newest(Time now) const
 {
+    std::shared_ptr<const Picture> former;  // its pixels are given back outside of the lock
     const std::lock_guard lock(mutex_);
+    if (newest_.number > 0 && !newest_.going_on(now) && now - captioned_ >= caption_every) {
+        captioned_ = now;
+        if (auto anew = newest_.picture->captioned_anew()) {
+            former = std::exchange(newest_.picture, std::move(anew));
+            ++newest_.version;
+        }
+    }
     return newest_;
+}
+
+bool Exchange::Newest::going_on(Time now) const
+{
+    const double waited_s = std::chrono::duration<double>(now - since).count(), rate = picture->origin().rate;
+    return waited_s < 2 || (rate > 0 && waited_s < 2 / rate);
 }
 
 double Rate::count(Time now)

@@ -34,7 +34,9 @@ std::string one_digit(double number)
 std::string age_text(std::chrono::milliseconds age)
 {
     const auto ms = std::max<std::int64_t>(0, age.count());
-    return ms < 1000 ? std::to_string(ms) + " ms" : one_digit(static_cast<double>(ms) / 1000) + " s";
+    if (ms < 1000)
+        return std::to_string(ms) + " ms";
+    return ms < 60'000 ? one_digit(static_cast<double>(ms) / 1000) + " s" : std::to_string((ms + 30'000) / 60'000) + " min";
 }
 
 std::string caption(const Origin& origin, std::chrono::system_clock::time_point now)

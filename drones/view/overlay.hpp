@@ -22,7 +22,7 @@ struct Origin {
 
 /// "face.annotated from camera  29.8 fps  12 ms"; what is not known is left out.
 std::string caption(const Origin& origin, std::chrono::system_clock::time_point now);
-/// "12 ms", "3.4 s"
+/// "12 ms", "3.4 s", "7 min"
 std::string age_text(std::chrono::milliseconds age);
 
 /// A copy of `picture` (8 bit, grey or BGR) with the text on a dark strip at its lower edge, small enough for its width.

@@ -3,6 +3,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include <exception>
+#include <utility>
+
 namespace view {
 namespace {
 
@@ -14,6 +17,47 @@ Jpeg encode(const cv::Mat& picture, int quality)
 }
 
 }  // namespace
+
+/// What came, decoded at most once, also when that fails.
+class Picture::Source {
+public:
+    explicit Source(Content content) : jpeg(std::move(content.jpeg)), decode_(std::move(content.pixels)) {}
+
+    const cv::Mat& pixels()
+    {
+        std::call_once(once_, [this] {
+            try {
+                pixels_ = decode_();
+            } catch (...) {
+                problem_ = std::current_exception();
+            }
+        });
+        if (problem_)
+            std::rethrow_exception(problem_);
+        return pixels_;
+    }
+
+    const Jpeg jpeg;
+
+private:
+    std::function<cv::Mat()> decode_;
+    std::once_flag once_;
+    cv::Mat pixels_;
+    std::exception_ptr problem_;
+};
+
+Picture::Picture(Origin origin, Content content, Look look) : Picture(std::move(origin), std::make_shared<Source>(std::move(content)), look) {}
+
+Picture::Picture(Origin origin, std::shared_ptr<Source> source, Look look) : origin_(std::move(origin)), source_(std::move(source)), look_(look) {}
+
+std::shared_ptr<const Picture> Picture::captioned_anew() const
+{
+    if (!look_.overlay)
+        return nullptr;
+    Origin origin = origin_;
+    origin.rate = 0;
+    return std::shared_ptr<const Picture>(new Picture(std::move(origin), source_, look_));
+}
 
 std::shared_ptr<const Picture> Picture::of_notice(const std::string& text)
 {
@@ -35,7 +79,7 @@ const Jpeg& Picture::jpeg() const
 /// What damaged pictures do to a viewer: it says so in their place.
 cv::Mat Picture::make_shown() const
 try {
-    const cv::Mat pixels = content_.pixels();
+    const cv::Mat& pixels = source_->pixels();
     return look_.overlay ? with_caption(pixels, caption(origin_, std::chrono::system_clock::now())) : pixels;
 } catch (const std::exception& error) {
     return notice(error.what());
@@ -44,7 +88,7 @@ try {
 /// A picture whose sides are longer than a JPEG's may be cannot be encoded.
 Jpeg Picture::make_jpeg() const
 try {
-    return content_.jpeg && !look_.overlay ? content_.jpeg : encode(shown(), look_.quality);
+    return source_->jpeg && !look_.overlay ? source_->jpeg : encode(shown(), look_.quality);
 } catch (const std::exception& error) {
     return encode(notice(error.what()), look_.quality);
 }

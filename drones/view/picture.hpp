@@ -24,9 +24,12 @@ public:
         int quality = 80;     ///< 1 to 100, of what is encoded here
     };
 
-    Picture(Origin origin, Content content, Look look) : origin_(std::move(origin)), content_(std::move(content)), look_(look) {}
+    Picture(Origin origin, Content content, Look look);
     /// What is shown until there is a picture.
     static std::shared_ptr<const Picture> of_notice(const std::string& text);
+
+    /// The same pixels, to be captioned at the next look, without the rate that is no longer true. Nothing when it has no caption.
+    [[nodiscard]] std::shared_ptr<const Picture> captioned_anew() const;
 
     [[nodiscard]] const Origin& origin() const noexcept { return origin_; }
     /// The pixels to show; not to be written to.
@@ -34,11 +37,14 @@ public:
     [[nodiscard]] const Jpeg& jpeg() const;
 
 private:
+    class Source;
+
+    Picture(Origin origin, std::shared_ptr<Source> source, Look look);
     [[nodiscard]] cv::Mat make_shown() const;
     [[nodiscard]] Jpeg make_jpeg() const;
 
     Origin origin_;
-    Content content_;
+    std::shared_ptr<Source> source_;  ///< of all that are captioned anew
     Look look_;
     mutable std::once_flag drawn_once_, encoded_once_;
     mutable cv::Mat drawn_;

@@ -14,9 +14,8 @@ nlohmann::json status_of(const Exchange::Newest& newest, std::size_t browsers, E
     if (newest.number == 0)
         return status;
     const auto since = duration_cast<milliseconds>(now - newest.since).count();
-    const bool going_on = since < 2000 || (origin.rate > 0 && static_cast<double>(since) < 2000 / origin.rate);
     status.update({{"sender", origin.sender}, {"source", origin.source}, {"sequence", origin.sequence}, {"width", origin.size.width},
-                   {"height", origin.size.height}, {"rate", going_on ? std::round(origin.rate * 10) / 10 : 0}, {"since_ms", since}});
+                   {"height", origin.size.height}, {"rate", newest.going_on(now) ? std::round(origin.rate * 10) / 10 : 0}, {"since_ms", since}});
     if (origin.captured)
         status["age_ms"] = std::max<std::int64_t>(0, duration_cast<milliseconds>(wall - *origin.captured).count());
     return status;

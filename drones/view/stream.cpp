@@ -14,12 +14,12 @@ constexpr std::string_view boundary = "--picture\r\n", end = "\r\n--picture\r\n"
 
 bool Stream::begin_part(Exchange::Time now)
 {
-    const auto newest = exchange_.newest();
+    const auto newest = exchange_.newest(now);
     const bool first = !jpeg_;
-    if (!first && newest.number == number_ && now - begun_ < repeat_)
+    if (!first && newest.version == version_ && now - begun_ < repeat_)
         return false;
     jpeg_ = newest.picture->jpeg();
-    number_ = newest.number;
+    version_ = newest.version;
     begun_ = now;
     sent_ = 0;
     head_ = (first ? std::string(boundary) : std::string()) + "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg_->size()) + "\r\n\r\n";

@@ -12,7 +12,7 @@ class Stream {
 public:
     static constexpr const char* type = "multipart/x-mixed-replace; boundary=picture";
 
-    /// @param repeat  after this long without a new picture the last one is sent again, so that readers that are gone are noticed
+    /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that readers that are gone are noticed
     Stream(const Exchange& exchange, std::chrono::milliseconds repeat) : exchange_(exchange), repeat_(repeat) {}
     /// Copies the next bytes; returns how many. 0: nothing to send at this time.
     std::size_t read(std::span<char> to, Exchange::Time now);
@@ -26,7 +26,7 @@ private:
     std::string head_;
     Jpeg jpeg_;
     std::size_t sent_ = 0;  ///< of head, JPEG and end together
-    std::uint64_t number_ = 0;
+    std::uint64_t version_ = 0;
     Exchange::Time begun_{};
 };
 

@@ -40,7 +40,7 @@ void Window::run(const std::function<void()>& closed)
     while (!ending_) {
         const unsigned wakes = wakes_;
         const auto newest = exchange_.newest();
-        if (visible_ && newest.number > number_)
+        if (visible_ && newest.version > version_)
             show(newest);
         if (open_ && !visible_) {
             cv::destroyWindow(name);
@@ -65,7 +65,7 @@ void Window::show(const Exchange::Newest& newest)
         cv::setWindowTitle(name, sender + " - Hive view");
         title_ = sender;
     }
-    number_ = newest.number;
+    version_ = newest.version;
     open_ = true;
 }
 

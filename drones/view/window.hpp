@@ -33,7 +33,7 @@ private:
     const Exchange& exchange_;
     std::atomic<bool> visible_{true}, ending_{false};
     std::atomic<unsigned> wakes_{0};
-    std::uint64_t number_ = 0;
+    std::uint64_t version_ = 0;
     std::string title_;
     bool open_ = false;
     std::thread thread_;

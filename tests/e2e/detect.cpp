@@ -57,7 +57,7 @@ TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture
     CHECK(found > 0);
 }
 
-TEST_CASE("detect: a model that cannot be used is refused in a sentence, by set and at the start, and people are found as before")
+TEST_CASE("detect: a model or a file of classes that cannot be used is refused in a sentence, by set and at the start, and people are found as before")
 {
     const Swarm swarm;
     const auto garbage = (swarm.home() / "garbage.onnx").string();
@@ -70,14 +70,19 @@ TEST_CASE("detect: a model that cannot be used is refused in a sentence, by set 
     };
     refused("model=/nowhere/model.onnx", "no model at /nowhere/model.onnx");
     refused("model=" + garbage, "is not an ONNX model that OpenCV's DNN can read");
+    refused("classes=/nowhere/names", "no file of class names at /nowhere/names");
     refused("mean=1,2", "mean is one number, or three");
     refused("stride=6", "stride is a multiple of 4");
     auto application = swarm.application();
     CHECK(application.status("detect").at("state") == "idle");
     CHECK(swarm.hivectl_done({"get", "detect", "model"}).find("/nowhere") == std::string::npos);
-    const auto started = swarm.run({swarm.program("hive-detect").string(), "--name", "other", "--set", "model=" + garbage});
-    CHECK(started.exit_code != 0);
-    CHECK(started.err.find("is not an ONNX model") != std::string::npos);
+    const auto not_started = [&](const std::string& setting, const std::string& sentence) {
+        const auto started = swarm.run({swarm.program("hive-detect").string(), "--name", "other", "--set", setting});
+        CHECK(started.exit_code != 0);
+        CHECK_MESSAGE(started.err.find(sentence) != std::string::npos, started.err);
+    };
+    not_started("model=" + garbage, "is not an ONNX model");
+    not_started("classes=/nowhere/names", "no file of class names at /nowhere/names");
 }
 
 TEST_CASE("detect: a model that is set while pictures come is used, with the names of its classes, and people again without it")

@@ -64,8 +64,11 @@ int main(int argc, char** argv)
         std::cout << "camera at http://" << settings.address << ":" << server.port() << "\ncontrol at http://127.0.0.1:" << server.control_port() << std::endl;
         server.run();
         return 0;
-    } catch (const std::exception& problem) {
+    } catch (const std::invalid_argument& problem) {
         std::cerr << "hive-axis-emulator: " << problem.what() << "\n" << usage;
         return 2;
+    } catch (const std::exception& problem) {
+        std::cerr << "hive-axis-emulator: " << problem.what() << "\n";
+        return 1;
     }
 }

@@ -9,6 +9,7 @@
 #include <asio.hpp>
 
 #include <set>
+#include <stdexcept>
 
 namespace axis::emulator {
 namespace {
@@ -42,6 +43,15 @@ std::string page(const std::string& status, const std::string& fields = "")
     return answer_text(status, "text/html", "<html><body>" + status + "</body></html>\r\n", fields);
 }
 
+asio::ip::address address_of(const std::string& text)
+{
+    std::error_code problem;
+    const auto address = asio::ip::make_address(text, problem);
+    if (problem)
+        throw std::invalid_argument("address=" + text + " is no internet address, as 192.0.2.10");
+    return address;
+}
+
 std::string repeated(const std::string& text, int times)
 {
     std::string all;
@@ -56,11 +66,11 @@ class Server::World {
 public:
     explicit World(const ServerSettings& settings)
         : behaviour_(settings.behaviour), parameters_(serial), login_(settings.owner, serial),
-          place_(asio::ip::make_address(settings.address), settings.port), camera_(context_), control_(context_), signals_(context_, SIGTERM, SIGINT)
+          place_(address_of(settings.address), settings.port), camera_(context_), control_(context_), signals_(context_, SIGTERM, SIGINT)
     {
         open_camera();
         place_ = camera_.local_endpoint();
-        open(control_, {asio::ip::make_address("127.0.0.1"), settings.control_port});
+        open(control_, {asio::ip::make_address("127.0.0.1"), settings.control_port}, "control");
         follow_behaviour();
         asio::co_spawn(context_, accept_control(), asio::detached);
         signals_.async_wait([this](std::error_code, int) { context_.stop(); });
@@ -71,17 +81,20 @@ public:
     void run() { context_.run(); }
 
 private:
-    static void open(tcp::acceptor& acceptor, const tcp::endpoint& place)
-    {
+    static void open(tcp::acceptor& acceptor, const tcp::endpoint& place, const std::string& word)
+    try {
         acceptor.open(place.protocol());
         acceptor.set_option(tcp::acceptor::reuse_address(true));
         acceptor.bind(place);
         acceptor.listen();
+    } catch (const std::system_error& problem) {
+        acceptor.close();
+        throw std::runtime_error("cannot listen at " + place.address().to_string() + ", " + word + "=" + std::to_string(place.port()) + ": " + problem.code().message());
     }
 
     void open_camera()
     {
-        open(camera_, place_);
+        open(camera_, place_, "port");
         asio::co_spawn(context_, accept_camera(), asio::detached);
     }
 

@@ -17,7 +17,8 @@ struct ServerSettings {
 
 class Server {
 public:
-    /// Listens at once. @throws std::exception  saying what does not work
+    /// Listens at once.
+    /// @throws std::invalid_argument  when the address is none; std::runtime_error  saying where it cannot listen and why
     explicit Server(const ServerSettings& settings);
     ~Server();
     [[nodiscard]] unsigned short port() const;

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <functional>
 #include <sys/stat.h>
 
 using namespace stage;
@@ -52,6 +54,43 @@ TEST_CASE("axis login: a wrong password is tried three times, told, and not trie
     CHECK(camera.count("wrong_logins") == 3);
 }
 
+TEST_CASE("axis login: when the camera takes the password again, a touch of the file or a set to the same is enough")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest", "close_after=5"});
+    const auto file = credentials_file(swarm, "root:pass");
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + file});
+    auto application = swarm.application();
+    const auto again = [&](const std::function<void()>& way) {
+        camera.behave("unauthorised=on");
+        REQUIRE(comes_to_say(application, "auth_failed: the camera refuses the password of root", 10'000ms));
+        camera.behave("unauthorised=off");
+        way();
+        CHECK(comes_to_say(application, ""));
+    };
+    again([&] { std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + 1s); });
+    again([&] { CHECK(swarm.hivectl_done({"set", "axis", "credentials=" + file}) == file + "\n"); });
+    again([&] { swarm.hivectl_done({"set", "axis", "url=" + camera.url()}); });
+}
+
+TEST_CASE("axis login: a set that is refused tries no password again, one that changes nothing tries it once")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest"});
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + credentials_file(swarm, "root:wrong")});
+    auto application = swarm.application();
+    REQUIRE(comes_to_say(application, "auth_failed"));
+    for (const std::string setting : {"brightness=60", "url=ftp://x"})
+        CHECK(swarm.hivectl({"set", "axis", setting}).exit_code != 0);
+    const auto collector = application.collect({{"axis", "image"}});
+    CHECK_FALSE(collector->next(1500ms));
+    CHECK(camera.count("wrong_logins") == 3);
+    application.set("axis", {{"url", camera.url()}});
+    CHECK(eventually([&] { return camera.count("wrong_logins") == 4; }));
+    CHECK_FALSE(collector->next(1500ms));
+    CHECK(camera.count("wrong_logins") == 4);
+}
+
 TEST_CASE("axis login: over http a password is not sent readable unless that is allowed")
 {
     const Swarm swarm;
@@ -74,6 +113,17 @@ TEST_CASE("axis login: a camera that wants one and a drone that has none say so;
     const auto drone = axis_drone(swarm, camera, {}, {"HIVE_AXIS_USER=root", "HIVE_AXIS_PASSWORD=pass"});
     CHECK(comes_to_say(application, ""));
     take_pictures(*application.collect({{"axis", "image"}}), 1);
+}
+
+TEST_CASE("axis login: half a login in the environment is not tried; the drone says what is missing and does not start")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest"});
+    const auto started = swarm.run({"/usr/bin/env", "HIVE_AXIS_USER=root", swarm.program("hive-axis").string(), "--name", "axis", "--set", "url=" + camera.url(),
+                                    "--set", "allow_address=127.0.0.1"});
+    CHECK(started.exit_code != 0);
+    CHECK(has(started.err, "HIVE_AXIS_PASSWORD is missing"));
+    CHECK(camera.count("connections") == 0);
 }
 
 TEST_CASE("axis login: a password is neither on a command line nor in the log nor in a parameter, and a URL with one is refused")

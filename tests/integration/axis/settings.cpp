@@ -127,6 +127,33 @@ TEST_CASE("axis settings: without a camera the drone runs and says what it needs
     CHECK(has(swarm.hivectl({"set", "axis", "url=ftp://x"}).err, "write http:// or https://"));
 }
 
+TEST_CASE("axis settings: a certificate that is not there is refused at once, at the start and by set")
+{
+    const Swarm swarm;
+    const auto started = swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "certificate=/nowhere/x.pem"});
+    CHECK(started.exit_code != 0);
+    CHECK(has(started.err, "certificate: there is no file /nowhere/x.pem"));
+    const auto drone = swarm.drone("axis", "axis", {"url=https://192.0.2.10"});
+    CHECK(has(swarm.hivectl({"set", "axis", "certificate=/nowhere/x.pem"}).err, "certificate: there is no file /nowhere/x.pem"));
+    CHECK(swarm.hivectl_done({"get", "axis", "certificate"}).find("/nowhere") == std::string::npos);
+}
+
+TEST_CASE("axis emulator: says which address or port it cannot have, with its words only when one of them is wrong")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm);
+    const std::string program = swarm.program("hive-axis-emulator").string(), taken = camera.url().substr(camera.url().rfind(':') + 1);
+    for (const std::string word : {"port", "control"}) {
+        const auto refused = swarm.run({program, word + "=" + taken});
+        CHECK(refused.exit_code == 1);
+        CHECK(refused.err == "hive-axis-emulator: cannot listen at 127.0.0.1, " + word + "=" + taken + ": Address already in use\n");
+    }
+    CHECK(has(swarm.run({program, "address=192.0.2.1"}).err, "cannot listen at 192.0.2.1, port=0: "));
+    const auto wrong = swarm.run({program, "address=300.1.1.1"});
+    CHECK(wrong.exit_code == 2);
+    CHECK(has(wrong.err, "address=300.1.1.1 is no internet address"));
+}
+
 TEST_CASE("axis settings: the header of a picture has the fields that the page shows")
 {
     const std::string page = text_of(HIVE_SOURCE_DIR "/drones/axis/README.md"), begin = "Its header: `";

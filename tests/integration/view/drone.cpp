@@ -9,6 +9,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <set>
 
 using namespace hive::test;
 using http::Client, http::get;
@@ -102,6 +103,35 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
     CHECK(exception->header.at("code") == "malformed");
     put(good);
     CHECK(eventually([&] { return get(port, "/picture.jpg").picture().cols == 64; }, Milliseconds(5000)));
+}
+
+TEST_CASE("view: the text on a picture that stays is written anew, for the snapshot and the stream")
+{
+    const Swarm swarm;
+    const int port = http::free_port();
+    const auto camera = swarm.drone("camera", "camera", {"width=320", "height=240"});
+    const auto view = viewer(swarm, port);
+    auto application = swarm.application();
+    application.connect({"camera", ""}, {"view", ""});
+    Client client(port);
+    client.send(http::request_for("/stream.mjpg"));
+    REQUIRE(client.next_picture(Milliseconds(10'000)));
+    REQUIRE(shows(port));
+    swarm.hivectl_done({"halt", "camera"});
+    REQUIRE(eventually([&] { return status_at(port).at("rate") == 0; }, Milliseconds(10'000)));
+    const auto number = status_at(port).at("number");
+    std::set<std::string> snapshots, streamed;
+    CHECK(eventually([&] { return snapshots.insert(get(port, "/picture.jpg").body), snapshots.size() >= 3; }, Milliseconds(8000)));
+    CHECK(snapshots.size() <= 4);
+    while (streamed.size() < 3) {
+        const auto picture = client.next_picture();
+        REQUIRE(picture);
+        if (snapshots.contains(*picture))
+            streamed.insert(*picture);
+    }
+    CHECK(status_at(port).at("number") == number);
+    swarm.hivectl_done({"resume", "camera"});
+    CHECK(eventually([&] { return status_at(port).at("rate") > 0; }, Milliseconds(10'000)));
 }
 
 TEST_CASE("view: with hold the next picture of a source on demand waits; a set lets it go")

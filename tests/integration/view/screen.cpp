@@ -14,7 +14,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-
+#include <set>
 
 using namespace hive::test;
 
@@ -132,6 +132,23 @@ TEST_CASE("view window: shows the picture in its size; q or closing it ends the 
         end();
         CHECK(view.wait(Milliseconds(5000)) == 0);
     }
+}
+
+TEST_CASE("view window: the text on a picture that stays is written anew")
+{
+    if (!installed("Xvfb"))
+        return;
+    const Swarm swarm;
+    const TestScreen screen(swarm);
+    const auto camera = swarm.drone("camera", "camera");
+    const auto view = swarm.drone("view", "view", {}, {}, {"DISPLAY=" + screen.name});
+    auto application = swarm.application();
+    application.connect({"camera", ""}, {"view", ""});
+    const auto window = [&] { return screen.find("camera.image - Hive view"); };
+    REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(20'000)));
+    swarm.hivectl_done({"halt", "camera"});
+    std::set<double> looks;  // a few are of pictures that were on their way
+    CHECK(eventually([&] { return looks.insert(screen.look(window()).second), looks.size() >= 6; }, Milliseconds(12'000)));
 }
 
 TEST_CASE("hivectl view: ends well when its window is closed")

@@ -1,6 +1,7 @@
 // Where a camera may be, and who may log in there.
 #include "address_rule.hpp"
 #include "camera_url.hpp"
+#include "certificate.hpp"
 #include "credentials.hpp"
 
 #include <doctest/doctest.h>
@@ -109,6 +110,17 @@ TEST_CASE("addresses: what is no internet address at all is refused")
     CHECK_FALSE(AddressRule().allows(unknown));
 }
 
+TEST_CASE("certificate: a file that is not there or has none is refused by its name")
+{
+    CHECK_NOTHROW(check_certificate(""));
+    CHECK_NOTHROW(check_certificate(File("of the door\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n", 0644).path));
+    CHECK_THROWS_WITH_AS(check_certificate("/nowhere/at/all"), "certificate: there is no file /nowhere/at/all", std::runtime_error);
+    CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no file /tmp"), std::runtime_error);
+    const File key("-----BEGIN PRIVATE KEY-----\n", 0600), empty("", 0600);
+    for (const auto* file : {&key, &empty})
+        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " has none").c_str()), std::runtime_error);
+}
+
 TEST_CASE("credentials: from a file that its owner alone can read")
 {
     CHECK(read_credentials(File("root:pa:ss\r\nmore", 0600).path) == Credentials{"root", "pa:ss"});
@@ -121,6 +133,15 @@ TEST_CASE("credentials: from a file that its owner alone can read")
     CHECK_THROWS_WITH_AS(read_credentials("/tmp"), doctest::Contains("not a file"), std::runtime_error);
 }
 
+TEST_CASE("credentials: a file that is written again with the same has another time; none has always the same")
+{
+    const File file("root:pass", 0600);
+    const auto before = written_at(file.path);
+    std::filesystem::last_write_time(file.path, before + std::chrono::seconds(1));
+    CHECK(written_at(file.path) > before);
+    CHECK(written_at("") == written_at("/nowhere/at/all"));
+}
+
 TEST_CASE("credentials: without a file from the environment, or none")
 {
     ::unsetenv(user_variable);
@@ -128,6 +149,12 @@ TEST_CASE("credentials: without a file from the environment, or none")
     ::setenv(user_variable, "viewer", 1);
     ::setenv(password_variable, "secret", 1);
     CHECK(read_credentials("") == Credentials{"viewer", "secret"});
+    ::setenv(password_variable, "", 1);
+    CHECK_THROWS_WITH_AS(read_credentials(""), doctest::Contains("HIVE_AXIS_PASSWORD is missing"), std::runtime_error);
+    ::unsetenv(password_variable);
+    CHECK_THROWS_WITH_AS(read_credentials(""), doctest::Contains("HIVE_AXIS_PASSWORD is missing"), std::runtime_error);
     ::unsetenv(user_variable);
+    ::setenv(password_variable, "secret", 1);
+    CHECK_THROWS_WITH_AS(read_credentials(""), doctest::Contains("HIVE_AXIS_USER is missing"), std::runtime_error);
     ::unsetenv(password_variable);
 }

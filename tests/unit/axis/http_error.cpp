@@ -21,7 +21,7 @@ Access access(const CameraUrl& url, std::optional<Credentials> credentials, bool
 
 Head unauthorised(std::vector<std::string> challenges) { return {401, "text/html", "", std::move(challenges)}; }
 
-Trouble of_code(int code, long problem = 0) { return error_of_transfer(plain, {}, code, problem).trouble(); }
+Trouble of_code(int code, long problem = 0) { return error_of_transfer(access(plain, std::nullopt), {}, code, problem).trouble(); }
 
 }  // namespace
 
@@ -53,7 +53,16 @@ TEST_CASE("http errors: each failure of a transfer is its own trouble")
     CHECK(of_code(CURLE_COULDNT_CONNECT, EHOSTUNREACH) == Trouble::no_route);
     CHECK(of_code(CURLE_OPERATION_TIMEDOUT) == Trouble::no_answer);
     CHECK(of_code(CURLE_PEER_FAILED_VERIFICATION) == Trouble::insecure);
+    CHECK(of_code(CURLE_SSL_CACERT_BADFILE) == Trouble::insecure);
     CHECK(of_code(CURLE_UNSUPPORTED_PROTOCOL) == Trouble::not_vapix);
     CHECK(of_code(CURLE_PARTIAL_FILE) == Trouble::closed);
     CHECK(of_code(CURLE_GOT_NOTHING) == Trouble::closed);
+}
+
+TEST_CASE("http errors: a certificate that cannot be read any more is named")
+{
+    Access with_file = access(encrypted, std::nullopt);
+    with_file.certificate = "/somewhere/camera.pem";
+    const std::string text = error_of_transfer(with_file, {}, CURLE_SSL_CACERT_BADFILE, 0).what();
+    CHECK(text == "no encrypted connection to https://192.0.2.10: the certificate in /somewhere/camera.pem cannot be read");
 }

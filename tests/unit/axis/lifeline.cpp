@@ -98,6 +98,26 @@ TEST_CASE("lifeline: a password is tried three times, then not until it changes"
     CHECK(line.next_try() == start + 9s);
 }
 
+TEST_CASE("lifeline: a password that is tried no more is tried once more for each time that somebody wants it, and the text says how")
+{
+    Lifeline line(start);
+    const CameraError wrong(Trouble::login_refused, "wrong password");
+    for (int i = 0; i < 2; ++i)
+        line.failed(wrong, start);
+    line.once_more(start + 9s);
+    CHECK(line.next_try() < start + 9s);  // it is being tried anyway
+    line.failed(wrong, start);
+    CHECK(line.condition(start) == "auth_failed: wrong password; to try it again, touch the file of credentials or set credentials again, also to the same");
+    for (const auto now : {start + 9s, start + 99s}) {
+        line.once_more(now);
+        CHECK_FALSE(line.locked_out());
+        CHECK(line.login_refused());
+        CHECK(line.next_try() == now);
+        line.failed(wrong, now);
+        CHECK(line.locked_out());
+    }
+}
+
 TEST_CASE("lifeline: other failures between do not give a password more tries, a picture does")
 {
     Lifeline line(start);

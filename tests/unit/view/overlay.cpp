@@ -17,6 +17,8 @@ TEST_CASE("overlay: the caption says sender, source, rate and age, and leaves ou
     view::Origin origin{"face.annotated", "camera", 7, {640, 480}, noon, 29.84};
     CHECK(view::caption(origin, noon + 12ms) == "face.annotated from camera  29.8 fps  12 ms");
     CHECK(view::caption(origin, noon + 3400ms) == "face.annotated from camera  29.8 fps  3.4 s");
+    CHECK(view::caption(origin, noon + 59'900ms) == "face.annotated from camera  29.8 fps  59.9 s");
+    CHECK(view::caption(origin, noon + 100s) == "face.annotated from camera  29.8 fps  2 min");
     CHECK(view::caption(origin, noon - 5ms) == "face.annotated from camera  29.8 fps  0 ms");
     origin.captured.reset();
     origin.rate = 0;

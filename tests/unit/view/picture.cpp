@@ -85,6 +85,52 @@ TEST_CASE("exchange: a slow reader finds the newest; what nobody looked at is go
     CHECK(first.expired());
 }
 
+TEST_CASE("picture: captioned anew it has no rate, another text, the same pixels, which are not decoded again, and the same problem")
+{
+    int decoded = 0;
+    const view::Origin origin{.sender = "camera.image", .source = "camera", .sequence = 7, .size = grey.size(), .captured = std::chrono::system_clock::now(), .rate = 29.8};
+    const Picture picture(origin, {[&] { ++decoded; return grey; }, nullptr}, {});
+    const auto before = picture.jpeg();
+    const auto anew = picture.captioned_anew();
+    REQUIRE(anew);
+    CHECK(anew->origin().rate == 0);
+    CHECK(anew->origin().sequence == 7);
+    CHECK(*anew->jpeg() != *before);
+    CHECK(decoded == 1);
+    int tried = 0;
+    const Picture damaged({}, {[&]() -> cv::Mat { ++tried; throw std::runtime_error("cut short"); }, nullptr}, {});
+    CHECK(cv::norm(damaged.shown(), damaged.captioned_anew()->shown()) == 0);
+    CHECK(tried == 1);
+    CHECK_FALSE(Picture(origin, {[] { return grey; }, nullptr}, {.overlay = false}).captioned_anew());
+}
+
+TEST_CASE("exchange: when no more pictures come, the text on the last is to be written anew once a second, for all who look")
+{
+    const view::Exchange::Time begin{1000s};
+    view::Exchange exchange(Picture::of_notice("no picture yet"));
+    CHECK(exchange.newest(begin).version == exchange.newest(begin + 1h).version);
+    const auto put = [&](double rate, bool overlay) {
+        exchange.put(std::make_shared<const Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = rate}, Picture::Content{[] { return grey; }, nullptr},
+                                                     Picture::Look{.overlay = overlay}), begin);
+        return exchange.newest(begin);
+    };
+    const auto first = put(29.8, true);
+    CHECK(exchange.newest(begin + 1999ms).picture == first.picture);
+    const auto old = exchange.newest(begin + 2s);
+    CHECK(old.version == first.version + 1);
+    CHECK(old.number == first.number);
+    CHECK(old.since == first.since);
+    CHECK(old.picture->origin().rate == 0);
+    CHECK(exchange.newest(begin + 2999ms).picture == old.picture);
+    CHECK(exchange.newest(begin + 3s).version == first.version + 2);
+    CHECK(put(29.8, true).version == first.version + 3);
+    const auto slow = put(0.2, true);
+    CHECK(exchange.newest(begin + 9s).version == slow.version);  // one in five seconds
+    CHECK(exchange.newest(begin + 10s).version == slow.version + 1);
+    const auto plain = put(29.8, false);
+    CHECK(exchange.newest(begin + 1h).picture == plain.picture);
+}
+
 TEST_CASE("rate: is that of the last two seconds, or since the picture before; not known from one")
 {
     view::Rate rate;

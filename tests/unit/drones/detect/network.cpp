@@ -135,6 +135,8 @@ TEST_CASE("network: a model or a file of classes that is not there, or is none, 
     wanted = settings(model);
     wanted.classes = "/nowhere/classes";
     CHECK(refusal(wanted) == "no file of class names at /nowhere/classes");
+    CHECK_THROWS_WITH_AS(detect::class_names("/nowhere/classes"), "no file of class names at /nowhere/classes", std::runtime_error);
+    CHECK(detect::class_names("").empty());
     CHECK(refusal(settings(model, &empty)).find("has no class names") != std::string::npos);
     CHECK(refusal(settings(model, &binary)).find("more than 64 bytes") != std::string::npos);
     CHECK(refusal(settings(model)) == "accepted");
