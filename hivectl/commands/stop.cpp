@@ -21,7 +21,7 @@ int run(const Options& options, Session& session)
         throw hive::Error(hive::Errc::invalid_argument, options.all ? "give names or --all, not both" : "which drones? give names, or --all; see what runs: hivectl ps");
     auto& application = session.application();
     Outcome outcome("stop");
-    for (const auto& name : options.all ? application.drones() : drones_named(application, options.names)) {
+    for (const auto& name : options.all ? application.drones() : drones_named(application, options.names, outcome)) {
         try {
             application.stop(name);
             outcome.done();

@@ -80,6 +80,27 @@ TEST_CASE("names: a second drone of the same name is refused, and told which pro
     CHECK(swarm.application().describe("twin").kind == "ticker");  // the first has not suffered
 }
 
+TEST_CASE("names: of several names those that run are served, and exit code 8 names the one that does not")
+{
+    const Swarm swarm;
+    const auto first = swarm.drone("ticker", "one"), second = swarm.drone("ticker", "two");
+    const auto ps = swarm.hivectl({"ps", "one", "gone", "--json"});
+    CHECK(ps.exit_code == 8);
+    CHECK(has(ps.err, "gone is not running"));
+    CHECK(Json::parse(ps.out).at(0).at("name") == "one");
+    for (const auto* verb : {"describe", "halt", "resume"}) {
+        CAPTURE(verb);
+        const auto asked = swarm.hivectl({verb, "gone", "one"});
+        CHECK(asked.exit_code == 8);
+        CHECK(has(asked.out, "one"));
+    }
+    const auto stopped = swarm.hivectl({"stop", "one", "gone", "two"});
+    CHECK(stopped.exit_code == 8);
+    CHECK(stopped.out == "one\ntwo\n");
+    CHECK(has(stopped.err, "gone"));
+    CHECK(swarm.hivectl({"ps", "one", "two"}).exit_code == 3);
+}
+
 TEST_CASE("names: a name whose holder was killed is free at once")
 {
     const Swarm swarm;
