@@ -50,6 +50,18 @@ std::vector<hive::Endpoint> matching(hive::Application& application, const std::
 
 bool is_glob(std::string_view text) { return text.find_first_of("*?") != std::string_view::npos; }
 
+bool runs(hive::Application& application, const std::string& name)
+{
+    try {
+        application.find(name);
+        return true;
+    } catch (const hive::Error& error) {
+        if (error.code() != hive::Errc::not_found)
+            throw;
+        return false;
+    }
+}
+
 std::string to_text(const hive::Endpoint& endpoint)
 {
     return endpoint.port.empty() ? endpoint.drone : endpoint.drone + "." + endpoint.port;

@@ -3,6 +3,8 @@
 
 #include <hive/name.hpp>
 
+#include <algorithm>
+
 #include <unistd.h>
 
 namespace hive {
@@ -43,6 +45,23 @@ std::vector<std::string> Application::Core::running() const
     for (const auto& name : home.names())
         if (home.alive(name))
             names.push_back(name);
+    return names;
+}
+
+bool Application::Core::remembers(const std::string& drone) const
+{
+    std::error_code ignored;
+    return is_name(drone) && std::filesystem::exists(home.path(drone, ".state"), ignored) && !home.alive(drone);
+}
+
+std::vector<std::string> Application::Core::remembered() const
+{
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(home.directory(), ignored))
+        if (entry.path().extension() == ".state" && remembers(entry.path().stem().string()))
+            names.push_back(entry.path().stem().string());
+    std::ranges::sort(names);
     return names;
 }
 

@@ -21,6 +21,9 @@ public:
     /// Throws Errc::not_found, with what to do, when no drone of this name runs here.
     void require_running(const std::string& drone) const;
     [[nodiscard]] std::vector<std::string> running() const;
+    /// Has what this drone was told outlived it?
+    [[nodiscard]] bool remembers(const std::string& drone) const;
+    [[nodiscard]] std::vector<std::string> remembered() const;
     /// With the output's name, when the drone has only one.
     Endpoint with_output(const Endpoint& end);
     [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }
