@@ -86,7 +86,7 @@ int Launch::give_up(bool late, std::chrono::milliseconds limit)
 {
     process_.end();
     if (!late)
-        return exit_code::interrupted;
+        return interrupt::exit_code();
     complain(plan_.verb, plan_.name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log says:");
     show_last_words();
     return exit_code::timed_out;

@@ -28,7 +28,7 @@ int print_lines(const PrintUntil& until, const std::function<std::optional<std::
             return exit_code::timed_out;
         }
     }
-    return exit_code::interrupted;
+    return interrupt::exit_code();
 }
 
 }  // namespace hivectl

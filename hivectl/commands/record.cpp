@@ -78,7 +78,7 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
         writer.look(Clock::now());
     }
     const bool early = writer.ended().empty() && (options.count > 0 || options.seconds);
-    return early ? exit_code::interrupted : exit_code::done;
+    return early ? interrupt::exit_code() : exit_code::done;
 }
 
 /// What had come before the end is part of the recording.

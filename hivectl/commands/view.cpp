@@ -73,7 +73,7 @@ int look(Launch& launch)
     while (interrupt::sleep(100ms))
         if (const auto status = launch.process().ended())
             return WIFEXITED(*status) && WEXITSTATUS(*status) == 0 ? exit_code::done : launch.died(*status);
-    return exit_code::interrupted;
+    return interrupt::exit_code();
 }
 
 /// Nothing of the drone is left, whichever way this ends.
