@@ -50,7 +50,7 @@ BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::fil
     require_free(session, plan);
     std::vector<std::string> words{"--name", plan.name};
     words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
-    return {program, words, {"HIVE_HOME=" + session.home().string()}, log};
+    return {program, words, {"HIVE_HOME=" + session.home().string()}, log, plan.life};
 }
 
 }  // namespace

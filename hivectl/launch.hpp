@@ -17,9 +17,10 @@ class Session;
 struct LaunchPlan {
     std::string verb, kind, name;
     std::vector<std::string> arguments;  ///< of the program, but its name
+    Life life = Life::own;
 };
 
-/// A drone started here; it goes on when hivectl has ended.
+/// A drone started here.
 class Launch {
 public:
     /// Starts it, with its log in the home. Throws Errc::not_found when there is no such program, Errc::name_taken, Errc::io.

@@ -50,7 +50,7 @@ std::string free_name(hive::Application& application)
 
 LaunchPlan plan_of(const Options& options, const std::string& name)
 {
-    LaunchPlan plan{"view", "view", name, {}};
+    LaunchPlan plan{"view", "view", name, {}, Life::tied};
     if (options.port == 0)
         plan.arguments = {"--set", "window=on"};
     else

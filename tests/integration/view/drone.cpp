@@ -179,6 +179,18 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
     }
 }
 
+TEST_CASE("hivectl view: the drone ends with the command, even if that is killed, and has forgotten what it was told")
+{
+    const Swarm swarm;
+    const int port = http::free_port();
+    const auto camera = swarm.drone("camera", "camera");
+    auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port)}, "seen");
+    REQUIRE(eventually([&] { return swarm.log("seen").find("http://") != std::string::npos; }, Milliseconds(15'000)));
+    process.kill();
+    CHECK(eventually([&] { return swarm.application().drones() == std::vector<std::string>{"camera"}; }, Milliseconds(5000)));
+    CHECK_FALSE(std::filesystem::exists(swarm.home() / "viewer.state"));
+}
+
 TEST_CASE("hivectl view: without a display it names --http; a drone that sends no pictures is told so; nothing is left running")
 {
     const Swarm swarm;
