@@ -8,10 +8,10 @@
 #include "programs.hpp"
 #include "session.hpp"
 #include "table.hpp"
+#include "targets.hpp"
 
 #include <hive/name.hpp>
 
-#include <algorithm>
 #include <sstream>
 #include <sys/wait.h>
 
@@ -38,8 +38,7 @@ std::filesystem::path require_program(const std::string& kind)
 void require_free(Session& session, const LaunchPlan& plan)
 {
     hive::require_name(plan.name, "drone");
-    const auto running = session.application().drones();
-    if (std::ranges::find(running, plan.name) != running.end())
+    if (runs(session.application(), plan.name))
         throw hive::Error(hive::Errc::name_taken, plan.name + " is running already; stop it: hivectl stop " + plan.name
                                                       + ", or start another beside it: hivectl start " + plan.kind + " --as " + plan.name + "-2");
 }
@@ -72,8 +71,10 @@ std::optional<int> Launch::await(std::chrono::milliseconds limit)
     const auto end = std::chrono::steady_clock::now() + limit;
     session_.application().timeout(500ms);
     while (!ready()) {
-        if (const auto status = process_.ended())
+        if (const auto status = process_.ended()) {
+            require_free(session_, plan_);
             return died(*status);
+        }
         const bool late = std::chrono::steady_clock::now() >= end;
         if (late || !interrupt::sleep(10ms))
             return give_up(late, limit);

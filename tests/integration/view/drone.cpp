@@ -191,6 +191,23 @@ TEST_CASE("hivectl view: the drone ends with the command, even if that is killed
     CHECK_FALSE(std::filesystem::exists(swarm.home() / "viewer.state"));
 }
 
+TEST_CASE("hivectl view: several that begin at once show each in a drone of its own")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera");
+    std::vector<Process> views;
+    for (const char* name : {"a", "b", "c"})
+        views.push_back(swarm.hivectl_running({"view", "camera", "--http", std::to_string(http::free_port())}, name));
+    for (const char* name : {"a", "b", "c"})
+        REQUIRE_MESSAGE(eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)), swarm.log(name));
+    CHECK(swarm.application().drones() == std::vector<std::string>{"camera", "viewer", "viewer-2", "viewer-3"});
+    for (auto& view : views) {
+        view.signal(SIGINT);
+        CHECK(view.wait(Milliseconds(5000)) == 130);
+    }
+    CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
+}
+
 TEST_CASE("hivectl view: without a display it names --http; a drone that sends no pictures is told so; nothing is left running")
 {
     const Swarm swarm;
