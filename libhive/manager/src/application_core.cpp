@@ -15,14 +15,6 @@ std::string name_of(const Application::Options& options)
     return options.name.empty() ? "app-" + std::to_string(::getpid()) : require_name(options.name, "application");
 }
 
-/// A drone is often called after its kind: "face", "face-2".
-std::string start_command(const std::string& drone)
-{
-    const auto dash = drone.rfind('-');
-    const bool numbered = dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
-    return "hivectl start " + (numbered ? drone.substr(0, dash) + " --as " + drone : drone);
-}
-
 /// The error of a drone, saying whose it is.
 Error named(const std::string& drone, const Error& error)
 {
@@ -71,7 +63,7 @@ void Application::Core::require_running(const std::string& drone) const
         return;
     require_name(drone, "drone");
     const auto near = nearest(drone, running());
-    throw Error(Errc::not_found, drone + " is not running; " + (near.empty() ? "start it: " + start_command(drone) : "did you mean " + near + "?"));
+    throw Error(Errc::not_found, drone + " is not running" + (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)

@@ -18,7 +18,7 @@ public:
     /// Asks several at once, each its own header, and waits for all.
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const std::vector<Json>& headers);
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
-    /// Throws Errc::not_found, with what to do, when no drone of this name runs here.
+    /// Throws Errc::not_found, with the nearest name, when no drone of this name runs here.
     void require_running(const std::string& drone) const;
     [[nodiscard]] std::vector<std::string> running() const;
     /// Has what this drone was told outlived it?
