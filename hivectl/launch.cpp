@@ -30,7 +30,7 @@ std::filesystem::path require_program(const std::string& kind)
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
     const std::string near = hive::nearest(kind, known);
-    throw hive::Error(hive::Errc::not_found, "there is no program hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
+    throw hive::Error(hive::Errc::not_found, "there is no drone hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
                                                  + (near.empty() ? "" : "did you mean " + near + "? ") + "kinds found: "
                                                  + (list.empty() ? "none" : list));
 }
