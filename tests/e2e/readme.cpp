@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <set>
 #include <sstream>
 
 using namespace hive::test;
@@ -107,6 +108,17 @@ const std::vector<Verb> verbs{{"start", ""},
 TEST_CASE("README: the commands on the front page work as they stand there") { run_blocks("README.md"); }
 
 TEST_CASE("README: the commands on hivectl's page work as they stand there") { run_blocks("hivectl/README.md"); }
+
+TEST_CASE("README: hivectl --help has each heading once")
+{
+    const Swarm swarm;
+    std::istringstream help(swarm.hivectl_done({"--help"}));
+    std::set<std::string> headings;
+    for (std::string line; std::getline(help, line);)
+        if (line.ends_with(":") && !line.starts_with(" "))
+            CHECK_MESSAGE(headings.insert(line).second, line, " stands there twice");
+    CHECK(headings.contains("look:"));
+}
 
 TEST_CASE("README: the examples of --help work as they stand there")
 {
