@@ -98,7 +98,8 @@ Verb stop_verb()
             .usage = "NAME... | --all [options]",
             .summary = "Ends drones; returns when they are gone",
             .details = "Prints the names of those that ended. A stopped drone forgets the connections and parameters that it was "
-                       "told. One that crashed would get them back when it is started again; stop makes them forgotten.",
+                       "told. Its receivers keep theirs: they wait for a drone of that name and are wired to it when there is one, until "
+                       "hivectl disconnect. One that crashed would get them back when it is started again; stop makes them forgotten.",
             .examples = "hivectl stop face\n"
                         "hivectl stop 'face-*'\n"
                         "hivectl stop --all",
