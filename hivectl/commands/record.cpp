@@ -187,7 +187,7 @@ Verb record_verb()
                        "that is killed leaves a file that can be read to its last event. If anything that was sent is not in the file, stderr and "
                        "the file say how much and why, and the exit code is 8.",
             .examples = "hivectl record camera face.faces -o run.hive --for 10\n"
-                        "hivectl record camera -o run.hive --encoding jpeg:90  until Ctrl-C\n"
+                        "hivectl record camera -o small.hive --encoding jpeg:90  until Ctrl-C\n"
                         "hivectl record '*' -o headers.hive --notify -n 1000",
             .timeout = "give up when nothing came for this long (default: never)",
             .operands = {Operand::sender},
