@@ -111,7 +111,7 @@ Verb replay_verb()
             .summary = "Gives a recording again, as a drone with the outputs that were recorded",
             .details = "Starts the drone and prints its name. It begins with its first receiver; events have the identity, times and bodies of then. "
                        "The outputs have their old names; where several drones had the same, DRONE-OUTPUT. With --info, the exit code is 8 if the file "
-                       "was cut short or is damaged.",
+                       "was cut short or what lists its events is damaged; the events themselves are read, and checked, when they are played.",
             .examples = "hivectl replay run.hive --info\n"
                         "hivectl replay run.hive --pace demand\n"
                         "hivectl connect replay.image face",
