@@ -4,6 +4,7 @@
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
+#include "../silence.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
@@ -64,7 +65,7 @@ int run(const Options& options, Session& session)
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
-    const int code = print_lines({.verb = "collect", .count = options.count, .patience = session.patience(), .advice = "; see what is connected: hivectl edges"},
+    const int code = print_lines({.verb = "collect", .count = options.count, .patience = session.patience(), .reason = [&] { return reason_for_silence(application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;

@@ -5,6 +5,7 @@
 #include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../silence.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -57,7 +58,8 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options, std::optional<std::chrono::milliseconds> patience)
+int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options, std::optional<std::chrono::milliseconds> patience,
+                const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds ? Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*options.seconds * 1e6)) : Clock::time_point::max();
     auto last = Clock::now();
@@ -71,7 +73,7 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
                 writer.finish("count reached");
             last = Clock::now();
         } else if (patience && Clock::now() - last >= *patience) {
-            complain("record", "nothing came for " + duration_text(*patience / 1us) + "; see what is connected: hivectl edges");
+            complain("record", "nothing came for " + duration_text(*patience / 1us) + "; " + reason());
             writer.finish("nothing came");
             return exit_code::timed_out;
         }
@@ -150,7 +152,7 @@ int run(const Options& options, Session& session)
     const auto collector = application.collect(outputs, collecting(options));
     recording::Writer writer({.path = options.file, .overwrite = options.overwrite, .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
-    const int code = take_events(*collector, writer, options, session.patience());
+    const int code = take_events(*collector, writer, options, session.patience(), [&] { return reason_for_silence(application, outputs); });
     note_losses(outputs, application, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");

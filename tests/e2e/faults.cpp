@@ -65,6 +65,28 @@ TEST_CASE("stall: a camera whose source is silent still answers, says that it is
     CHECK(swarm.hivectl({"stop", "camera"}).took < patient(3000ms));
 }
 
+TEST_CASE("silence: when nothing came, the sender's own reason is told")
+{
+    const Swarm swarm;
+    const MuteServer server;
+    const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
+    const auto ticker = swarm.drone("ticker", "ticker", {"fps=1000"});
+    auto application = swarm.application();
+    application.halt("ticker");
+    std::string condition;  // at first it is stalled only
+    REQUIRE(eventually([&] { return has(condition = application.status("camera").at("condition").get<std::string>(), server.url()); }, 6000ms));
+    const auto file = (swarm.home() / "run.hive").string();
+    for (const auto& words : {std::vector<std::string>{"results", "camera"}, {"collect", "camera", "ticker"}, {"record", "camera", "ticker", "-o", file}}) {
+        CAPTURE(words[0]);
+        auto all = words;
+        all.insert(all.end(), {"--timeout", "0.3"});
+        const auto silent = swarm.hivectl(all);
+        CHECK(silent.exit_code == 124);
+        CHECK(has(silent.err, "camera: " + condition));
+        CHECK((words[0] == "results" || has(silent.err, "ticker: halted")));
+    }
+}
+
 TEST_CASE("names: a second drone of the same name is refused, and told which process has it")
 {
     const Swarm swarm;
