@@ -1,6 +1,7 @@
 // hivectl collect: sets of events that belong together, one JSON object a line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
+#include "../format.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
@@ -55,7 +56,7 @@ void summarize(const hive::MatchedCollector& collector)
     if (const auto dropped = collector.received().dropped; dropped > 0)
         text += ", " + std::to_string(dropped) + " dropped here because they were not taken in time";
     if (!text.empty())
-        complain("collect", std::to_string(counts.sets) + " sets" + text);
+        complain("collect", count_text(counts.sets, "set") + text);
 }
 
 int run(const Options& options, Session& session)

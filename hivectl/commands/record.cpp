@@ -125,12 +125,13 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
     hive::Json lost = hive::Json::array();
     for (const auto& loss : summary.lost) {
         lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
-        complain("record", "lost: " + printable(loss.from) + ": " + (loss.events > 0 ? std::to_string(loss.events) + " events, " : "") + printable(loss.reason));
+        complain("record", "lost: " + printable(loss.from) + ": " + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason));
     }
-    const Row row{{"file", file}, {"events", summary.events()}, {"outputs", recording::ports_of(summary.tracks).size()}, {"duration_us", summary.duration_us},
+    const auto outputs = static_cast<std::int64_t>(recording::ports_of(summary.tracks).size());
+    const Row row{{"file", file}, {"events", summary.events()}, {"outputs", outputs}, {"duration_us", summary.duration_us},
                   {"bytes", writer.size()}, {"ended", summary.ended}, {"lost", lost}};
     write_out(json ? row.json() + "\n"
-                   : printable(file) + ": " + std::to_string(summary.events()) + " events of " + bare(row["outputs"]) + " outputs in " + duration_text(summary.duration_us)
+                   : printable(file) + ": " + count_text(summary.events(), "event") + " of " + count_text(outputs, "output") + " in " + duration_text(summary.duration_us)
                          + ", " + size_text(static_cast<std::int64_t>(writer.size())) + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
 }
 
