@@ -225,7 +225,7 @@ TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its
     CHECK(Reader(file).summary().ended == "time over");
 }
 
-TEST_CASE("hivectl record: Ctrl-C is its proper end; headers alone are replayed to those who receive headers alone")
+TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are replayed to those who receive headers alone")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=100"});
