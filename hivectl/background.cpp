@@ -1,18 +1,21 @@
-// Starting with posix_spawn, which needs no care about threads between fork and exec.
+// Fork and exec: posix_spawn cannot tie a process to the life of another.
 #include "background.hpp"
 
 #include <hive/error.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
-#include <spawn.h>
+#include <linux/close_range.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <utility>
 
 namespace hivectl {
 namespace {
@@ -46,46 +49,85 @@ std::vector<std::string> environment_with(const std::vector<std::string>& replac
     return result;
 }
 
-/// What the child's descriptors are.
-class Descriptors {
-public:
-    explicit Descriptors(const fs::path& log)
-    {
-        require(posix_spawn_file_actions_init(&actions_), "prepare a process");
-        posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0600);
-        posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO);
-        posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
-    }
-    ~Descriptors() { posix_spawn_file_actions_destroy(&actions_); }
-    Descriptors(const Descriptors&) = delete;
-    Descriptors& operator=(const Descriptors&) = delete;
-    const posix_spawn_file_actions_t* get() const { return &actions_; }
-
-private:
-    posix_spawn_file_actions_t actions_{};
+/// All that the child needs, made before the fork: afterwards it may allocate nothing.
+struct Child {
+    char* const* words;
+    char* const* variables;
+    const char* log;
+    bool tied;     ///< to the life of the process `parent`
+    pid_t parent;
+    int report;    ///< takes the errno when the program cannot be run
 };
 
-/// A session of its own and no signal blocked or ignored.
-class Attributes {
+/// SIGTERM when the thread that forked ends, which is the main thread.
+void tie_to(pid_t parent)
+{
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent)
+        ::_exit(0);
+}
+
+bool set_descriptors(const char* log)
+{
+    const int in = ::open("/dev/null", O_RDONLY), out = ::open(log, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0600);
+    return in >= 0 && out >= 0 && ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 && ::dup2(out, STDERR_FILENO) >= 0
+        && ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
+}
+
+/// No signal blocked or ignored.
+void set_signals()
+{
+    for (int signal = 1; signal < NSIG; ++signal)
+        ::signal(signal, SIG_DFL);
+    sigset_t none;
+    ::sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+/// Only what may be called between fork and exec of a process with threads.
+[[noreturn]] void become(const Child& child)
+{
+    if (child.tied)
+        tie_to(child.parent);
+    ::setsid();
+    set_signals();
+    if (set_descriptors(child.log))
+        ::execve(child.words[0], child.words, child.variables);
+    const int error = errno;
+    [[maybe_unused]] const auto written = ::write(child.report, &error, sizeof error);
+    ::_exit(127);
+}
+
+/// A pipe that closes when the child has become another program, or says why it has not.
+class Report {
 public:
-    Attributes()
+    Report() { require(::pipe2(ends_, O_CLOEXEC) == 0 ? 0 : errno, "prepare a process"); }
+    ~Report()
     {
-        require(posix_spawnattr_init(&attributes_), "prepare a process");
-        sigset_t none, all;
-        sigemptyset(&none);
-        sigfillset(&all);
-        posix_spawnattr_setsigmask(&attributes_, &none);
-        posix_spawnattr_setsigdefault(&attributes_, &all);
-        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+        ::close(ends_[0]);
+        close_entry();
     }
-    ~Attributes() { posix_spawnattr_destroy(&attributes_); }
-    Attributes(const Attributes&) = delete;
-    Attributes& operator=(const Attributes&) = delete;
-    const posix_spawnattr_t* get() const { return &attributes_; }
+    Report(const Report&) = delete;
+    Report& operator=(const Report&) = delete;
+    [[nodiscard]] int entry() const { return ends_[1]; }
+    /// The child's errno, or 0.
+    int wait()
+    {
+        close_entry();
+        int error = 0;
+        while (::read(ends_[0], &error, sizeof error) < 0 && errno == EINTR) {
+        }
+        return error;
+    }
 
 private:
-    posix_spawnattr_t attributes_{};
+    void close_entry()
+    {
+        if (ends_[1] >= 0)
+            ::close(std::exchange(ends_[1], -1));
+    }
+
+    int ends_[2] = {-1, -1};
 };
 
 std::uintmax_t size_or_zero(const fs::path& file)
@@ -98,16 +140,22 @@ std::uintmax_t size_or_zero(const fs::path& file)
 }  // namespace
 
 BackgroundProcess::BackgroundProcess(const fs::path& program, const std::vector<std::string>& arguments,
-                                     const std::vector<std::string>& environment, const fs::path& log)
+                                     const std::vector<std::string>& environment, const fs::path& log, Life life)
     : log_(log), log_begin_(size_or_zero(log))
 {
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     const auto variables = environment_with(environment);
-    const Descriptors descriptors(log);
-    const Attributes attributes;
-    require(posix_spawn(&pid_, program.c_str(), descriptors.get(), attributes.get(), pointers(words).data(), pointers(variables).data()),
-            "run " + program.string() + " with its log in " + log.string());
+    const auto word_pointers = pointers(words), variable_pointers = pointers(variables);
+    Report report;
+    const Child child{word_pointers.data(), variable_pointers.data(), log.c_str(), life == Life::tied, ::getpid(), report.entry()};
+    pid_ = ::fork();
+    if (pid_ == 0)
+        become(child);
+    const int error = pid_ < 0 ? errno : report.wait();
+    if (pid_ > 0 && error != 0)
+        ::waitpid(pid_, nullptr, 0);
+    require(error, "run " + program.string() + " with its log in " + log.string());
 }
 
 std::optional<int> BackgroundProcess::ended()

@@ -1,4 +1,4 @@
-// A process that goes on when hivectl has ended, with a log instead of a terminal.
+// A process with a log instead of a terminal.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +9,18 @@
 
 namespace hivectl {
 
+enum class Life {
+    own,  ///< goes on when hivectl has ended
+    tied  ///< gets SIGTERM when hivectl ends, however it ends
+};
+
 class BackgroundProcess {
 public:
     /// Starts it in a session of its own. It inherits no descriptor: stdin is /dev/null, stdout and stderr are appended
     /// to `log`. `environment` are NAME=VALUE on top of ours. Throws Errc::io.
+    /// For the main thread: a tied one ends with the thread that started it.
     BackgroundProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const std::vector<std::string>& environment, const std::filesystem::path& log);
+                      const std::vector<std::string>& environment, const std::filesystem::path& log, Life life);
 
     [[nodiscard]] pid_t pid() const { return pid_; }
     /// The status as of waitpid once it has ended; it is reaped then.

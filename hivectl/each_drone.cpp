@@ -17,7 +17,7 @@ Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, s
     return [names, &session, verb, done, action] {
         auto& application = session.application();
         Outcome outcome(verb);
-        for (const auto& name : drones_named(application, *names)) {
+        for (const auto& name : drones_named(application, *names, outcome)) {
             try {
                 (application.*action)(name);
                 outcome.done();

@@ -2,6 +2,7 @@
 #include "exit_code.hpp"
 
 #include "output.hpp"
+#include "programs.hpp"
 
 #include <array>
 
@@ -46,6 +47,30 @@ constexpr bool in_order()
 static_assert(in_order(), "the table is indexed by the enumerator");
 static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
 
+/// "face is not running": the drone, when that is what the text says.
+std::string missing_drone(std::string_view text)
+{
+    constexpr std::string_view ending = " is not running";
+    return text.ends_with(ending) ? std::string(text.substr(0, text.size() - ending.size())) : "";
+}
+
+/// Its kind, where there is one: a drone is often called after it, "face" or "face-2".
+std::string kind_of(const std::string& drone)
+{
+    const auto dash = drone.rfind('-');
+    const bool numbered = dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
+    for (const auto& kind : {drone, numbered ? drone.substr(0, dash) : ""})
+        if (!kind.empty() && program_of(kind))
+            return kind;
+    return {};
+}
+
+std::string advice_for_missing(const std::string& drone)
+{
+    const auto kind = kind_of(drone);
+    return kind.empty() ? "see what runs: hivectl ps" : "start it: hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
+}
+
 const Entry& entry(Errc code) noexcept { return table[static_cast<std::size_t>(code)]; }
 
 }  // namespace
@@ -55,10 +80,11 @@ int exit_code_of(Errc code) noexcept { return hive::info(code).exit_code; }
 std::string explained(const hive::Error& error)
 {
     const std::string text = printable(error.what());
-    const auto advice = entry(error.code()).advice;
+    const auto missing = error.code() == Errc::not_found ? missing_drone(text) : "";
+    const std::string advice = missing.empty() ? std::string(entry(error.code()).advice) : advice_for_missing(missing);
     // A text with a semicolon, or with the nearest name, has said already what to do.
     const bool told = text.find("; ") != std::string::npos || text.find("did you mean") != std::string::npos;
-    return told || advice.empty() ? text : text + "; " + std::string(advice);
+    return told || advice.empty() ? text : text + "; " + advice;
 }
 
 void Outcome::failed(std::string_view subject, const hive::Error& error)

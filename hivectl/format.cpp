@@ -56,6 +56,11 @@ std::string tenths_text(double number)
     return text;
 }
 
+std::string count_text(std::int64_t count, std::string_view noun)
+{
+    return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
 std::string size_text(std::int64_t bytes)
 {
     auto size = static_cast<double>(bytes);

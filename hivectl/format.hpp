@@ -12,6 +12,8 @@ namespace hivectl {
 std::string duration_text(std::int64_t microseconds);
 /// One digit behind the point: "12.3".
 std::string tenths_text(double number);
+/// "1 event", "30 events".
+std::string count_text(std::int64_t count, std::string_view noun);
 /// "850 B", "12.3 kB", "1.5 GB".
 std::string size_text(std::int64_t bytes);
 /// Local time of day with milliseconds, the date before it when it is another day: "14:03:07.120".

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <thread>
 #include <unistd.h>
 
@@ -14,12 +16,28 @@ namespace {
 
 // Read and written in a signal handler: lock-free, and nothing else.
 std::atomic<int> deferred{0};  // how many Deferred live
-std::atomic<bool> pressed{false};
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+std::atomic<int> first{0};                  // the first signal
+std::atomic<std::int64_t> first_at_ns{0};  // when it came
+static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+constexpr std::int64_t one_press_ns = 200'000'000;
+
+std::int64_t now_ns()
+{
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
 
 void on_signal(int signal)
 {
-    if (deferred == 0 || pressed.exchange(true))
+    const auto now = now_ns();
+    std::int64_t earlier = 0;
+    if (deferred == 0)
+        ::_exit(128 + signal);
+    if (first_at_ns.compare_exchange_strong(earlier, now))
+        first = signal;
+    else if (now - earlier > one_press_ns)
         ::_exit(128 + signal);
 }
 static_assert(exit_code::interrupted == 128 + SIGINT);
@@ -42,7 +60,8 @@ void install()
 Deferred::Deferred() { ++deferred; }
 Deferred::~Deferred() { --deferred; }
 
-bool requested() { return pressed; }
+bool requested() { return first != 0; }
+int exit_code() { return 128 + (requested() ? first.load() : SIGINT); }
 
 bool sleep(std::chrono::milliseconds duration)
 {

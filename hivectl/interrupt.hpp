@@ -7,7 +7,8 @@ namespace hivectl::interrupt {
 
 /// Installs the handler; leaves signals ignored where the shell wants it so (background jobs of scripts).
 void install();
-/// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once.
+/// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once. What comes within 200 ms of the first is
+/// no second: timeout(1) signals the process and then its group.
 class Deferred {
 public:
     Deferred();
@@ -16,6 +17,8 @@ public:
     Deferred& operator=(const Deferred&) = delete;
 };
 bool requested();
+/// 128 + the signal that came; 130 if none did.
+int exit_code();
 /// Sleeps, in steps short enough to notice Ctrl-C; false when it was pressed.
 bool sleep(std::chrono::milliseconds duration);
 

@@ -8,10 +8,10 @@
 #include "programs.hpp"
 #include "session.hpp"
 #include "table.hpp"
+#include "targets.hpp"
 
 #include <hive/name.hpp>
 
-#include <algorithm>
 #include <sstream>
 #include <sys/wait.h>
 
@@ -30,7 +30,7 @@ std::filesystem::path require_program(const std::string& kind)
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
     const std::string near = hive::nearest(kind, known);
-    throw hive::Error(hive::Errc::not_found, "there is no program hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
+    throw hive::Error(hive::Errc::not_found, "there is no drone hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
                                                  + (near.empty() ? "" : "did you mean " + near + "? ") + "kinds found: "
                                                  + (list.empty() ? "none" : list));
 }
@@ -38,8 +38,7 @@ std::filesystem::path require_program(const std::string& kind)
 void require_free(Session& session, const LaunchPlan& plan)
 {
     hive::require_name(plan.name, "drone");
-    const auto running = session.application().drones();
-    if (std::ranges::find(running, plan.name) != running.end())
+    if (runs(session.application(), plan.name))
         throw hive::Error(hive::Errc::name_taken, plan.name + " is running already; stop it: hivectl stop " + plan.name
                                                       + ", or start another beside it: hivectl start " + plan.kind + " --as " + plan.name + "-2");
 }
@@ -50,7 +49,7 @@ BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::fil
     require_free(session, plan);
     std::vector<std::string> words{"--name", plan.name};
     words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
-    return {program, words, {"HIVE_HOME=" + session.home().string()}, log};
+    return {program, words, {"HIVE_HOME=" + session.home().string()}, log, plan.life};
 }
 
 }  // namespace
@@ -72,8 +71,10 @@ std::optional<int> Launch::await(std::chrono::milliseconds limit)
     const auto end = std::chrono::steady_clock::now() + limit;
     session_.application().timeout(500ms);
     while (!ready()) {
-        if (const auto status = process_.ended())
+        if (const auto status = process_.ended()) {
+            require_free(session_, plan_);
             return died(*status);
+        }
         const bool late = std::chrono::steady_clock::now() >= end;
         if (late || !interrupt::sleep(10ms))
             return give_up(late, limit);
@@ -86,7 +87,7 @@ int Launch::give_up(bool late, std::chrono::milliseconds limit)
 {
     process_.end();
     if (!late)
-        return exit_code::interrupted;
+        return interrupt::exit_code();
     complain(plan_.verb, plan_.name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log says:");
     show_last_words();
     return exit_code::timed_out;

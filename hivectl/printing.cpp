@@ -24,11 +24,11 @@ int print_lines(const PrintUntil& until, const std::function<std::optional<std::
                 return exit_code::done;
             last = Clock::now();
         } else if (until.patience && Clock::now() - last >= *until.patience) {
-            complain(until.verb, "nothing came for " + duration_text(*until.patience / 1us) + until.advice);
+            complain(until.verb, "nothing came for " + duration_text(*until.patience / 1us) + (until.reason ? "; " + until.reason() : ""));
             return exit_code::timed_out;
         }
     }
-    return exit_code::interrupted;
+    return interrupt::exit_code();
 }
 
 }  // namespace hivectl

@@ -13,7 +13,7 @@ struct PrintUntil {
     std::string verb;        ///< complaints name it
     std::int64_t count = 0;  ///< lines; 0: without end
     std::optional<std::chrono::milliseconds> patience = {};  ///< nothing comes for this long; empty: wait for ever
-    std::string advice = {};  ///< what to look at when nothing comes
+    std::function<std::string()> reason = {};  ///< asked when nothing comes: what may be the cause, or what to look at
 };
 
 /// Prints the lines that `next` gives, which waits no longer than it is told; until that, or Ctrl-C. Returns the exit code.

@@ -13,6 +13,10 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view prefix = "hive-";
 
+/// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running what is merely called
+/// hive-something would be rash.
+bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
+
 bool is_program(const fs::path& file)
 {
     std::error_code ignored;
@@ -39,6 +43,8 @@ std::vector<fs::path> directories()
 
 std::optional<fs::path> program_of(const std::string& kind)
 {
+    if (is_emulator(kind))
+        return std::nullopt;
     for (const auto& directory : directories())
         if (const auto file = directory / (std::string(prefix) + kind); is_program(file))
             return file;
@@ -51,7 +57,7 @@ std::vector<std::string> kinds()
     std::error_code ignored;
     for (const auto& directory : directories())
         for (const auto& entry : fs::directory_iterator(directory, ignored))
-            if (const auto name = entry.path().filename().string(); name.starts_with(prefix) && is_program(entry.path()))
+            if (const auto name = entry.path().filename().string(); name.starts_with(prefix) && !is_emulator(name) && is_program(entry.path()))
                 found.insert(name.substr(prefix.size()));
     return {found.begin(), found.end()};
 }

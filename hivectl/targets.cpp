@@ -50,18 +50,47 @@ std::vector<hive::Endpoint> matching(hive::Application& application, const std::
 
 bool is_glob(std::string_view text) { return text.find_first_of("*?") != std::string_view::npos; }
 
+bool runs(hive::Application& application, const std::string& name)
+{
+    try {
+        application.find(name);
+        return true;
+    } catch (const hive::Error& error) {
+        if (error.code() != hive::Errc::not_found)
+            throw;
+        return false;
+    }
+}
+
 std::string to_text(const hive::Endpoint& endpoint)
 {
     return endpoint.port.empty() ? endpoint.drone : endpoint.drone + "." + endpoint.port;
+}
+
+void add_new(std::vector<std::string>& names, std::vector<std::string> more)
+{
+    for (auto& name : more)
+        if (std::ranges::find(names, name) == names.end())
+            names.push_back(std::move(name));
 }
 
 std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words)
 {
     std::vector<std::string> names;
     for (const auto& word : words)
-        for (auto& name : application.find(word))
-            if (std::ranges::find(names, name) == names.end())
-                names.push_back(std::move(name));
+        add_new(names, application.find(word));
+    return names;
+}
+
+std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words, Outcome& outcome)
+{
+    std::vector<std::string> names;
+    for (const auto& word : words)
+        try {
+            add_new(names, application.find(word));
+        } catch (const hive::Error& error) {
+            outcome.failed(word, error);
+        }
     return names;
 }
 

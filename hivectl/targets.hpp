@@ -1,6 +1,8 @@
 // From the words of a command line to drones and ports: globs, dots, and ports that go without saying.
 #pragma once
 
+#include "exit_code.hpp"
+
 #include <hive/application.hpp>
 
 #include <string>
@@ -9,12 +11,18 @@
 
 namespace hivectl {
 
+/// Does a drone hold the name, even one that is only starting?
+bool runs(hive::Application& application, const std::string& name);
 bool is_glob(std::string_view text);
 /// "camera.image", or "camera" without a port.
 std::string to_text(const hive::Endpoint& endpoint);
 
+/// Adds those that are not there yet.
+void add_new(std::vector<std::string>& names, std::vector<std::string> more);
 /// The drones that the names and globs mean, each once, in the order given. Throws Errc::not_found for a word without any.
 std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words);
+/// The same, but a word without any is a failure of `outcome`, and the others go on.
+std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words, Outcome& outcome);
 /// The same for ends of connections: "face", "face.image", "face-*", "face-*.image".
 std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words);
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-// In the order of `hivectl --help`.
+// In the order of `hivectl --help`: those of a group together.
 #define HIVECTL_VERBS(VERB) \
     VERB(start) \
     VERB(stop) \
@@ -23,9 +23,9 @@
     VERB(snap) \
     VERB(view) \
     VERB(put) \
+    VERB(top) \
     VERB(record) \
     VERB(replay) \
-    VERB(top) \
     VERB(exceptions) \
     VERB(halt) \
     VERB(resume) \

@@ -1,9 +1,11 @@
 // hivectl collect: sets of events that belong together, one JSON object a line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
+#include "../format.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
+#include "../silence.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
@@ -54,7 +56,7 @@ void summarize(const hive::MatchedCollector& collector)
     if (const auto dropped = collector.received().dropped; dropped > 0)
         text += ", " + std::to_string(dropped) + " dropped here because they were not taken in time";
     if (!text.empty())
-        complain("collect", std::to_string(counts.sets) + " sets" + text);
+        complain("collect", count_text(counts.sets, "set") + text);
 }
 
 int run(const Options& options, Session& session)
@@ -64,7 +66,7 @@ int run(const Options& options, Session& session)
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
-    const int code = print_lines({.verb = "collect", .count = options.count, .patience = session.patience(), .advice = "; see what is connected: hivectl edges"},
+    const int code = print_lines({.verb = "collect", .count = options.count, .patience = session.patience(), .reason = [&] { return reason_for_silence(application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;

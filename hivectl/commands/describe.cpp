@@ -49,24 +49,30 @@ std::string text_of(const std::string& name, const hive::Interface& interface, c
          + section("parameters", table_text(parameters, parameter_rows(interface, values)));
 }
 
+std::string json_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
+{
+    auto object = hive::to_json(interface);
+    object["name"] = name;
+    object["values"] = values;
+    return json_text(object) + "\n";
+}
+
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application();
-    bool first = true;
-    for (const auto& name : drones_named(application, words)) {
-        const auto interface = application.describe(name);
-        const auto values = application.get(name);
-        if (session.json) {
-            auto object = hive::to_json(interface);
-            object["name"] = name;
-            object["values"] = values;
-            write_out(json_text(object) + "\n");
-        } else {
-            write_out((first ? "" : "\n") + text_of(name, interface, values));
+    Outcome outcome("describe");
+    std::string gap;
+    for (const auto& name : drones_named(application, words, outcome))
+        try {
+            const auto interface = application.describe(name);
+            const auto values = application.get(name);
+            write_out(session.json ? json_of(name, interface, values) : gap + text_of(name, interface, values));
+            gap = "\n";
+            outcome.done();
+        } catch (const hive::Error& error) {
+            outcome.failed(name, error);
         }
-        first = false;
-    }
-    return exit_code::done;
+    return outcome.exit_code();
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -62,13 +62,16 @@ Row row_of(const hive::Answer& answer)
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application(1s);
-    const auto names = words.empty() ? application.drones() : drones_named(application, words);
+    Outcome outcome("ps");
+    const auto names = words.empty() ? application.drones() : drones_named(application, words, outcome);
     std::vector<Row> rows;
-    for (const auto& answer : application.status(names))
+    for (const auto& answer : application.status(names)) {
         rows.push_back(answer.error ? silent_row(answer) : row_of(answer));
+        outcome.done();
+    }
     print_rows(session.json, {{"NAME", "name"}, {"KIND", "kind"}, {"STATE", "state"}, {"PID", "pid"}, {"UPTIME", "uptime_us", as_duration},
                               {"BUSY", "busy_percent", as_percent}, {"NOTE", "note"}}, rows);
-    return exit_code::done;
+    return outcome.exit_code();
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -5,6 +5,7 @@
 #include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../silence.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -57,7 +58,8 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options, std::optional<std::chrono::milliseconds> patience)
+int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options, std::optional<std::chrono::milliseconds> patience,
+                const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds ? Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*options.seconds * 1e6)) : Clock::time_point::max();
     auto last = Clock::now();
@@ -71,14 +73,14 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
                 writer.finish("count reached");
             last = Clock::now();
         } else if (patience && Clock::now() - last >= *patience) {
-            complain("record", "nothing came for " + duration_text(*patience / 1us) + "; see what is connected: hivectl edges");
+            complain("record", "nothing came for " + duration_text(*patience / 1us) + "; " + reason());
             writer.finish("nothing came");
             return exit_code::timed_out;
         }
         writer.look(Clock::now());
     }
     const bool early = writer.ended().empty() && (options.count > 0 || options.seconds);
-    return early ? exit_code::interrupted : exit_code::done;
+    return early ? interrupt::exit_code() : exit_code::done;
 }
 
 /// What had come before the end is part of the recording.
@@ -123,12 +125,13 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
     hive::Json lost = hive::Json::array();
     for (const auto& loss : summary.lost) {
         lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
-        complain("record", "lost: " + printable(loss.from) + ": " + (loss.events > 0 ? std::to_string(loss.events) + " events, " : "") + printable(loss.reason));
+        complain("record", "lost: " + printable(loss.from) + ": " + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason));
     }
-    const Row row{{"file", file}, {"events", summary.events()}, {"outputs", recording::ports_of(summary.tracks).size()}, {"duration_us", summary.duration_us},
+    const auto outputs = static_cast<std::int64_t>(recording::ports_of(summary.tracks).size());
+    const Row row{{"file", file}, {"events", summary.events()}, {"outputs", outputs}, {"duration_us", summary.duration_us},
                   {"bytes", writer.size()}, {"ended", summary.ended}, {"lost", lost}};
     write_out(json ? row.json() + "\n"
-                   : printable(file) + ": " + std::to_string(summary.events()) + " events of " + bare(row["outputs"]) + " outputs in " + duration_text(summary.duration_us)
+                   : printable(file) + ": " + count_text(summary.events(), "event") + " of " + count_text(outputs, "output") + " in " + duration_text(summary.duration_us)
                          + ", " + size_text(static_cast<std::int64_t>(writer.size())) + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
 }
 
@@ -150,7 +153,7 @@ int run(const Options& options, Session& session)
     const auto collector = application.collect(outputs, collecting(options));
     recording::Writer writer({.path = options.file, .overwrite = options.overwrite, .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
-    const int code = take_events(*collector, writer, options, session.patience());
+    const int code = take_events(*collector, writer, options, session.patience(), [&] { return reason_for_silence(application, outputs); });
     note_losses(outputs, application, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");
@@ -187,7 +190,7 @@ Verb record_verb()
                        "that is killed leaves a file that can be read to its last event. If anything that was sent is not in the file, stderr and "
                        "the file say how much and why, and the exit code is 8.",
             .examples = "hivectl record camera face.faces -o run.hive --for 10\n"
-                        "hivectl record camera -o run.hive --encoding jpeg:90  until Ctrl-C\n"
+                        "hivectl record camera -o small.hive --encoding jpeg:90  until Ctrl-C\n"
                         "hivectl record '*' -o headers.hive --notify -n 1000",
             .timeout = "give up when nothing came for this long (default: never)",
             .operands = {Operand::sender},

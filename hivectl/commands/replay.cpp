@@ -52,11 +52,11 @@ void print_json(const std::string& file, const recording::Reader& reader)
 void print_text(const std::string& file, const recording::Reader& reader)
 {
     const auto& summary = reader.summary();
-    write_out(printable(file) + ": " + std::to_string(summary.events()) + " events in " + duration_text(summary.duration_us) + ", " + size_text(static_cast<std::int64_t>(reader.size()))
+    write_out(printable(file) + ": " + count_text(summary.events(), "event") + " in " + duration_text(summary.duration_us) + ", " + size_text(static_cast<std::int64_t>(reader.size()))
               + (summary.begun_us > 0 ? ", begun " + time_text(summary.begun_us) : "") + (summary.ended.empty() ? "" : ", ended: " + printable(summary.ended)) + "\n");
     write_out(table_text(columns, output_rows(summary)));
     for (const auto& loss : summary.lost)
-        write_out("lost: " + printable(loss.from) + ": " + (loss.events > 0 ? std::to_string(loss.events) + " events, " : "") + printable(loss.reason) + "\n");
+        write_out("lost: " + printable(loss.from) + ": " + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason) + "\n");
 }
 
 std::vector<std::string> settings(const Options& options)
@@ -111,7 +111,7 @@ Verb replay_verb()
             .summary = "Gives a recording again, as a drone with the outputs that were recorded",
             .details = "Starts the drone and prints its name. It begins with its first receiver; events have the identity, times and bodies of then. "
                        "The outputs have their old names; where several drones had the same, DRONE-OUTPUT. With --info, the exit code is 8 if the file "
-                       "was cut short or is damaged.",
+                       "was cut short or what lists its events is damaged; the events themselves are read, and checked, when they are played.",
             .examples = "hivectl replay run.hive --info\n"
                         "hivectl replay run.hive --pace demand\n"
                         "hivectl connect replay.image face",

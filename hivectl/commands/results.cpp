@@ -4,6 +4,7 @@
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
+#include "../silence.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -46,7 +47,7 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto outputs = outputs_named(application, options.names, "application/json");
     const auto collector = application.collect(outputs, collecting(options));
-    const int code = print_lines({.verb = "results", .count = options.count, .patience = session.patience(), .advice = "; see what is connected: hivectl edges"},
+    const int code = print_lines({.verb = "results", .count = options.count, .patience = session.patience(), .reason = [&] { return reason_for_silence(application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto event = collector->next(patience);
                                      return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;

@@ -75,7 +75,7 @@ Verb set_verb()
                        "of one drone, otherwise as key=value. All of one command are applied together or not at all; "
                        "with a glob that holds for all the drones: one refusal and nothing has changed (exit code 5). With --json "
                        "an object of values; with a glob one {\"drone\", \"values\"} a line.",
-            .examples = "hivectl set face scale=1.05 min=40\n"
+            .examples = "hivectl set face scale=1.05 min_size=40\n"
                         "hivectl set 'face-*' scale=1.05",
             .operands = {Operand::drone, Operand::setting},
             .declare = declare};

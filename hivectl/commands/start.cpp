@@ -63,7 +63,7 @@ Verb start_verb()
             .details = "Prints its name. What it says goes to NAME.log in the directory where drones meet. If it ends "
                        "instead of answering, the last lines of its log are shown and its exit code is passed on.",
             .examples = "hivectl start camera\n"
-                        "hivectl start face --as face-2 scale=1.05 min=40",
+                        "hivectl start face --as face-2 scale=1.05 min_size=40",
             .timeout = "end it if it does not answer within this long (default 10)",
             .operands = {Operand::kind, Operand::other},
             .declare = declare};

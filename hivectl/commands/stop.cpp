@@ -7,6 +7,8 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
+#include <hive/name.hpp>
+
 namespace hivectl {
 namespace {
 
@@ -15,17 +17,63 @@ struct Options {
     bool all = false;
 };
 
+/// Drones that run, and those that crashed and are remembered.
+std::vector<std::string> all_of(hive::Application& application)
+{
+    auto names = application.drones();
+    add_new(names, application.remembered());
+    return names;
+}
+
+std::vector<std::string> meant_by(const std::string& word, hive::Application& application)
+{
+    auto names = all_of(application);
+    if (!is_glob(word) && runs(application, hive::require_name(word, "drone")))
+        return {word};
+    const std::string near = hive::nearest(word, names);
+    std::erase_if(names, [&](const std::string& name) { return !hive::matches_glob(word, name); });
+    if (names.empty())
+        throw hive::Error(hive::Errc::not_found, "nothing to stop: no drone " + hive::in_quotes(word) + " runs or is remembered; "
+                                                     + (near.empty() || is_glob(word) ? "see what runs: hivectl ps" : "did you mean " + near + "?"));
+    return names;
+}
+
+std::vector<std::string> meant_by(const Options& options, hive::Application& application, Outcome& outcome)
+{
+    std::vector<std::string> names;
+    if (options.all)
+        return all_of(application);
+    for (const auto& word : options.names)
+        try {
+            add_new(names, meant_by(word, application));
+        } catch (const hive::Error& error) {
+            outcome.failed(word, error);
+        }
+    return names;
+}
+
+void stop(const std::string& name, Session& session)
+{
+    auto& application = session.application();
+    const bool ran = runs(application, name);
+    application.stop(name);
+    if (session.json)
+        write_out(Row{{ran ? "stopped" : "forgotten", name}}.json() + "\n");
+    else if (ran)
+        write_out(name + "\n");
+    else
+        complain("stop", name + " did not run; what it was told before it crashed is forgotten");
+}
+
 int run(const Options& options, Session& session)
 {
     if (options.all != options.names.empty())
         throw hive::Error(hive::Errc::invalid_argument, options.all ? "give names or --all, not both" : "which drones? give names, or --all; see what runs: hivectl ps");
-    auto& application = session.application();
     Outcome outcome("stop");
-    for (const auto& name : options.all ? application.drones() : drones_named(application, options.names)) {
+    for (const auto& name : meant_by(options, session.application(), outcome)) {
         try {
-            application.stop(name);
+            stop(name, session);
             outcome.done();
-            write_out(session.json ? Row{{"stopped", name}}.json() + "\n" : name + "\n");
         } catch (const hive::Error& error) {
             outcome.failed(name, error);
         }
@@ -37,7 +85,7 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones, or globs such as 'face-*'");
-    line.flag("--all", options->all, "every drone that runs on this machine");
+    line.flag("--all", options->all, "every drone that runs on this machine; those that crashed are forgotten");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -50,7 +98,8 @@ Verb stop_verb()
             .usage = "NAME... | --all [options]",
             .summary = "Ends drones; returns when they are gone",
             .details = "Prints the names of those that ended. A stopped drone forgets the connections and parameters that it was "
-                       "told; one that crashed gets them back when it is started again.",
+                       "told. Its receivers keep theirs: they wait for a drone of that name and are wired to it when there is one, until "
+                       "hivectl disconnect. One that crashed would get them back when it is started again; stop makes them forgotten.",
             .examples = "hivectl stop face\n"
                         "hivectl stop 'face-*'\n"
                         "hivectl stop --all",

@@ -45,7 +45,7 @@ int run(const Options& options, Session& session)
         earlier = std::move(now);
         earlier_at = now_at;
     }
-    return exit_code::interrupted;
+    return interrupt::exit_code();
 }
 
 Run declare(CommandLine& line, Session& session)

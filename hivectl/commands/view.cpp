@@ -9,7 +9,6 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 #include <sys/wait.h>
 
@@ -38,19 +37,11 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
     return output;
 }
 
-/// The first of viewer, viewer-2, viewer-3 … that nobody has.
-std::string free_name(hive::Application& application)
-{
-    const auto running = application.drones();
-    std::string name = "viewer";
-    for (int i = 2; std::ranges::find(running, name) != running.end(); ++i)
-        name = "viewer-" + std::to_string(i);
-    return name;
-}
+std::string viewer_name(int number) { return number == 1 ? "viewer" : "viewer-" + std::to_string(number); }
 
 LaunchPlan plan_of(const Options& options, const std::string& name)
 {
-    LaunchPlan plan{"view", "view", name, {}};
+    LaunchPlan plan{"view", "view", name, {}, Life::tied};
     if (options.port == 0)
         plan.arguments = {"--set", "window=on"};
     else
@@ -73,35 +64,35 @@ int look(Launch& launch)
     while (interrupt::sleep(100ms))
         if (const auto status = launch.process().ended())
             return WIFEXITED(*status) && WEXITSTATUS(*status) == 0 ? exit_code::done : launch.died(*status);
-    return exit_code::interrupted;
+    return interrupt::exit_code();
 }
 
-/// Nothing of the drone is left, whichever way this ends.
+/// Nothing of the drone is left, whichever way this ends. The log belongs to whoever has the name.
 class Removal {
 public:
-    explicit Removal(Launch& launch) : launch_(launch) {}
+    Removal(Launch& launch, hive::Application& application, const std::string& name) : launch_(launch), application_(application), name_(name) {}
     ~Removal()
     {
         launch_.process().end();
         std::error_code ignored;
-        std::filesystem::remove(launch_.log(), ignored);
+        if (!runs(application_, name_))
+            std::filesystem::remove(launch_.log(), ignored);
     }
     Removal(const Removal&) = delete;
     Removal& operator=(const Removal&) = delete;
 
 private:
     Launch& launch_;
+    hive::Application& application_;
+    const std::string& name_;
 };
 
-int run(const Options& options, Session& session)
+/// Throws Errc::name_taken when another drone has the name of the plan.
+int show(const Options& options, const hive::Endpoint& output, const LaunchPlan& plan, Session& session)
 {
-    require_somewhere(options);
     auto& application = session.application();
-    const auto output = output_of(application, options.from);
-    const auto plan = plan_of(options, free_name(application));
-    const interrupt::Deferred deferred;
     Launch launch(session, plan);
-    const Removal removal(launch);
+    const Removal removal(launch, application, plan.name);
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;
     application.timeout(session.timeout());
@@ -111,6 +102,21 @@ int run(const Options& options, Session& session)
     application.connect(output, {plan.name, "image"}, connection);
     report(options, output, plan.name, session.json);
     return look(launch);
+}
+
+/// As the first of viewer, viewer-2, viewer-3 … that nobody has.
+int run(const Options& options, Session& session)
+{
+    require_somewhere(options);
+    const auto output = output_of(session.application(), options.from);
+    const interrupt::Deferred deferred;
+    for (int number = 1;; ++number)
+        try {
+            return show(options, output, plan_of(options, viewer_name(number)), session);
+        } catch (const hive::Error& error) {
+            if (error.code() != hive::Errc::name_taken)
+                throw;
+        }
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -75,6 +75,28 @@ TEST_CASE("stall: a camera whose source is silent still answers, says that it is
     CHECK(swarm.hivectl({"stop", "camera"}).took < patient(3000ms));
 }
 
+TEST_CASE("silence: when nothing came, the sender's own reason is told")
+{
+    const Swarm swarm;
+    const MuteServer server;
+    const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
+    const auto ticker = swarm.drone("ticker", "ticker", {"fps=1000"});
+    auto application = swarm.application();
+    application.halt("ticker");
+    std::string condition;  // at first it is stalled only
+    REQUIRE(eventually([&] { return has(condition = application.status("camera").at("condition").get<std::string>(), server.url()); }, 6000ms));
+    const auto file = (swarm.home() / "run.hive").string();
+    for (const auto& words : {std::vector<std::string>{"results", "camera"}, {"collect", "camera", "ticker"}, {"record", "camera", "ticker", "-o", file}}) {
+        CAPTURE(words[0]);
+        auto all = words;
+        all.insert(all.end(), {"--timeout", "0.3"});
+        const auto silent = swarm.hivectl(all);
+        CHECK(silent.exit_code == 124);
+        CHECK(has(silent.err, "camera: " + condition));
+        CHECK((words[0] == "results" || has(silent.err, "ticker: halted")));
+    }
+}
+
 TEST_CASE("names: a second drone of the same name is refused, and told which process has it")
 {
     const Swarm swarm;
@@ -88,6 +110,27 @@ TEST_CASE("names: a second drone of the same name is refused, and told which pro
     CHECK(started.exit_code == 1);
     CHECK(has(started.err, "twin is running already"));
     CHECK(swarm.application().describe("twin").kind == "ticker");  // the first has not suffered
+}
+
+TEST_CASE("names: of several names those that run are served, and exit code 8 names the one that does not")
+{
+    const Swarm swarm;
+    const auto first = swarm.drone("ticker", "one"), second = swarm.drone("ticker", "two");
+    const auto ps = swarm.hivectl({"ps", "one", "gone", "--json"});
+    CHECK(ps.exit_code == 8);
+    CHECK(has(ps.err, "gone is not running"));
+    CHECK(Json::parse(ps.out).at(0).at("name") == "one");
+    for (const auto* verb : {"describe", "halt", "resume"}) {
+        CAPTURE(verb);
+        const auto asked = swarm.hivectl({verb, "gone", "one"});
+        CHECK(asked.exit_code == 8);
+        CHECK(has(asked.out, "one"));
+    }
+    const auto stopped = swarm.hivectl({"stop", "one", "gone", "two"});
+    CHECK(stopped.exit_code == 8);
+    CHECK(stopped.out == "one\ntwo\n");
+    CHECK(has(stopped.err, "gone"));
+    CHECK(swarm.hivectl({"ps", "one", "two"}).exit_code == 3);
 }
 
 TEST_CASE("names: a name whose holder was killed is free at once")

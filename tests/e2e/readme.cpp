@@ -1,9 +1,12 @@
-// The shell commands of the READMEs, run as they stand there: every fenced block marked `sh`, all of one page in one swarm.
+// The shell commands of the READMEs and the examples of --help, run as they stand there: of a README every fenced block marked `sh`, all of one
+// page in one swarm.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <set>
+#include <sstream>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -35,11 +38,31 @@ constexpr auto reader = R"(set -euo pipefail
 hivectl() {
     local code=0
     timeout -s INT "${patience}" "$program" "$@" || code=$?
-    case "$1:$code" in top:124|results:124|exceptions:124) return 0 ;; esac
+    case "$1:$code" in top:124|results:124|collect:124|record:124|exceptions:124) return 0 ;; esac
     return $code
 }
 command -v jq > /dev/null || jq() { cat; }
 )";
+
+Finished run_as_reader(const Swarm& swarm, const std::string& commands)
+{
+    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + (sanitized() ? "15" : "3") + "\ncd " + swarm.home().string() + "\n";
+    return swarm.run({"/bin/bash", "-c", values + reader + commands}, 60'000ms);
+}
+
+/// The commands under "examples:" of a verb's help, without what they do.
+std::vector<std::string> examples(const Swarm& swarm, const std::string& verb)
+{
+    std::istringstream help(swarm.hivectl_done({verb, "--help"}));
+    std::vector<std::string> commands;
+    bool inside = false;
+    for (std::string line; std::getline(help, line);) {
+        if (inside && line.starts_with("  "))
+            commands.push_back(line.substr(2, line.find("  ", 2) - 2));
+        inside = inside || line == "examples:";
+    }
+    return commands;
+}
 
 void run_blocks(const std::string& name)
 {
@@ -48,14 +71,65 @@ void run_blocks(const std::string& name)
     REQUIRE_MESSAGE(!blocks.empty(), name, " has no block marked sh");
     const Swarm swarm;
     for (const auto& block : blocks) {
-        const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + (sanitized() ? "15" : "3") + "\ncd " + swarm.home().string() + "\n";
-        const auto finished = swarm.run({"/bin/bash", "-c", values + reader + block}, 60'000ms);
+        const auto finished = run_as_reader(swarm, block);
         CHECK_MESSAGE(finished.exit_code == 0, name, ": exit code ", finished.exit_code, " of\n", block, "\nit printed\n", finished.out, finished.err);
     }
 }
+
+/// What an example takes for granted, before the examples of a verb.
+struct Verb {
+    std::string name, before;
+};
+
+const std::vector<Verb> verbs{{"start", ""},
+                              {"ps", ""},
+                              {"describe", "hivectl start face"},
+                              {"connect", ""},
+                              {"edges", ""},
+                              {"snap", ""},
+                              {"put", "hivectl snap camera photo.jpg; hivectl snap camera photo.png"},
+                              {"set", ""},
+                              {"get", ""},
+                              {"results", ""},
+                              {"collect", "hivectl start camera --as left; hivectl start camera --as right"},
+                              {"record", "hivectl stop left right"},
+                              {"replay", ""},
+                              {"top", ""},
+                              {"exceptions", ""},
+                              {"disconnect", ""},
+                              {"halt", ""},
+                              {"wait", ""},
+                              {"resume", ""},
+                              {"completion", ""},
+                              {"stop", ""}};
 
 }  // namespace
 
 TEST_CASE("README: the commands on the front page work as they stand there") { run_blocks("README.md"); }
 
 TEST_CASE("README: the commands on hivectl's page work as they stand there") { run_blocks("hivectl/README.md"); }
+
+TEST_CASE("README: hivectl --help has each heading once")
+{
+    const Swarm swarm;
+    std::istringstream help(swarm.hivectl_done({"--help"}));
+    std::set<std::string> headings;
+    for (std::string line; std::getline(help, line);)
+        if (line.ends_with(":") && !line.starts_with(" "))
+            CHECK_MESSAGE(headings.insert(line).second, line, " stands there twice");
+    CHECK(headings.contains("look:"));
+}
+
+TEST_CASE("README: the examples of --help work as they stand there")
+{
+    const Swarm swarm;
+    for (const auto& verb : verbs) {
+        CHECK(run_as_reader(swarm, verb.before).exit_code == 0);
+        const auto commands = examples(swarm, verb.name);
+        CHECK_MESSAGE(!commands.empty(), verb.name, " has no examples");
+        for (const auto& command : commands) {
+            const auto finished = run_as_reader(swarm, command);
+            CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of ", command, "\nit printed\n", finished.out, finished.err);
+        }
+    }
+}

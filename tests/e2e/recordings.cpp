@@ -253,6 +253,7 @@ TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its
     CHECK(swarm.hivectl({"record", "left", "-o", file, "-n", "1"}).exit_code == 1);  // it is there
     CHECK(Reader(file).summary().events() == 50);
     CHECK(has(swarm.hivectl_done({"replay", file, "--info"}), "left-tick"));
+    CHECK(has(swarm.hivectl_done({"record", "left", "-o", (swarm.home() / "one.hive").string(), "-n", "1"}), ": 1 event of 1 output in "));
 
     CHECK(swarm.hivectl_done({"replay", file, "--pace", "demand", "--halted"}) == "replay\n");
     auto application = swarm.application();

@@ -32,6 +32,12 @@ std::vector<std::string> joined(std::vector<std::string> words, const std::vecto
     return words;
 }
 
+Finished script(const Swarm& swarm, std::vector<std::string> words)
+{
+    words[0] = HIVE_SOURCE_DIR "/scripts/swarms/" + words[0];
+    return swarm.run(words);
+}
+
 /// How long the main thread of a process has run, or was ready to and had no core.
 std::chrono::nanoseconds awake(pid_t process)
 {
@@ -46,10 +52,10 @@ class ThreeSwarms {
 public:
     explicit ThreeSwarms(const std::vector<std::string>& camera)
     {
-        script("face.sh", joined(small, camera));
+        run("face.sh", joined(small, camera));
         swarm.hivectl_done(joined({"set", "face"}, owns[0].settings));
-        script("gesture.sh");
-        script("tracking.sh");
+        run("gesture.sh");
+        run("tracking.sh");
         std::vector<hive::Endpoint> outputs;
         for (const auto& own : owns)
             outputs.push_back({own.drone, own.output});
@@ -90,9 +96,9 @@ public:
     std::unique_ptr<hive::Collector> collector;
 
 private:
-    void script(const std::string& name, const std::vector<std::string>& settings = {}) const
+    void run(const std::string& name, const std::vector<std::string>& settings = {}) const
     {
-        const auto done = swarm.run(joined({HIVE_SOURCE_DIR "/scripts/swarms/" + name}, settings));
+        const auto done = script(swarm, joined({name}, settings));
         if (done.exit_code != 0)
             throw std::runtime_error(name + " exited with " + std::to_string(done.exit_code) + "\n" + done.out + done.err);
     }
@@ -135,6 +141,36 @@ TEST_CASE("three swarms: the scripts, one after the other, share one camera and 
     const auto set = Json::parse(lines.substr(0, lines.find('\n')));
     for (const auto& event : set.at("events"))
         CHECK(event.at("seq") == set.at("seq"));
+}
+
+TEST_CASE("swarm scripts: wrong arguments are answered with the usage before anything is started")
+{
+    const Swarm swarm;
+    const std::vector<std::vector<std::string>> wrong{{"shared-face.sh"}, {"shared-face.sh", "abc"}, {"shared-face.sh", "0"}, {"shared-face.sh", "2", "fast"}, {"axis.sh"},
+                                                      {"axis.sh", "fps=5"}, {"face.sh", "--help"}, {"gesture.sh", "abc"}, {"tracking.sh", "=3"}};
+    for (const auto& words : wrong) {
+        CAPTURE(words[0]);
+        const auto done = script(swarm, words);
+        CHECK(done.exit_code == 2);
+        CHECK(done.err.starts_with("usage: scripts/swarms/" + words[0]));
+    }
+    CHECK(swarm.hivectl_done({"ps", "--json"}) == "[]\n");
+}
+
+TEST_CASE("swarm scripts: a second run goes on with the drones that run, and a drone of another swarm is left alone")
+{
+    const Swarm swarm;
+    for (const auto& words : std::vector<std::vector<std::string>>{{"face.sh", "fps=5"}, {"gesture.sh"}, {"tracking.sh"}, {"shared-face.sh", "1"}}) {
+        CAPTURE(words[0]);
+        const auto first = script(swarm, words);
+        REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+        const auto second = script(swarm, words);
+        CHECK_MESSAGE(second.exit_code == 0, second.err);
+    }
+    CHECK(swarm.application().drones() == std::vector<std::string>{"background", "camera", "face", "face-1", "gesture", "track"});
+    const auto other = script(swarm, {"axis.sh", "http://192.0.2.10"});
+    CHECK(other.exit_code == 1);
+    CHECK(other.err.find("for another swarm") != std::string::npos);
 }
 
 TEST_CASE("three swarms: each has its own rate, and stopping one changes those of gesture and track, and how soon face has its next picture, by less than 2 %")

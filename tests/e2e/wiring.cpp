@@ -145,6 +145,34 @@ TEST_CASE("restart: a receiver that was killed and started again has its connect
     CHECK(swarm.hivectl_done({"edges", "--json"}) == "[]\n");
 }
 
+TEST_CASE("stop: a drone that crashed is forgotten, by its name, a glob or --all, and one that was never there is exit code 3")
+{
+    const Swarm swarm;
+    const auto crash = [&](const std::string& name) {
+        auto drone = swarm.drone("ticker", name, {"bytes=77"});
+        drone.kill();
+    };
+    const auto remembers = [&](const std::string& name) { return std::filesystem::exists(swarm.home() / (name + ".state")); };
+    for (const auto& words : {std::vector<std::string>{"stop", "left-1"}, {"stop", "left-*"}, {"stop", "--all"}}) {
+        CAPTURE(words.back());
+        crash("left-1");
+        REQUIRE(remembers("left-1"));
+        const auto stopped = swarm.hivectl(words);
+        CHECK(stopped.exit_code == 0);
+        CHECK(stopped.out.empty());
+        CHECK(has(stopped.err, "left-1 did not run; what it was told before it crashed is forgotten"));
+        CHECK_FALSE(remembers("left-1"));
+    }
+    crash("left-1");
+    CHECK(swarm.hivectl_done({"stop", "left-1", "--json"}) == "{\"forgotten\":\"left-1\"}\n");
+    const auto again = swarm.drone("ticker", "left-1");
+    CHECK(swarm.application().get("left-1", {"bytes"}) != Json{{"bytes", 77}});
+    const auto never = swarm.hivectl({"stop", "quite-another"});
+    CHECK(never.exit_code == 3);
+    CHECK(has(never.err, "see what runs: hivectl ps"));
+    CHECK_FALSE(has(never.err, "hivectl start"));
+}
+
 TEST_CASE("restart: a source killed while nobody starts it is waited for, and said to be waited for")
 {
     const Swarm swarm;

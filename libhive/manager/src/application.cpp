@@ -19,6 +19,7 @@ Application::~Application() = default;
 void Application::timeout(std::chrono::milliseconds timeout) { core_->timeout = timeout; }
 
 std::vector<std::string> Application::drones() { return core_->running(); }
+std::vector<std::string> Application::remembered() { return core_->remembered(); }
 
 std::vector<std::string> Application::find(const std::string& pattern)
 {
@@ -144,6 +145,8 @@ void Application::exception_policy(const std::string& drone, ExceptionPolicy pol
 
 void Application::stop(const std::string& drone)
 {
+    if (core_->remembers(drone))
+        return core_->home.forget_state(drone);
     const auto until = core_->deadline();
     try {
         core_->ask(drone, PacketType::stop);

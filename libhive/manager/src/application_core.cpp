@@ -3,6 +3,8 @@
 
 #include <hive/name.hpp>
 
+#include <algorithm>
+
 #include <unistd.h>
 
 namespace hive {
@@ -11,14 +13,6 @@ namespace {
 std::string name_of(const Application::Options& options)
 {
     return options.name.empty() ? "app-" + std::to_string(::getpid()) : require_name(options.name, "application");
-}
-
-/// A drone is often called after its kind: "face", "face-2".
-std::string start_command(const std::string& drone)
-{
-    const auto dash = drone.rfind('-');
-    const bool numbered = dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
-    return "hivectl start " + (numbered ? drone.substr(0, dash) + " --as " + drone : drone);
 }
 
 /// The error of a drone, saying whose it is.
@@ -46,13 +40,30 @@ std::vector<std::string> Application::Core::running() const
     return names;
 }
 
+bool Application::Core::remembers(const std::string& drone) const
+{
+    std::error_code ignored;
+    return is_name(drone) && std::filesystem::exists(home.path(drone, ".state"), ignored) && !home.alive(drone);
+}
+
+std::vector<std::string> Application::Core::remembered() const
+{
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(home.directory(), ignored))
+        if (entry.path().extension() == ".state" && remembers(entry.path().stem().string()))
+            names.push_back(entry.path().stem().string());
+    std::ranges::sort(names);
+    return names;
+}
+
 void Application::Core::require_running(const std::string& drone) const
 {
     if (is_name(drone) && home.alive(drone))
         return;
     require_name(drone, "drone");
     const auto near = nearest(drone, running());
-    throw Error(Errc::not_found, drone + " is not running; " + (near.empty() ? "start it: " + start_command(drone) : "did you mean " + near + "?"));
+    throw Error(Errc::not_found, drone + " is not running" + (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)

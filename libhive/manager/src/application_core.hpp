@@ -18,9 +18,12 @@ public:
     /// Asks several at once, each its own header, and waits for all.
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const std::vector<Json>& headers);
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
-    /// Throws Errc::not_found, with what to do, when no drone of this name runs here.
+    /// Throws Errc::not_found, with the nearest name, when no drone of this name runs here.
     void require_running(const std::string& drone) const;
     [[nodiscard]] std::vector<std::string> running() const;
+    /// Has what this drone was told outlived it?
+    [[nodiscard]] bool remembers(const std::string& drone) const;
+    [[nodiscard]] std::vector<std::string> remembered() const;
     /// With the output's name, when the drone has only one.
     Endpoint with_output(const Endpoint& end);
     [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }

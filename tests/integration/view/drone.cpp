@@ -10,6 +10,7 @@
 #include <csignal>
 #include <fstream>
 #include <set>
+#include <thread>
 
 using namespace hive::test;
 using http::Client, http::get;
@@ -183,6 +184,58 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
     for (const char* ending : {".sock", ".state", ".log"})
         CHECK_FALSE_MESSAGE(std::filesystem::exists(swarm.home() / ("viewer" + std::string(ending))), ending);
+}
+
+TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice at once, as of timeout, leaves nothing running either")
+{
+    const Swarm swarm;
+    const int port = http::free_port();
+    const auto camera = swarm.drone("camera", "camera");
+    const auto drones = [&] { return swarm.application().drones(); };
+    for (int round = 0; round < 6; ++round) {
+        const auto name = "seen-" + std::to_string(round);
+        auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port)}, name);
+        if (round % 2 == 0)
+            REQUIRE(eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)));
+        else
+            REQUIRE(eventually([&] { return std::filesystem::exists(swarm.home() / "viewer.log"); }, Milliseconds(15'000)));
+        process.signal(SIGTERM);
+        std::this_thread::sleep_for(Milliseconds(round * 5));
+        process.signal(SIGTERM);
+        CHECK(process.wait(Milliseconds(5000)) == 128 + SIGTERM);
+        CHECK(drones() == std::vector<std::string>{"camera"});
+        for (const char* ending : {".sock", ".state", ".log"})
+            CHECK_FALSE_MESSAGE(std::filesystem::exists(swarm.home() / ("viewer" + std::string(ending))), ending);
+    }
+}
+
+TEST_CASE("hivectl view: the drone ends with the command, even if that is killed, and has forgotten what it was told")
+{
+    const Swarm swarm;
+    const int port = http::free_port();
+    const auto camera = swarm.drone("camera", "camera");
+    auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port)}, "seen");
+    REQUIRE(eventually([&] { return swarm.log("seen").find("http://") != std::string::npos; }, Milliseconds(15'000)));
+    process.kill();
+    CHECK(eventually([&] { return swarm.application().drones() == std::vector<std::string>{"camera"}; }, Milliseconds(5000)));
+    CHECK_FALSE(std::filesystem::exists(swarm.home() / "viewer.state"));
+}
+
+TEST_CASE("hivectl view: several that begin at once show each in a drone of its own")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera");
+    std::vector<Process> views;
+    for (const char* name : {"a", "b", "c"})
+        views.push_back(swarm.hivectl_running({"view", "camera", "--http", std::to_string(http::free_port())}, name));
+    for (const char* name : {"a", "b", "c"})
+        REQUIRE_MESSAGE(eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)), swarm.log(name));
+    CHECK(swarm.application().drones() == std::vector<std::string>{"camera", "viewer", "viewer-2", "viewer-3"});
+    for (auto& view : views) {
+        view.signal(SIGINT);
+        CHECK(view.wait(Milliseconds(5000)) == 130);
+    }
+    CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
 TEST_CASE("hivectl view: without a display it names --http; a drone that sends no pictures is told so; nothing is left running")

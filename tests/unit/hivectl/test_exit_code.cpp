@@ -1,5 +1,6 @@
 // Tests of exit codes and of the sentences for errors.
 #include "exit_code.hpp"
+#include "programs_for_tests.hpp"
 
 #include <doctest/doctest.h>
 
@@ -36,6 +37,18 @@ TEST_CASE("exit codes: some done and some failed is 8; all failed alike is their
     partly.done();
     partly.failed("b", Error(Errc::timeout, "b: no answer"));
     CHECK(partly.exit_code() == 8);
+}
+
+TEST_CASE("error texts: a drone that does not run is to be started only where there is a program of its kind")
+{
+    const Programs programs({"hive-toy", "hive-toy-2"});
+    const auto advice = [](const std::string& drone) { return explained(Error(Errc::not_found, drone + " is not running")); };
+    CHECK(advice("toy") == "toy is not running; start it: hivectl start toy");
+    CHECK(advice("toy-3") == "toy-3 is not running; start it: hivectl start toy --as toy-3");
+    CHECK(advice("toy-2") == "toy-2 is not running; start it: hivectl start toy-2");
+    CHECK(advice("nobody") == "nobody is not running; see what runs: hivectl ps");
+    CHECK(advice("nobody-3") == "nobody-3 is not running; see what runs: hivectl ps");
+    CHECK(explained(Error(Errc::not_found, "tay is not running; did you mean toy?")) == "tay is not running; did you mean toy?");
 }
 
 TEST_CASE("error texts: advice is added once, and what came from elsewhere is made printable")

@@ -36,6 +36,13 @@ TEST_CASE("durations: two units at most, from microseconds to days")
     CHECK(duration_text(187'200'000'000) == "2 d 4 h");
 }
 
+TEST_CASE("counts: one is singular")
+{
+    CHECK(count_text(0, "event") == "0 events");
+    CHECK(count_text(1, "event") == "1 event");
+    CHECK(count_text(30, "event") == "30 events");
+}
+
 TEST_CASE("status fields: what is missing or of another type reads as nothing")
 {
     const hive::Json status{{"state", 3}, {"pid", "x"}, {"outputs", nullptr}, {"uptime_us", 12}};

@@ -92,6 +92,8 @@ public:
 
     /// Names of the drones that run on this machine (those whose socket answers), sorted.
     std::vector<std::string> drones();
+    /// Names of drones that do not run and get back what they were told when they are started again: they crashed. Sorted.
+    std::vector<std::string> remembered();
     /// Expands a glob, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
     std::vector<std::string> find(const std::string& pattern);
     /// Splits "camera.image" into drone and port; a running drone with the whole name wins.
@@ -136,7 +138,7 @@ public:
 
     void halt(const std::string& drone);
     void resume(const std::string& drone);
-    /// Ends a drone and forgets what it was told; returns when it is gone.
+    /// Ends a drone and forgets what it was told; returns when it is gone. One that crashed is forgotten only.
     void stop(const std::string& drone);
     /// Changes what happens when the drone's code throws.
     void exception_policy(const std::string& drone, ExceptionPolicy policy);
