@@ -8,7 +8,10 @@
 
 namespace hive {
 
-std::chrono::microseconds Event::age() const { return std::chrono::microseconds(event::wall_us() - identity.captured_us); }
+std::chrono::microseconds Event::age() const
+{
+    return std::chrono::microseconds(identity.captured_us == 0 ? 0 : event::wall_us() - identity.captured_us);
+}
 
 }  // namespace hive
 

@@ -132,7 +132,7 @@ void Intake::on_packet(const protocol::Packet& packet)
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
     Event event = event_from_packet(packet);
     ++received_;
-    age_us_ = wall_us() - event.identity.captured_us;
+    age_us_ = event.age().count();
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     event.input = spec_.input;

@@ -207,8 +207,8 @@ void ReceiverTable::offer_receiver(Id id, Receiver& receiver, const EmissionPtr&
 {
     ++receiver.counts.produced;
     ++receiver.counts.in_flight;
-    const bool keep = receiver.streaming() || (event->lossless() && receiver.options.delivery == Delivery::data);
-    if (!keep && !receiver.waiting.empty()) {
+    const auto must_stay = [&](const EmissionPtr& each) { return each->lossless() && receiver.options.delivery == Delivery::data; };
+    if (!receiver.streaming() && !must_stay(event) && !receiver.waiting.empty() && !must_stay(receiver.waiting.back())) {
         receiver.waiting_bytes -= receiver.waiting.back()->size();
         receiver.waiting.pop_back();
         ++receiver.counts.skipped;
@@ -253,7 +253,7 @@ void ReceiverTable::offer_group(const std::string& name, Group& group, const Emi
 {
     ++group.counts.produced;
     ++group.counts.in_flight;
-    const bool replaces = !event->lossless() && !group.waiting.empty() && group.waiting.back().attempt == 0;
+    const bool replaces = !event->lossless() && !group.waiting.empty() && group.waiting.back().attempt == 0 && !group.waiting.back().event->lossless();
     if (replaces) {
         group.waiting.pop_back();
         ++group.counts.skipped;

@@ -157,6 +157,18 @@ TEST_CASE("receiver table: an event of a source on demand is never replaced by a
     CHECK(one.counts().skipped == 0);
 }
 
+TEST_CASE("receiver table: among live events one that is lossless is not replaced")
+{
+    OneReceiver one(window(1));
+    CHECK(one.offer(1) == Sequences{1});
+    CHECK(one.offer(2, true).empty());
+    CHECK(one.offer(3).empty());
+    CHECK(one.offer(4).empty());
+    CHECK(one.ask(2) == Sequences{2});
+    CHECK(one.ask(3) == Sequences{4});
+    CHECK(one.counts().skipped == 1);
+}
+
 TEST_CASE("receiver table: demand is there when every receiver of bodies has asked")
 {
     ReceiverTable table;

@@ -80,6 +80,18 @@ TEST_CASE("group: with a window, an idle member comes before one that has work")
     CHECK(workers.offer(5).empty());
 }
 
+TEST_CASE("group: among live events one that is lossless is not replaced")
+{
+    Workers workers(1);
+    CHECK(workers.offer(1, false) == Got{{1, {1}}});
+    workers.offer(2, true);
+    workers.offer(3, false);
+    workers.offer(4, false);
+    CHECK(workers.done(1, 1) == Got{{1, {2}}});
+    CHECK(workers.done(1, 2) == Got{{1, {4}}});
+    CHECK(balanced(workers.group()));
+}
+
 TEST_CASE("group: a live source keeps the newest for the next free member")
 {
     Workers workers(1);

@@ -51,7 +51,7 @@ struct Event {
     /// Empty in a notification. Declared last, so that it goes first: the memory is given back together with the receipt.
     Body body;
 
-    /// Since the capture, by the wall clocks of the two machines.
+    /// Since the capture, by the wall clocks of the two machines; 0 when nobody knows when that was.
     [[nodiscard]] std::chrono::microseconds age() const;
 };
 
