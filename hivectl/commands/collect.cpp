@@ -98,7 +98,7 @@ Verb collect_verb()
                        "far the captures are apart) and events, each as hivectl results prints it. What found no partner is left out; "
                        "the last line on stderr says how many, and where their partners were missing.",
             .examples = "hivectl collect camera.image face.faces -n 5\n"
-                        "hivectl collect left right --within 20 | jq .spread_ms",
+                        "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
             .timeout = "give up when no set came for this long (default: never)",
             .operands = {Operand::sender},
             .declare = declare};

@@ -36,9 +36,10 @@ std::vector<std::string> shell_blocks(const fs::path& page)
 /// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C.
 constexpr auto reader = R"(set -euo pipefail
 hivectl() {
-    local code=0
-    timeout -s INT "${patience}" "$program" "$@" || code=$?
-    case "$1:$code" in top:124|results:124|collect:124|record:124|exceptions:124) return 0 ;; esac
+    local code=0 limit=20
+    case "$1" in top|results|record|exceptions) limit=$patience ;; esac
+    timeout -s INT "$limit" "$program" "$@" || code=$?
+    case "$1:$code" in top:124|results:124|record:124|exceptions:124) return 0 ;; esac
     return $code
 }
 command -v jq > /dev/null || jq() { cat; }
