@@ -45,9 +45,10 @@ hivectl() {
 command -v jq > /dev/null || jq() { cat; }
 )";
 
-Finished run_as_reader(const Swarm& swarm, const std::string& commands)
+/// @param seconds  for commands that stream
+Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)
 {
-    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + (sanitized() ? "15" : "3") + "\ncd " + swarm.home().string() + "\n";
+    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds) + "\ncd " + swarm.home().string() + "\n";
     return swarm.run({"/bin/bash", "-c", values + reader + commands}, 60'000ms);
 }
 
@@ -72,7 +73,7 @@ void run_blocks(const std::string& name)
     REQUIRE_MESSAGE(!blocks.empty(), name, " has no block marked sh");
     const Swarm swarm;
     for (const auto& block : blocks) {
-        const auto finished = run_as_reader(swarm, block);
+        const auto finished = run_as_reader(swarm, block, sanitized() ? 15 : 3);
         CHECK_MESSAGE(finished.exit_code == 0, name, ": exit code ", finished.exit_code, " of\n", block, "\nit printed\n", finished.out, finished.err);
     }
 }
@@ -123,13 +124,15 @@ TEST_CASE("README: hivectl --help has each heading once")
 
 TEST_CASE("README: the examples of --help work as they stand there")
 {
+    if (sanitized())
+        return;  // the same verbs as on the pages, a hundred times
     const Swarm swarm;
     for (const auto& verb : verbs) {
-        CHECK(run_as_reader(swarm, verb.before).exit_code == 0);
+        CHECK(run_as_reader(swarm, verb.before, 1).exit_code == 0);
         const auto commands = examples(swarm, verb.name);
         CHECK_MESSAGE(!commands.empty(), verb.name, " has no examples");
         for (const auto& command : commands) {
-            const auto finished = run_as_reader(swarm, command);
+            const auto finished = run_as_reader(swarm, command, 1);
             CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of ", command, "\nit printed\n", finished.out, finished.err);
         }
     }
