@@ -142,8 +142,6 @@ ReplayDrone::Step ReplayDrone::next_step()
     return for_watchers ? Step::when_due : Step::none;
 }
 
-bool ReplayDrone::lacks_body() const { return event_->size > 0 && playback_->current()->prefix.body_size == 0; }
-
 std::chrono::microseconds ReplayDrone::step()
 {
     if (!playback_ || ended_ || (!begun_ && !anybody()))
@@ -196,10 +194,10 @@ void ReplayDrone::send()
 {
     const auto record = *playback_->current();
     const auto& to = output();
-    const bool without_body = lacks_body();
     hive::Event event = std::move(*event_);
+    if (to.wanted() && event.size > 0 && record.prefix.body_size == 0)
+        ++without_body_;
     try {
-        without_body_ += to.wanted() && without_body ? 1 : 0;
         if (to.wanted())
             event.body = body_of(playback_->reader(), record, to);
     } catch (const std::exception& error) {

@@ -39,7 +39,6 @@ private:
     [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<recording::Track>& tracks) const;
     [[nodiscard]] bool anybody() const;
     Step next_step();
-    [[nodiscard]] bool lacks_body() const;
     std::chrono::microseconds step();
     bool prepare();
     void take_next();
