@@ -41,10 +41,13 @@ std::vector<char*> pointers(const std::vector<std::string>& texts)
 /// Our environment with some variables replaced.
 std::vector<std::string> environment_with(const std::vector<std::string>& replacements)
 {
-    const auto same_variable = [](const std::string& a, const std::string& b) { return a.substr(0, a.find('=')) == b.substr(0, b.find('=')); };
+    const auto same_variable = [](const std::string& a, const std::string& b) {
+        return a.substr(0, a.find('=')) == b.substr(0, b.find('='));
+    };
     std::vector<std::string> result = replacements;
     for (char** variable = environ; *variable; ++variable)
-        if (std::ranges::none_of(replacements, [&](const auto& replacement) { return same_variable(replacement, *variable); }))
+        if (std::ranges::none_of(replacements,
+                                 [&](const auto& replacement) { return same_variable(replacement, *variable); }))
             result.emplace_back(*variable);
     return result;
 }
@@ -54,9 +57,9 @@ struct Child {
     char* const* words;
     char* const* variables;
     const char* log;
-    bool tied;     ///< to the life of the process `parent`
+    bool tied;  ///< to the life of the process `parent`
     pid_t parent;
-    int report;    ///< takes the errno when the program cannot be run
+    int report;  ///< takes the errno when the program cannot be run
 };
 
 /// SIGTERM when the thread that forked ends, which is the main thread.
@@ -70,8 +73,8 @@ void tie_to(pid_t parent)
 bool set_descriptors(const char* log)
 {
     const int in = ::open("/dev/null", O_RDONLY), out = ::open(log, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0600);
-    return in >= 0 && out >= 0 && ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 && ::dup2(out, STDERR_FILENO) >= 0
-        && ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
+    return in >= 0 && out >= 0 && ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0
+           && ::dup2(out, STDERR_FILENO) >= 0 && ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
 }
 
 /// No signal blocked or ignored.
@@ -148,7 +151,8 @@ BackgroundProcess::BackgroundProcess(const fs::path& program, const std::vector<
     const auto variables = environment_with(environment);
     const auto word_pointers = pointers(words), variable_pointers = pointers(variables);
     Report report;
-    const Child child{word_pointers.data(), variable_pointers.data(), log.c_str(), life == Life::tied, ::getpid(), report.entry()};
+    const Child child{word_pointers.data(), variable_pointers.data(), log.c_str(), life == Life::tied, ::getpid(),
+                      report.entry()};
     pid_ = ::fork();
     if (pid_ == 0)
         become(child);

@@ -18,7 +18,10 @@ Option Option::required() const { return Option(option_->required()); }
 Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
 Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
 Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
-Option Option::one_of(const std::vector<std::string>& words) const { return Option(option_->check(CLI::IsMember(words))); }
+Option Option::one_of(const std::vector<std::string>& words) const
+{
+    return Option(option_->check(CLI::IsMember(words)));
+}
 
 template <typename Number>
 Option Option::between(Number least, Number most) const
@@ -37,7 +40,8 @@ Option Option::seconds(double least, double most) const
         const bool number = !text.empty() && *end == '\0';
         if (number && value >= least && value <= most)
             return {};
-        return text + " is not a number of seconds" + (number ? value < least ? ", or too small" : ", or too large" : "");
+        return text + " is not a number of seconds"
+               + (number ? value < least ? ", or too small" : ", or too large" : "");
     };
     return Option(option_->check(problem, "", "seconds"));
 }
@@ -45,7 +49,9 @@ Option Option::seconds(double least, double most) const
 Option Option::encoding() const
 {
     const auto problem = [](const std::string& text) {
-        return hive::is_encoding(text) ? std::string() : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
+        return hive::is_encoding(text)
+                   ? std::string()
+                   : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
     };
     return Option(option_->check(problem, "", "encoding"));
 }
@@ -66,7 +72,10 @@ template Option CommandLine::option(const std::string&, double&, const std::stri
 template Option CommandLine::option(const std::string&, std::optional<int>&, const std::string&);
 template Option CommandLine::option(const std::string&, std::optional<double>&, const std::string&);
 
-Option CommandLine::flag(const std::string& names, bool& value, const std::string& meaning) { return Option(app_->add_flag(names, value, meaning)); }
+Option CommandLine::flag(const std::string& names, bool& value, const std::string& meaning)
+{
+    return Option(app_->add_flag(names, value, meaning));
+}
 
 bool CommandLine::read(int argc, char** argv)
 {

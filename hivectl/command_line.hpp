@@ -1,4 +1,5 @@
-// The options and arguments of a verb. CLI11 reads them; it takes seconds to compile, so command_line.cpp alone knows it.
+// The options and arguments of a verb. CLI11 reads them; it takes seconds to compile, so command_line.cpp alone knows
+// it.
 #pragma once
 
 #include <memory>
@@ -9,7 +10,7 @@
 namespace CLI {
 class App;
 class Option;
-}
+}  // namespace CLI
 
 namespace hivectl {
 
@@ -50,7 +51,8 @@ public:
     CommandLine& operator=(const CommandLine&) = delete;
 
     /// An option when `names` begins with a hyphen ("-o,--output"), or else the argument that stands at the next place.
-    /// @param value  of std::string, a number, an optional of one, or std::vector<std::string>; set by read(), until when it has to live
+    /// @param value  of std::string, a number, an optional of one, or std::vector<std::string>; set by read(), until
+    /// when it has to live
     template <typename Value>
     Option option(const std::string& names, Value& value, const std::string& meaning);
     Option flag(const std::string& names, bool& value, const std::string& meaning);
@@ -61,9 +63,9 @@ public:
     /// What is declared, in that order, for --help and completion.
     struct Entry {
         bool positional = false;
-        std::string name;                                 ///< of an argument, with "..." if there may be several
-        std::vector<std::string> short_names, long_names; ///< of an option, without hyphens
-        std::string type;                                 ///< of an option's value; empty: it takes none
+        std::string name;                                  ///< of an argument, with "..." if there may be several
+        std::vector<std::string> short_names, long_names;  ///< of an option, without hyphens
+        std::string type;                                  ///< of an option's value; empty: it takes none
         std::string meaning;
     };
     [[nodiscard]] std::vector<Entry> entries() const;

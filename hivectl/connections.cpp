@@ -22,7 +22,8 @@ std::map<Ends, BothEnds> joined(const std::vector<hive::Answer>& statuses)
     for (const auto& answer : statuses) {
         for (const auto& output : list_in(answer.result, "outputs"))
             for (const auto& receiver : list_in(output, "receivers"))
-                connections[{answer.drone + "." + text_in(output, "name"), text_in(receiver, "receiver")}].at_sender = &receiver;
+                connections[{answer.drone + "." + text_in(output, "name"), text_in(receiver, "receiver")}].at_sender =
+                    &receiver;
         for (const auto& input : list_in(answer.result, "inputs"))
             if (const auto from = text_in(input, "from"); !from.empty())
                 connections[{from, answer.drone + "." + text_in(input, "input")}].at_receiver = &input;
@@ -63,7 +64,8 @@ Row row_of(const Ends& names, const BothEnds& ends)
     row.add("way", way_of(ends.at_sender));
     row.add("state", state_of(ends));
     row.add("known_by", !ends.at_receiver ? "sender" : !ends.at_sender ? "receiver" : "both");
-    for (const char* key : {"produced", "delivered", "skipped", "dropped", "abandoned", "in_flight", "shared", "fallback"})
+    for (const char* key :
+         {"produced", "delivered", "skipped", "dropped", "abandoned", "in_flight", "shared", "fallback"})
         row.add(key, field(ends.at_sender, key));
     row.add("age_us", field(ends.at_receiver, "last_age_us"));
     row.add("error", field(ends.at_receiver, "error"));

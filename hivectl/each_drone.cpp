@@ -10,7 +10,8 @@
 
 namespace hivectl {
 
-Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, std::string_view done, void (hive::Application::*action)(const std::string&))
+Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, std::string_view done,
+                   void (hive::Application::*action)(const std::string&))
 {
     auto names = std::make_shared<std::vector<std::string>>();
     line.option("NAME", *names, "drones, or globs such as 'face-*'").required();

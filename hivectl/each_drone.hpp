@@ -9,6 +9,7 @@ namespace hivectl {
 
 /// Declares the argument NAME... and, for each drone it names, does `action` and prints the name.
 /// @param done  what became of it, as a key of --json: "halted"
-Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, std::string_view done, void (hive::Application::*action)(const std::string&));
+Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, std::string_view done,
+                   void (hive::Application::*action)(const std::string&));
 
 }  // namespace hivectl

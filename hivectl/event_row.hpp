@@ -7,7 +7,8 @@
 
 namespace hivectl {
 
-/// source, epoch, seq of the capture; sender and output it came from; time_us of the capture; age_ms; size of the body; header.
+/// source, epoch, seq of the capture; sender and output it came from; time_us of the capture; age_ms; size of the body;
+/// header.
 Row event_row(const hive::Event& event);
 
 }  // namespace hivectl

@@ -58,7 +58,8 @@ std::string missing_drone(std::string_view text)
 std::string kind_of(const std::string& drone)
 {
     const auto dash = drone.rfind('-');
-    const bool numbered = dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
+    const bool numbered =
+        dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
     for (const auto& kind : {drone, numbered ? drone.substr(0, dash) : ""})
         if (!kind.empty() && program_of(kind))
             return kind;
@@ -68,7 +69,8 @@ std::string kind_of(const std::string& drone)
 std::string advice_for_missing(const std::string& drone)
 {
     const auto kind = kind_of(drone);
-    return kind.empty() ? "see what runs: hivectl ps" : "start it: hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
+    return kind.empty() ? "see what runs: hivectl ps"
+                        : "start it: hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
 }
 
 const Entry& entry(Errc code) noexcept { return table[static_cast<std::size_t>(code)]; }

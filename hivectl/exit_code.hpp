@@ -11,12 +11,12 @@ namespace hivectl {
 
 /// The codes a script may rely on.
 namespace exit_code {
-inline constexpr int done = 0;           ///< confirmed by the other end
-inline constexpr int failure = 1;        ///< anything that is not below
+inline constexpr int done = 0;     ///< confirmed by the other end
+inline constexpr int failure = 1;  ///< anything that is not below
 inline constexpr int usage = 2;
-inline constexpr int not_found = 3;      ///< no such drone, port, parameter
-inline constexpr int unreachable = 4;    ///< unreachable or died
-inline constexpr int refused = 5;        ///< by the drone; its reason is on stderr
+inline constexpr int not_found = 3;    ///< no such drone, port, parameter
+inline constexpr int unreachable = 4;  ///< unreachable or died
+inline constexpr int refused = 5;      ///< by the drone; its reason is on stderr
 inline constexpr int type_mismatch = 6;
 inline constexpr int halted = 7;
 inline constexpr int partly_done = 8;

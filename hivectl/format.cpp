@@ -21,7 +21,8 @@ std::tm local(std::time_t seconds)
     return result;
 }
 
-const hive::Json& typed(const hive::Json& object, const char* key, bool (hive::Json::*is)() const noexcept, const hive::Json& otherwise)
+const hive::Json& typed(const hive::Json& object, const char* key, bool (hive::Json::*is)() const noexcept,
+                        const hive::Json& otherwise)
 {
     if (!object.is_object())
         return otherwise;
@@ -85,9 +86,18 @@ std::string time_text(std::int64_t microseconds_since_1970)
     return std::string(text, length) + milliseconds;
 }
 
-std::string as_duration(const hive::Json& value) { return value.is_number() ? duration_text(value.get<std::int64_t>()) : std::string(); }
-std::string as_tenths(const hive::Json& value) { return value.is_number() ? tenths_text(value.get<double>()) : std::string(); }
-std::string as_time(const hive::Json& value) { return value.is_number() ? time_text(value.get<std::int64_t>()) : std::string(); }
+std::string as_duration(const hive::Json& value)
+{
+    return value.is_number() ? duration_text(value.get<std::int64_t>()) : std::string();
+}
+std::string as_tenths(const hive::Json& value)
+{
+    return value.is_number() ? tenths_text(value.get<double>()) : std::string();
+}
+std::string as_time(const hive::Json& value)
+{
+    return value.is_number() ? time_text(value.get<std::int64_t>()) : std::string();
+}
 std::string as_percent(const hive::Json& value)
 {
     return value.is_number() ? std::to_string(std::lround(value.get<double>())) + "%" : std::string();

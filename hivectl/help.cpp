@@ -64,7 +64,8 @@ std::string examples(std::string_view text)
     }
     std::string result;
     for (const auto& [command, meaning] : rows)
-        result += "  " + command + (meaning.empty() ? "" : std::string(indent - command.size() + 2, ' ') + meaning) + "\n";
+        result +=
+            "  " + command + (meaning.empty() ? "" : std::string(indent - command.size() + 2, ' ') + meaning) + "\n";
     return result;
 }
 
@@ -72,7 +73,8 @@ std::string examples(std::string_view text)
 
 std::string overview(const std::vector<Verb>& all)
 {
-    std::string text = "hivectl VERB ...: runs drones, wires them into a swarm, sets their parameters, collects results.\n";
+    std::string text =
+        "hivectl VERB ...: runs drones, wires them into a swarm, sets their parameters, collects results.\n";
     std::string_view group;
     for (const auto& verb : all) {
         if (verb.group.empty())
@@ -80,27 +82,29 @@ std::string overview(const std::vector<Verb>& all)
         if (verb.group != group)
             text += "\n" + std::string(verb.group) + ":\n";
         group = verb.group;
-        text += entry(verb.name, std::string(verb.summary) + (verb.alias.empty() ? "" : " (also: " + std::string(verb.alias) + ")"), 14);
+        text += entry(
+            verb.name,
+            std::string(verb.summary) + (verb.alias.empty() ? "" : " (also: " + std::string(verb.alias) + ")"), 14);
     }
     return text
-         + "\nfirst steps:\n"
-           "  hivectl start camera           run a drone\n"
-           "  hivectl start face\n"
-           "  hivectl connect camera face    camera sends its pictures to face\n"
-           "  hivectl results face -n 5      the next five results\n"
-           "  hivectl set face scale=1.05    change a parameter while it runs\n"
-           "  hivectl stop --all\n"
-           "\nEvery verb has --help, --json and --timeout SECONDS. NAME may be a glob: 'face-*'.\n"
-           "Drones meet in $HIVE_HOME, or else in $XDG_RUNTIME_DIR/hive; each writes NAME.log there.\n"
-           "exit codes: 0 done, 1 failure, 2 usage, 3 no such drone, port or parameter,\n"
-           "4 unreachable, 5 refused, 6 types do not fit, 7 halted, 8 partly done,\n"
-           "124 timed out, 130 interrupted (143 by SIGTERM)\n";
+           + "\nfirst steps:\n"
+             "  hivectl start camera           run a drone\n"
+             "  hivectl start face\n"
+             "  hivectl connect camera face    camera sends its pictures to face\n"
+             "  hivectl results face -n 5      the next five results\n"
+             "  hivectl set face scale=1.05    change a parameter while it runs\n"
+             "  hivectl stop --all\n"
+             "\nEvery verb has --help, --json and --timeout SECONDS. NAME may be a glob: 'face-*'.\n"
+             "Drones meet in $HIVE_HOME, or else in $XDG_RUNTIME_DIR/hive; each writes NAME.log there.\n"
+             "exit codes: 0 done, 1 failure, 2 usage, 3 no such drone, port or parameter,\n"
+             "4 unreachable, 5 refused, 6 types do not fit, 7 halted, 8 partly done,\n"
+             "124 timed out, 130 interrupted (143 by SIGTERM)\n";
 }
 
 std::string help_of(const Verb& verb, const CommandLine& line)
 {
-    std::string text = "hivectl " + std::string(verb.name) + (verb.usage.empty() ? "" : " " + std::string(verb.usage)) + "\n\n"
-                     + wrapped(verb.summary, 0) + ".\n";
+    std::string text = "hivectl " + std::string(verb.name) + (verb.usage.empty() ? "" : " " + std::string(verb.usage))
+                       + "\n\n" + wrapped(verb.summary, 0) + ".\n";
     if (!verb.details.empty())
         text += "\n" + wrapped(verb.details, 0) + "\n";
     std::string arguments, options;

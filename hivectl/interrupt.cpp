@@ -15,8 +15,8 @@ namespace hivectl::interrupt {
 namespace {
 
 // Read and written in a signal handler: lock-free, and nothing else.
-std::atomic<int> deferred{0};  // how many Deferred live
-std::atomic<int> first{0};                  // the first signal
+std::atomic<int> deferred{0};              // how many Deferred live
+std::atomic<int> first{0};                 // the first signal
 std::atomic<std::int64_t> first_at_ns{0};  // when it came
 static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
@@ -47,10 +47,10 @@ static_assert(exit_code::interrupted == 128 + SIGINT);
 void install()
 {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-        struct sigaction previous{};
+        struct sigaction previous {};
         if (::sigaction(signal, nullptr, &previous) == 0 && previous.sa_handler == SIG_IGN)
             continue;
-        struct sigaction action{};
+        struct sigaction action {};
         action.sa_handler = on_signal;
         action.sa_flags = SA_RESTART;
         ::sigaction(signal, &action, nullptr);

@@ -1,4 +1,5 @@
-// Ctrl-C, and a terminal that goes away: ends at once with 128 + signal (130), unless a verb has something to put in order first.
+// Ctrl-C, and a terminal that goes away: ends at once with 128 + signal (130), unless a verb has something to put in
+// order first.
 #pragma once
 
 #include <chrono>
@@ -7,8 +8,8 @@ namespace hivectl::interrupt {
 
 /// Installs the handler; leaves signals ignored where the shell wants it so (background jobs of scripts).
 void install();
-/// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once. What comes within 200 ms of the first is
-/// no second: timeout(1) signals the process and then its group.
+/// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once. What comes within 200
+/// ms of the first is no second: timeout(1) signals the process and then its group.
 class Deferred {
 public:
     Deferred();

@@ -30,9 +30,10 @@ std::filesystem::path require_program(const std::string& kind)
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
     const std::string near = hive::nearest(kind, known);
-    throw hive::Error(hive::Errc::not_found, "there is no drone hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
-                                                 + (near.empty() ? "" : "did you mean " + near + "? ") + "kinds found: "
-                                                 + (list.empty() ? "none" : list));
+    throw hive::Error(hive::Errc::not_found, "there is no drone hive-" + kind
+                                                 + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
+                                                 + (near.empty() ? "" : "did you mean " + near + "? ")
+                                                 + "kinds found: " + (list.empty() ? "none" : list));
 }
 
 void require_free(Session& session, const LaunchPlan& plan)
@@ -40,7 +41,8 @@ void require_free(Session& session, const LaunchPlan& plan)
     hive::require_name(plan.name, "drone");
     if (runs(session.application(), plan.name))
         throw hive::Error(hive::Errc::name_taken, plan.name + " is running already; stop it: hivectl stop " + plan.name
-                                                      + ", or start another beside it: hivectl start " + plan.kind + " --as " + plan.name + "-2");
+                                                      + ", or start another beside it: hivectl start " + plan.kind
+                                                      + " --as " + plan.name + "-2");
 }
 
 BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
@@ -54,7 +56,10 @@ BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::fil
 
 }  // namespace
 
-Launch::Launch(Session& session, LaunchPlan plan) : session_(session), plan_(std::move(plan)), process_(start(session_, plan_, log())) {}
+Launch::Launch(Session& session, LaunchPlan plan)
+    : session_(session), plan_(std::move(plan)), process_(start(session_, plan_, log()))
+{
+}
 
 std::filesystem::path Launch::log() const { return session_.home() / (plan_.name + ".log"); }
 
@@ -62,7 +67,8 @@ std::filesystem::path Launch::log() const { return session_.home() / (plan_.name
 bool Launch::ready()
 {
     const auto answer = session_.application().status(std::vector{plan_.name}).at(0);
-    return !answer.error && count_in(answer.result, "pid") == process_.pid() && text_in(answer.result, "state") != "starting";
+    return !answer.error && count_in(answer.result, "pid") == process_.pid()
+           && text_in(answer.result, "state") != "starting";
 }
 
 std::optional<int> Launch::await(std::chrono::milliseconds limit)
@@ -88,7 +94,8 @@ int Launch::give_up(bool late, std::chrono::milliseconds limit)
     process_.end();
     if (!late)
         return interrupt::exit_code();
-    complain(plan_.verb, plan_.name + " was not ready within " + duration_text(limit / 1us) + " and was ended; allow more time: --timeout SECONDS; its log says:");
+    complain(plan_.verb, plan_.name + " was not ready within " + duration_text(limit / 1us)
+                             + " and was ended; allow more time: --timeout SECONDS; its log says:");
     show_last_words();
     return exit_code::timed_out;
 }
@@ -116,7 +123,8 @@ int start_in_background(Session& session, const LaunchPlan& plan)
     Launch launch(session, plan);
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;
-    const Row row{{"drone", plan.name}, {"kind", plan.kind}, {"pid", launch.process().pid()}, {"log", launch.log().string()}};
+    const Row row{
+        {"drone", plan.name}, {"kind", plan.kind}, {"pid", launch.process().pid()}, {"log", launch.log().string()}};
     write_out(session.json ? row.json() + "\n" : plan.name + "\n");
     return exit_code::done;
 }

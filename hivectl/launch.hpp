@@ -23,11 +23,12 @@ struct LaunchPlan {
 /// A drone started here.
 class Launch {
 public:
-    /// Starts it, with its log in the home. Throws Errc::not_found when there is no such program, Errc::name_taken, Errc::io.
+    /// Starts it, with its log in the home. Throws Errc::not_found when there is no such program, Errc::name_taken,
+    /// Errc::io.
     Launch(Session& session, LaunchPlan plan);
 
-    /// Waits until it is ready. If it never will be, it is gone, stderr says why, and this is the exit code. Throws Errc::name_taken when
-    /// another has taken the name meanwhile.
+    /// Waits until it is ready. If it never will be, it is gone, stderr says why, and this is the exit code. Throws
+    /// Errc::name_taken when another has taken the name meanwhile.
     std::optional<int> await(std::chrono::milliseconds limit);
     /// Says on stderr how it ended, and its last words. Returns its exit code if that is one of ours.
     int died(int status) const;

@@ -21,8 +21,10 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
         if (!verb.group.empty())
             names.emplace_back(verb.name);
     const std::string near = hive::nearest(word, names);
-    const std::string what = word.starts_with('-') ? "options come after the verb" : "there is no verb " + hive::in_quotes(word);
-    complain("", what + (near.empty() || word.starts_with('-') ? "" : "; did you mean " + near + "?") + "; see all: hivectl --help");
+    const std::string what =
+        word.starts_with('-') ? "options come after the verb" : "there is no verb " + hive::in_quotes(word);
+    complain("", what + (near.empty() || word.starts_with('-') ? "" : "; did you mean " + near + "?")
+                     + "; see all: hivectl --help");
     return exit_code::usage;
 }
 

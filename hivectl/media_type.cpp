@@ -25,7 +25,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> endings{{
 std::string media_type_of(const std::filesystem::path& file)
 {
     std::string ending = file.extension().string();
-    std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    std::ranges::transform(ending, ending.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     const auto found = std::ranges::find(endings, std::string_view(ending), [](const auto& row) { return row.first; });
     return found == endings.end() ? std::string() : std::string(found->second);
 }

@@ -38,7 +38,8 @@ CodePoint code_point(std::string_view text)
 
 bool steers_terminal(std::int32_t c)
 {
-    return c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x200E || c == 0x200F || (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
+    return c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x200E || c == 0x200F || (c >= 0x2028 && c <= 0x202E)
+           || (c >= 0x2066 && c <= 0x2069);
 }
 
 std::string escape(const char* format, unsigned value)
@@ -83,7 +84,8 @@ void write_out(std::string_view text) { write_all(STDOUT_FILENO, text); }
 
 void complain(std::string_view verb, std::string_view text)
 {
-    const std::string line = "hivectl" + (verb.empty() ? "" : " " + std::string(verb)) + ": " + std::string(text) + "\n";
+    const std::string line =
+        "hivectl" + (verb.empty() ? "" : " " + std::string(verb)) + ": " + std::string(text) + "\n";
     // Nobody is left to be told when stderr fails.
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
 }
@@ -105,7 +107,8 @@ std::string printable(std::string_view text)
 
 std::string json_text(const hive::Json& value)
 {
-    return escaped(hive::to_text(value), [](std::int32_t c, std::string_view) { return escape("\\u%04x", static_cast<unsigned>(c)); });
+    return escaped(hive::to_text(value),
+                   [](std::int32_t c, std::string_view) { return escape("\\u%04x", static_cast<unsigned>(c)); });
 }
 
 std::string bare(const hive::Json& value)

@@ -8,14 +8,16 @@
 
 namespace hivectl {
 
-/// Writes to stdout at once. A reader that has gone ends the process quietly, as SIGPIPE does; another failure is Errc::io.
+/// Writes to stdout at once. A reader that has gone ends the process quietly, as SIGPIPE does; another failure is
+/// Errc::io.
 void write_out(std::string_view text);
 /// One line on stderr: "hivectl VERB: text".
 void complain(std::string_view verb, std::string_view text);
 /// Is stdout a terminal?
 bool on_terminal();
 
-/// The text with control characters, line ends, bidirectional overrides and bytes that are not UTF-8 written as escapes.
+/// The text with control characters, line ends, bidirectional overrides and bytes that are not UTF-8 written as
+/// escapes.
 std::string printable(std::string_view text);
 /// One JSON text without line ends, in which every control character is an escape.
 std::string json_text(const hive::Json& value);

@@ -13,7 +13,8 @@ namespace hivectl {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-int print_lines(const PrintUntil& until, const std::function<std::optional<std::string>(std::chrono::milliseconds)>& next)
+int print_lines(const PrintUntil& until,
+                const std::function<std::optional<std::string>(std::chrono::milliseconds)>& next)
 {
     const interrupt::Deferred deferred;
     auto last = Clock::now();
@@ -24,7 +25,8 @@ int print_lines(const PrintUntil& until, const std::function<std::optional<std::
                 return exit_code::done;
             last = Clock::now();
         } else if (until.patience && Clock::now() - last >= *until.patience) {
-            complain(until.verb, "nothing came for " + duration_text(*until.patience / 1us) + (until.reason ? "; " + until.reason() : ""));
+            complain(until.verb, "nothing came for " + duration_text(*until.patience / 1us)
+                                     + (until.reason ? "; " + until.reason() : ""));
             return exit_code::timed_out;
         }
     }

@@ -10,13 +10,15 @@
 namespace hivectl {
 
 struct PrintUntil {
-    std::string verb;        ///< complaints name it
-    std::int64_t count = 0;  ///< lines; 0: without end
+    std::string verb;                                        ///< complaints name it
+    std::int64_t count = 0;                                  ///< lines; 0: without end
     std::optional<std::chrono::milliseconds> patience = {};  ///< nothing comes for this long; empty: wait for ever
     std::function<std::string()> reason = {};  ///< asked when nothing comes: what may be the cause, or what to look at
 };
 
-/// Prints the lines that `next` gives, which waits no longer than it is told; until that, or Ctrl-C. Returns the exit code.
-int print_lines(const PrintUntil& until, const std::function<std::optional<std::string>(std::chrono::milliseconds)>& next);
+/// Prints the lines that `next` gives, which waits no longer than it is told; until that, or Ctrl-C. Returns the exit
+/// code.
+int print_lines(const PrintUntil& until,
+                const std::function<std::optional<std::string>(std::chrono::milliseconds)>& next);
 
 }  // namespace hivectl

@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view prefix = "hive-";
 
-/// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running what is merely called
-/// hive-something would be rash.
+/// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running
+/// what is merely called hive-something would be rash.
 bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
 
 bool is_program(const fs::path& file)
@@ -57,7 +57,8 @@ std::vector<std::string> kinds()
     std::error_code ignored;
     for (const auto& directory : directories())
         for (const auto& entry : fs::directory_iterator(directory, ignored))
-            if (const auto name = entry.path().filename().string(); name.starts_with(prefix) && !is_emulator(name) && is_program(entry.path()))
+            if (const auto name = entry.path().filename().string();
+                name.starts_with(prefix) && !is_emulator(name) && is_program(entry.path()))
                 found.insert(name.substr(prefix.size()));
     return {found.begin(), found.end()};
 }

@@ -13,7 +13,8 @@ namespace {
 const hive::Json* same_run(const std::vector<hive::Answer>& earlier, const hive::Answer& now)
 {
     const auto found = std::ranges::find(earlier, now.drone, &hive::Answer::drone);
-    const bool same = found != earlier.end() && !found->error && count_in(found->result, "epoch") == count_in(now.result, "epoch");
+    const bool same =
+        found != earlier.end() && !found->error && count_in(found->result, "epoch") == count_in(now.result, "epoch");
     return same ? &found->result : nullptr;
 }
 
@@ -43,7 +44,10 @@ std::int64_t oldest_age(const hive::Json& status)
     return age;
 }
 
-double per_second(std::int64_t count, std::chrono::nanoseconds interval) { return static_cast<double>(count) / std::chrono::duration<double>(interval).count(); }
+double per_second(std::int64_t count, std::chrono::nanoseconds interval)
+{
+    return static_cast<double>(count) / std::chrono::duration<double>(interval).count();
+}
 
 Row drone_row(const hive::Answer& now, const hive::Json* before, std::chrono::nanoseconds interval)
 {
@@ -54,7 +58,9 @@ Row drone_row(const hive::Answer& now, const hive::Json* before, std::chrono::na
     const auto lived = std::max<std::int64_t>(1, count_in(now.result, "uptime_us") - count_in(*before, "uptime_us"));
     row.add("in_per_s", per_second(processed(now.result) - processed(*before), interval));
     row.add("out_per_s", per_second(produced(now.result) - produced(*before), interval));
-    row.add("busy_percent", std::clamp(100.0 * static_cast<double>(busy(now.result) - busy(*before)) / static_cast<double>(lived), 0.0, 100.0));
+    row.add("busy_percent",
+            std::clamp(100.0 * static_cast<double>(busy(now.result) - busy(*before)) / static_cast<double>(lived), 0.0,
+                       100.0));
     const auto age = oldest_age(now.result);
     return row.add("age_us", age > 0 ? hive::Json(age) : hive::Json());
 }
@@ -90,7 +96,8 @@ std::string as_mark(const hive::Json& slowest) { return slowest == true ? "<- sl
 
 }  // namespace
 
-Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now, std::chrono::nanoseconds interval)
+Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now,
+                    std::chrono::nanoseconds interval)
 {
     Rates rates{interval, {}, {}};
     for (const auto& answer : now)
@@ -98,7 +105,8 @@ Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<
     mark_slowest(rates.drones);
     const auto before = connection_rows(earlier);
     for (const auto& row : connection_rows(now)) {
-        const auto same = std::ranges::find_if(before, [&](const Row& old) { return old["from"] == row["from"] && old["to"] == row["to"]; });
+        const auto same = std::ranges::find_if(
+            before, [&](const Row& old) { return old["from"] == row["from"] && old["to"] == row["to"]; });
         rates.edges.push_back(edge_row(same == before.end() ? nullptr : &*same, row, interval));
     }
     return rates;
@@ -106,14 +114,26 @@ Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<
 
 std::vector<Column> drone_rate_columns()
 {
-    return {{"NAME", "name"}, {"STATE", "state"}, {"IN/s", "in_per_s", as_tenths}, {"OUT/s", "out_per_s", as_tenths},
-            {"BUSY", "busy_percent", as_percent}, {"AGE", "age_us", as_duration}, {"", "slowest", as_mark}};
+    return {{"NAME", "name"},
+            {"STATE", "state"},
+            {"IN/s", "in_per_s", as_tenths},
+            {"OUT/s", "out_per_s", as_tenths},
+            {"BUSY", "busy_percent", as_percent},
+            {"AGE", "age_us", as_duration},
+            {"", "slowest", as_mark}};
 }
 
 std::vector<Column> edge_rate_columns()
 {
-    return {{"FROM", "from"}, {"TO", "to"}, {"STATE", "state"}, {"DELIVERED/s", "delivered_per_s", as_tenths}, {"SKIPPED/s", "skipped_per_s", as_tenths},
-            {"DROPPED/s", "dropped_per_s", as_tenths}, {"ABANDONED/s", "abandoned_per_s", as_tenths}, {"IN-FLIGHT", "in_flight"}, {"AGE", "age_us", as_duration}};
+    return {{"FROM", "from"},
+            {"TO", "to"},
+            {"STATE", "state"},
+            {"DELIVERED/s", "delivered_per_s", as_tenths},
+            {"SKIPPED/s", "skipped_per_s", as_tenths},
+            {"DROPPED/s", "dropped_per_s", as_tenths},
+            {"ABANDONED/s", "abandoned_per_s", as_tenths},
+            {"IN-FLIGHT", "in_flight"},
+            {"AGE", "age_us", as_duration}};
 }
 
 }  // namespace hivectl

@@ -17,7 +17,8 @@ struct Rates {
 };
 
 /// Null where there is nothing to compare with: a drone that is new, was restarted in between, or is silent.
-Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now, std::chrono::nanoseconds interval);
+Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now,
+                    std::chrono::nanoseconds interval);
 
 std::vector<Column> drone_rate_columns();
 std::vector<Column> edge_rate_columns();

@@ -11,7 +11,8 @@ std::chrono::milliseconds Session::timeout(std::chrono::milliseconds fallback) c
 hive::Application& Session::application(std::chrono::milliseconds fallback)
 {
     if (!application_)
-        application_ = std::make_unique<hive::Application>(hive::Application::Options{.name = {}, .home = home(), .timeout = timeout(fallback)});
+        application_ = std::make_unique<hive::Application>(
+            hive::Application::Options{.name = {}, .home = home(), .timeout = timeout(fallback)});
     return *application_;
 }
 

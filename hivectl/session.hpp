@@ -18,7 +18,10 @@ public:
     /// What --timeout said, or the verb's own default.
     [[nodiscard]] std::chrono::milliseconds timeout(std::chrono::milliseconds fallback = std::chrono::seconds(5)) const;
     /// What --timeout said; nothing: wait for ever.
-    [[nodiscard]] std::optional<std::chrono::milliseconds> patience() const { return timeout_s ? std::optional(timeout()) : std::nullopt; }
+    [[nodiscard]] std::optional<std::chrono::milliseconds> patience() const
+    {
+        return timeout_s ? std::optional(timeout()) : std::nullopt;
+    }
     /// Joins the swarm at the first call; --help and usage errors never come this far.
     hive::Application& application(std::chrono::milliseconds fallback = std::chrono::seconds(5));
     /// Where the drones of this machine meet; always absolute.

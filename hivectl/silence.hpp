@@ -8,7 +8,8 @@
 
 namespace hivectl {
 
-/// What their drones say of themselves, and where to look further: "axis: no camera: set url; see what is connected: hivectl edges".
+/// What their drones say of themselves, and where to look further: "axis: no camera: set url; see what is connected:
+/// hivectl edges".
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
 }  // namespace hivectl

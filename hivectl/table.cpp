@@ -11,7 +11,8 @@ namespace {
 /// Code points, which is the width of everything but wide scripts.
 std::size_t width(std::string_view text)
 {
-    return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 std::string cell(const Column& column, const hive::Json& value)
@@ -53,7 +54,8 @@ Row& Row::add(std::string key, hive::Json value)
 const hive::Json& Row::operator[](std::string_view key) const
 {
     static const hive::Json nothing;
-    const auto found = std::ranges::find(fields_, key, [](const auto& field) -> std::string_view { return field.first; });
+    const auto found =
+        std::ranges::find(fields_, key, [](const auto& field) -> std::string_view { return field.first; });
     return found == fields_.end() ? nothing : found->second;
 }
 

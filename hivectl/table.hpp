@@ -39,7 +39,8 @@ struct Column {
     Format format = nullptr;  ///< null: as it is
 };
 
-/// The table with a line of titles. Numbers stand right, texts left; nothing stands at the end of a line. Empty without rows.
+/// The table with a line of titles. Numbers stand right, texts left; nothing stands at the end of a line. Empty without
+/// rows.
 std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows);
 /// The rows as one JSON array.
 std::string json_array(const std::vector<Row>& rows);

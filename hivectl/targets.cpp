@@ -82,7 +82,8 @@ std::vector<std::string> drones_named(hive::Application& application, const std:
     return names;
 }
 
-std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words, Outcome& outcome)
+std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words,
+                                      Outcome& outcome)
 {
     std::vector<std::string> names;
     for (const auto& word : words)
@@ -106,17 +107,20 @@ std::vector<hive::Endpoint> endpoints_named(hive::Application& application, cons
 
 std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred)
 {
-    const auto best = names_of(interface.outputs, [&](const hive::Port& port) { return port.type.find(preferred) != std::string::npos; });
+    const auto best = names_of(interface.outputs,
+                               [&](const hive::Port& port) { return port.type.find(preferred) != std::string::npos; });
     if (best.size() == 1)
         return best.front();
     if (interface.outputs.size() == 1)
         return interface.outputs.front().name;
-    throw hive::Error(hive::Errc::not_found, interface.outputs.empty() ? drone + " has no outputs; see its ports: hivectl describe " + drone
-                                                 : drone + " has no output that goes without saying; say which, as " + drone + ".OUTPUT: "
-                                                       + listed(interface.outputs));
+    throw hive::Error(hive::Errc::not_found, interface.outputs.empty()
+                                                 ? drone + " has no outputs; see its ports: hivectl describe " + drone
+                                                 : drone + " has no output that goes without saying; say which, as "
+                                                       + drone + ".OUTPUT: " + listed(interface.outputs));
 }
 
-std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words, std::string_view preferred)
+std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words,
+                                          std::string_view preferred)
 {
     auto outputs = endpoints_named(application, words);
     for (auto& output : outputs)
@@ -127,13 +131,15 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
 
 std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type)
 {
-    const auto fitting = names_of(interface.inputs, [&](const hive::Port& port) { return hive::types_fit(type, port.type); });
+    const auto fitting =
+        names_of(interface.inputs, [&](const hive::Port& port) { return hive::types_fit(type, port.type); });
     if (fitting.size() == 1)
         return fitting.front();
     if (fitting.empty())
-        throw hive::Error(hive::Errc::type_mismatch, drone + " has no input that takes " + std::string(type) + "; its inputs: " + listed(interface.inputs));
-    throw hive::Error(hive::Errc::not_found, "several inputs of " + drone + " take " + std::string(type) + "; say which, as " + drone + ".INPUT: "
-                                                 + listed(interface.inputs));
+        throw hive::Error(hive::Errc::type_mismatch, drone + " has no input that takes " + std::string(type)
+                                                         + "; its inputs: " + listed(interface.inputs));
+    throw hive::Error(hive::Errc::not_found, "several inputs of " + drone + " take " + std::string(type)
+                                                 + "; say which, as " + drone + ".INPUT: " + listed(interface.inputs));
 }
 
 }  // namespace hivectl

@@ -19,10 +19,12 @@ std::string to_text(const hive::Endpoint& endpoint);
 
 /// Adds those that are not there yet.
 void add_new(std::vector<std::string>& names, std::vector<std::string> more);
-/// The drones that the names and globs mean, each once, in the order given. Throws Errc::not_found for a word without any.
+/// The drones that the names and globs mean, each once, in the order given. Throws Errc::not_found for a word without
+/// any.
 std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words);
 /// The same, but a word without any is a failure of `outcome`, and the others go on.
-std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words, Outcome& outcome);
+std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words,
+                                      Outcome& outcome);
 /// The same for ends of connections: "face", "face.image", "face-*", "face-*.image".
 std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words);
 
@@ -30,7 +32,8 @@ std::vector<hive::Endpoint> endpoints_named(hive::Application& application, cons
 /// Throws Errc::not_found naming the outputs.
 std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred);
 /// endpoints_named(), with the usual output where none is named.
-std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words, std::string_view preferred);
+std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words,
+                                          std::string_view preferred);
 /// The input meant when none is named: the only one that takes `type`. Throws Errc::type_mismatch or Errc::not_found.
 std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type);
 

@@ -18,12 +18,12 @@ using Run = std::function<int()>;
 
 struct Verb {
     std::string_view name = {};
-    std::string_view alias = {};    ///< a second name, or empty
-    std::string_view group = {};    ///< the heading it stands under in `hivectl --help`; empty: not shown there
-    std::string_view usage = {};    ///< what follows the name: "NAME... [options]"
-    std::string_view summary = {};  ///< one line
-    std::string_view details = {};  ///< some sentences, for the verb's own help
-    std::string_view examples = {}; ///< one a line: command, two spaces or more, what it does
+    std::string_view alias = {};     ///< a second name, or empty
+    std::string_view group = {};     ///< the heading it stands under in `hivectl --help`; empty: not shown there
+    std::string_view usage = {};     ///< what follows the name: "NAME... [options]"
+    std::string_view summary = {};   ///< one line
+    std::string_view details = {};   ///< some sentences, for the verb's own help
+    std::string_view examples = {};  ///< one a line: command, two spaces or more, what it does
     std::string_view timeout = "give up after this long (default 5)";  ///< what --timeout means here
     std::vector<Operand> operands = {};
     /// Declares options and arguments; what it returns is called after a successful parse.

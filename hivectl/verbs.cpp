@@ -14,7 +14,8 @@ std::vector<Verb> verbs()
 
 const Verb* verb_named(const std::vector<Verb>& all, std::string_view name)
 {
-    const auto found = std::ranges::find_if(all, [&](const Verb& verb) { return verb.name == name || (!name.empty() && verb.alias == name); });
+    const auto found = std::ranges::find_if(
+        all, [&](const Verb& verb) { return verb.name == name || (!name.empty() && verb.alias == name); });
     return found == all.end() ? nullptr : &*found;
 }
 

@@ -7,29 +7,29 @@
 #include <vector>
 
 // In the order of `hivectl --help`: those of a group together.
-#define HIVECTL_VERBS(VERB) \
-    VERB(start) \
-    VERB(stop) \
-    VERB(ps) \
-    VERB(describe) \
-    VERB(wait) \
-    VERB(connect) \
-    VERB(disconnect) \
-    VERB(edges) \
-    VERB(set) \
-    VERB(get) \
-    VERB(results) \
-    VERB(collect) \
-    VERB(snap) \
-    VERB(view) \
-    VERB(put) \
-    VERB(top) \
-    VERB(record) \
-    VERB(replay) \
-    VERB(exceptions) \
-    VERB(halt) \
-    VERB(resume) \
-    VERB(completion) \
+#define HIVECTL_VERBS(VERB)                                                                                            \
+    VERB(start)                                                                                                        \
+    VERB(stop)                                                                                                         \
+    VERB(ps)                                                                                                           \
+    VERB(describe)                                                                                                     \
+    VERB(wait)                                                                                                         \
+    VERB(connect)                                                                                                      \
+    VERB(disconnect)                                                                                                   \
+    VERB(edges)                                                                                                        \
+    VERB(set)                                                                                                          \
+    VERB(get)                                                                                                          \
+    VERB(results)                                                                                                      \
+    VERB(collect)                                                                                                      \
+    VERB(snap)                                                                                                         \
+    VERB(view)                                                                                                         \
+    VERB(put)                                                                                                          \
+    VERB(top)                                                                                                          \
+    VERB(record)                                                                                                       \
+    VERB(replay)                                                                                                       \
+    VERB(exceptions)                                                                                                   \
+    VERB(halt)                                                                                                         \
+    VERB(resume)                                                                                                       \
+    VERB(completion)                                                                                                   \
     VERB(complete)
 
 namespace hivectl {

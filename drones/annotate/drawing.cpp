@@ -59,7 +59,8 @@ void Drawing::draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) 
         picture.copyTo(result);
     const bool other_size = !marks.seen.empty() && marks.seen != cv::Size2d(picture.size());
     for (const Mark& mark : marks.all)
-        draw(result, other_size ? scaled(mark, picture.cols / marks.seen.width, picture.rows / marks.seen.height) : mark);
+        draw(result,
+             other_size ? scaled(mark, picture.cols / marks.seen.width, picture.rows / marks.seen.height) : mark);
 }
 
 void Drawing::draw(cv::Mat& picture, const Mark& mark) const
@@ -96,7 +97,8 @@ void Drawing::write(cv::Mat& picture, const Mark& mark, const cv::Scalar& colour
     corner.y = corner.y >= plate.height ? corner.y - plate.height : std::max(corner.y, 0);
     corner.x = std::clamp(corner.x, 0, std::max(0, picture.cols - plate.width));
     cv::rectangle(picture, {corner, plate}, colour, cv::FILLED);
-    cv::putText(picture, mark.label, {corner.x + margin, corner.y + margin + letters.height}, font, size, cv::Scalar::all(0), weight, cv::LINE_AA);
+    cv::putText(picture, mark.label, {corner.x + margin, corner.y + margin + letters.height}, font, size,
+                cv::Scalar::all(0), weight, cv::LINE_AA);
 }
 
 }  // namespace annotate

@@ -11,7 +11,10 @@
 
 namespace {
 
-void check_picture(const hive::Event& event) { static_cast<void>(hive::vision::size_of(event.body, event.type, {}, event.header)); }
+void check_picture(const hive::Event& event)
+{
+    static_cast<void>(hive::vision::size_of(event.body, event.type, {}, event.header));
+}
 
 hive::Json header_of(const hive::Event& image, const hive::Event& marks, const hive::vision::PlainForm& form)
 {
@@ -26,28 +29,43 @@ void annotate_drone(hive::Drone& drone)
     annotate::Drawing drawing;
     std::string match = "exact";
     int tolerance = 50;
-    drone.parameter("match", match, hive::one_of({"exact", "nearest"}), "exact: marks of the same picture; nearest: each set of marks on the one picture nearest in time");
-    drone.parameter("tolerance", tolerance, hive::between(0, 10'000).in("ms"), "with match=nearest: how far the captures may be apart");
+    drone.parameter("match", match, hive::one_of({"exact", "nearest"}),
+                    "exact: marks of the same picture; nearest: each set of marks on the one picture nearest in time");
+    drone.parameter("tolerance", tolerance, hive::between(0, 10'000).in("ms"),
+                    "with match=nearest: how far the captures may be apart");
     drone.parameter("thickness", drawing.thickness, hive::between(1, 20).in("px"), "of the lines");
     drone.parameter("labels", drawing.labels, hive::anything(), "write what the marks are");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with its marks drawn onto it", hive::vision::encoder());
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
+                                                "the picture with its marks drawn onto it", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
-    const auto matching = drone.on_matched(
-        {{"image", hive::vision::image_types, "pictures to draw onto", check_picture}, {"marks", "application/json", "what was found in them, in the header"}},
-        hive::Match::exact(), [&](const std::vector<hive::Event>& set) {
-            const hive::Event& image = set[0];
-            const auto form = hive::vision::plain_form(hive::vision::size_of(image.body, image.type, {}, image.header), 3);
-            annotated.emit(header_of(image, set[1], form), [&] {
-                cv::Mat result = loans.picture();  // drawn in the memory that is emitted
-                drawing.draw(hive::vision::view(image), annotate::marks_in(set[1].header), result);
-                return form.body(result);
-            }, form.type);
-        });
+    const auto matching =
+        drone.on_matched({{"image", hive::vision::image_types, "pictures to draw onto", check_picture},
+                          {"marks", "application/json", "what was found in them, in the header"}},
+                         hive::Match::exact(), [&](const std::vector<hive::Event>& set) {
+                             const hive::Event& image = set[0];
+                             const auto form = hive::vision::plain_form(
+                                 hive::vision::size_of(image.body, image.type, {}, image.header), 3);
+                             annotated.emit(
+                                 header_of(image, set[1], form),
+                                 [&] {
+                                     cv::Mat result = loans.picture();  // drawn in the memory that is emitted
+                                     drawing.draw(hive::vision::view(image), annotate::marks_in(set[1].header), result);
+                                     return form.body(result);
+                                 },
+                                 form.type);
+                         });
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core
-    drone.on_change([&] { matching.rule(match == "exact" ? hive::Match::exact() : hive::Match::within(std::chrono::milliseconds(tolerance))); });
+    drone.on_change([&] {
+        matching.rule(match == "exact" ? hive::Match::exact()
+                                       : hive::Match::within(std::chrono::milliseconds(tolerance)));
+    });
     drone.run();
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { return hive::run_drone(argc, argv, {"annotate", "Draws what other drones found onto the pictures."}, annotate_drone); }
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"annotate", "Draws what other drones found onto the pictures."},
+                           annotate_drone);
+}

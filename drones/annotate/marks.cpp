@@ -90,7 +90,8 @@ std::optional<Mark> mark(const json& object)
 {
     if (!object.is_object())
         return std::nullopt;
-    const auto x = number(object, "x"), y = number(object, "y"), width = number(object, "w"), height = number(object, "h");
+    const auto x = number(object, "x"), y = number(object, "y"), width = number(object, "w"),
+               height = number(object, "h");
     if (!x || !y || !width || !height)
         return std::nullopt;
     const auto id = text(object, "id");
@@ -108,7 +109,8 @@ Marks marks_in(const json& header)
     Marks marks;
     if (!header.is_object())
         return marks;
-    if (const auto width = number(header, "width"), height = number(header, "height"); width && height && *width > 0 && *height > 0)
+    if (const auto width = number(header, "width"), height = number(header, "height");
+        width && height && *width > 0 && *height > 0)
         marks.seen = {*width, *height};
     const auto take = [&](const json& value) {
         if (auto found = mark(value))

@@ -18,7 +18,10 @@ using namespace std::string_view_literals;
 constexpr std::string_view mapped_prefix = "\0\0\0\0\0\0\0\0\0\0\xFF\xFF"sv;
 
 /// An IPv6 address that means an IPv4 one becomes that one.
-std::string plain(std::string bytes) { return bytes.starts_with(mapped_prefix) ? bytes.substr(mapped_prefix.size()) : bytes; }
+std::string plain(std::string bytes)
+{
+    return bytes.starts_with(mapped_prefix) ? bytes.substr(mapped_prefix.size()) : bytes;
+}
 
 std::string bytes_of(const sockaddr& address)
 {
@@ -50,7 +53,8 @@ bool special(const std::string& bytes)
         return at(0) == 0 || at(0) == 127 || (at(0) == 169 && at(1) == 254) || at(0) >= 224;
     if (bytes.size() != 16)
         return true;
-    const bool zeros = std::all_of(bytes.begin(), bytes.begin() + 12, [](char c) { return c == 0; });  // ::, ::1, ::a.b.c.d
+    const bool zeros =
+        std::all_of(bytes.begin(), bytes.begin() + 12, [](char c) { return c == 0; });  // ::, ::1, ::a.b.c.d
     return zeros || at(0) == 0xFF || (at(0) == 0xFE && (at(1) & 0xC0) == 0x80);
 }
 

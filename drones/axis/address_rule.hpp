@@ -1,4 +1,5 @@
-// Which addresses the drone connects to: a camera's name must not lead it into this machine or to its neighbours' metadata.
+// Which addresses the drone connects to: a camera's name must not lead it into this machine or to its neighbours'
+// metadata.
 #pragma once
 
 #include <sys/socket.h>

@@ -62,7 +62,9 @@ Parameters changes(const Parameters& before, const Parameters& now)
 }  // namespace
 
 AxisDrone::AxisDrone(hive::Drone& drone)
-    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the camera's pictures, as it made them", hive::vision::encoder()))
+    : drone_(drone),
+      image_(drone.output("image", hive::vision::image_types, "the camera's pictures, as it made them",
+                          hive::vision::encoder()))
 {
     declare();
     drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
@@ -73,18 +75,27 @@ AxisDrone::AxisDrone(hive::Drone& drone)
 void AxisDrone::declare()
 {
     place_.pace = "live";
-    drone_.parameter("url", place_.url, hive::anything(), "http:// or https:// and the host of the camera; empty: no camera");
-    drone_.parameter("credentials", place_.credentials, hive::anything(), "file with user:password, chmod 600; empty: HIVE_AXIS_USER and HIVE_AXIS_PASSWORD");
-    drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}), "live: the camera's stream; demand: a picture when all receivers ask");
+    drone_.parameter("url", place_.url, hive::anything(),
+                     "http:// or https:// and the host of the camera; empty: no camera");
+    drone_.parameter("credentials", place_.credentials, hive::anything(),
+                     "file with user:password, chmod 600; empty: HIVE_AXIS_USER and HIVE_AXIS_PASSWORD");
+    drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}),
+                     "live: the camera's stream; demand: a picture when all receivers ask");
     drone_.parameter("resolution", resolution_, hive::anything(), "as 640x480; empty: as the camera has it");
-    drone_.parameter("compression", compression_, hive::between(-1, 100), "more makes smaller pictures; -1: as the camera has it");
-    drone_.parameter("fps", fps_, hive::between(-1, 100).in("fps"), "of the stream; 0: as many as it can; -1: as the camera has it");
-    drone_.parameter("exposure", exposure_, hive::anything(), "auto, hold, flickerfree50, flickerfree60 ...; empty: as the camera has it");
+    drone_.parameter("compression", compression_, hive::between(-1, 100),
+                     "more makes smaller pictures; -1: as the camera has it");
+    drone_.parameter("fps", fps_, hive::between(-1, 100).in("fps"),
+                     "of the stream; 0: as many as it can; -1: as the camera has it");
+    drone_.parameter("exposure", exposure_, hive::anything(),
+                     "auto, hold, flickerfree50, flickerfree60 ...; empty: as the camera has it");
     drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: as the camera has it");
     drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: as the camera has it");
-    drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything(), "let the password travel readable when the camera knows no digest");
-    drone_.parameter("certificate", place_.certificate, hive::anything(), "file of the certificate to trust for https; empty: those of the system");
-    drone_.parameter("allow_address", place_.allow_address, hive::anything(), "loopback, link-local or multicast addresses that are meant, joined by commas");
+    drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything(),
+                     "let the password travel readable when the camera knows no digest");
+    drone_.parameter("certificate", place_.certificate, hive::anything(),
+                     "file of the certificate to trust for https; empty: those of the system");
+    drone_.parameter("allow_address", place_.allow_address, hive::anything(),
+                     "loopback, link-local or multicast addresses that are meant, joined by commas");
 }
 
 Parameters AxisDrone::wanted() const
@@ -93,7 +104,10 @@ Parameters AxisDrone::wanted() const
     for (const auto& [name, text] : {std::pair(resolution_name, resolution_), {exposure_name, exposure_}})
         if (!text.empty())
             wanted[name] = text;
-    for (const auto& [name, number] : {std::pair(compression_name, compression_), {fps_name, fps_}, {brightness_name, brightness_}, {colour_name, colour_}})
+    for (const auto& [name, number] : {std::pair(compression_name, compression_),
+                                       {fps_name, fps_},
+                                       {brightness_name, brightness_},
+                                       {colour_name, colour_}})
         if (number >= 0)
             wanted[name] = std::to_string(number);
     return wanted;
@@ -101,7 +115,8 @@ Parameters AxisDrone::wanted() const
 
 Access AxisDrone::access() const
 {
-    return {parse_camera_url(place_.url), read_credentials(place_.credentials), place_.basic_over_http, place_.certificate, AddressRule(place_.allow_address)};
+    return {parse_camera_url(place_.url), read_credentials(place_.credentials), place_.basic_over_http,
+            place_.certificate, AddressRule(place_.allow_address)};
 }
 
 void AxisDrone::apply()
@@ -113,8 +128,8 @@ try {
     throw;
 }
 
-/// Another place: a new link, which tells the camera what is wanted when it has found it. Otherwise the camera is told here,
-/// so that its refusal refuses the `set`. A `set` to what is there already means to try again.
+/// Another place: a new link, which tells the camera what is wanted when it has found it. Otherwise the camera is told
+/// here, so that its refusal refuses the `set`. A `set` to what is there already means to try again.
 void AxisDrone::change()
 {
     if (opened_ != place_)
@@ -138,7 +153,8 @@ void AxisDrone::open()
     told_ = wanted();
     if (found)
         link_ = std::make_unique<CameraLink>(
-            LinkSettings{std::move(*found), place_.credentials, place_.pace == "live" ? Pace::live : Pace::demand, told_},
+            LinkSettings{std::move(*found), place_.credentials, place_.pace == "live" ? Pace::live : Pace::demand,
+                         told_},
             LinkHooks{[this] { drone_.wake(); }, [this](const std::string& text) { drone_.log(text); }, measure});
     opened_ = place_;
 }
@@ -189,8 +205,13 @@ std::chrono::microseconds AxisDrone::step()
 
 void AxisDrone::send(const Picture& picture)
 {
-    const hive::Json header{{"width", picture.size.width}, {"height", picture.size.height}, {"index", picture.index}, {"source", opened_->url}};
-    const std::function<hive::Body()> body = [&] { return hive::Body(std::as_bytes(std::span(*picture.jpeg)), picture.jpeg); };
+    const hive::Json header{{"width", picture.size.width},
+                            {"height", picture.size.height},
+                            {"index", picture.index},
+                            {"source", opened_->url}};
+    const std::function<hive::Body()> body = [&] {
+        return hive::Body(std::as_bytes(std::span(*picture.jpeg)), picture.jpeg);
+    };
     image_.emit_captured(picture.captured, place_.pace == "demand", header, body, "image/jpeg");
 }
 

@@ -43,7 +43,7 @@ private:
     int compression_ = -1, fps_ = -1, brightness_ = -1, colour_ = -1;
 
     std::optional<Place> opened_;
-    Parameters told_;  ///< what the link has been told to make of the camera
+    Parameters told_;       ///< what the link has been told to make of the camera
     bool refused_ = false;  ///< the last change; the next one puts everything back
     std::unique_ptr<CameraLink> link_;
     std::string condition_;

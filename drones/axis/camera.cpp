@@ -17,7 +17,8 @@ const std::string& value_or_empty(const Parameters& values, const std::string& n
 
 [[noreturn]] void not_a_picture(const std::string& type)
 {
-    throw CameraError(Trouble::not_a_picture, "not a picture: the camera sends " + (type.empty() ? "something without a type" : masked(type)));
+    throw CameraError(Trouble::not_a_picture,
+                      "not a picture: the camera sends " + (type.empty() ? "something without a type" : masked(type)));
 }
 
 bool is_jpeg(const std::string& type) { return type.starts_with("image/jpeg") || type.starts_with("image/jpg"); }
@@ -38,15 +39,20 @@ Camera::Camera(const Access& access, std::function<void()> time) : http_(access)
 
 std::string Camera::parameters(const std::string& query)
 {
-    return http_.get((admin_path_ ? "/axis-cgi/admin/param.cgi?" : "/axis-cgi/param.cgi?") + query, {.whole = 4s, .body = most_parameters}, time_).body;
+    return http_
+        .get((admin_path_ ? "/axis-cgi/admin/param.cgi?" : "/axis-cgi/param.cgi?") + query,
+             {.whole = 4s, .body = most_parameters}, time_)
+        .body;
 }
 
 Model Camera::identify()
 {
-    const ParameterList list = parse_parameters(parameters(list_query({"Brand", "Properties.Firmware", "Properties.System"})));
+    const ParameterList list =
+        parse_parameters(parameters(list_query({"Brand", "Properties.Firmware", "Properties.System"})));
     if (value_or_empty(list.values, "Brand.Brand").empty() && list.errors.empty())
         throw CameraError(Trouble::not_vapix, "not a VAPIX device: it has param.cgi, but answers something else");
-    return {value_or_empty(list.values, "Brand.ProdFullName"), value_or_empty(list.values, "Properties.Firmware.Version"),
+    return {value_or_empty(list.values, "Brand.ProdFullName"),
+            value_or_empty(list.values, "Properties.Firmware.Version"),
             value_or_empty(list.values, "Properties.System.SerialNumber")};
 }
 

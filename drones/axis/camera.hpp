@@ -15,18 +15,20 @@ struct Model {
     std::string name, firmware, serial;
 };
 
-/// For one thread at a time. Every function throws CameraError and ends within its time: 4 s, a stream when it is silent for 2 s.
+/// For one thread at a time. Every function throws CameraError and ends within its time: 4 s, a stream when it is
+/// silent for 2 s.
 class Camera {
 public:
     /// @param time  called ten times a second while waiting; may throw, to end it
-    explicit Camera(const Access& access, std::function<void()> time = [] {});
+    explicit Camera(
+        const Access& access, std::function<void()> time = [] {});
 
     /// @throws CameraError  not_vapix, if it is something else
     Model identify();
     /// The present values of these parameters; those it does not have are missing.
     Parameters list(const Parameters& names);
-    /// Makes the camera's parameters so, all or none: what it has already is not written again (its flash memory wears out).
-    /// Returns what it says to have afterwards.
+    /// Makes the camera's parameters so, all or none: what it has already is not written again (its flash memory wears
+    /// out). Returns what it says to have afterwards.
     /// @throws CameraError  setting_refused, with the camera's reason
     Parameters apply(const Parameters& wanted);
     /// One picture, not checked.

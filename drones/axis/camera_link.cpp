@@ -123,7 +123,8 @@ void CameraLink::Shared::set_up(Camera& camera)
 /// A camera that comes and goes is named once.
 void CameraLink::Shared::greet(const Model& model)
 {
-    const std::string text = masked("connected to " + model.name + ", firmware " + model.firmware + ", serial number " + model.serial);
+    const std::string text =
+        masked("connected to " + model.name + ", firmware " + model.firmware + ", serial number " + model.serial);
     const std::lock_guard lock(mutex);
     if (!stopping && std::exchange(greeting, text) != text)
         hooks.log(text);
@@ -215,7 +216,8 @@ void CameraLink::Shared::look_for_credentials()
     }
 }
 
-CameraLink::CameraLink(LinkSettings settings, LinkHooks hooks) : shared_(std::make_shared<Shared>(std::move(settings), std::move(hooks)))
+CameraLink::CameraLink(LinkSettings settings, LinkHooks hooks)
+    : shared_(std::make_shared<Shared>(std::move(settings), std::move(hooks)))
 {
     thread_ = std::thread([shared = shared_] { shared->run(); });
 }

@@ -1,4 +1,5 @@
-// A thread that keeps in touch with one camera: connects, applies settings, fetches pictures, tries again when it is lost.
+// A thread that keeps in touch with one camera: connects, applies settings, fetches pictures, tries again when it is
+// lost.
 #pragma once
 
 #include "camera.hpp"
@@ -34,16 +35,19 @@ struct Picture {
 
 struct LinkSettings {
     Access access;
-    std::string credentials_path;  ///< looked at again while the password is wrong; a file that is only written again counts as new
+    std::string credentials_path;  ///< looked at again while the password is wrong; a file that is only written again
+                                   ///< counts as new
     Pace pace = Pace::live;
-    Parameters wanted;             ///< applied whenever the camera has been found
+    Parameters wanted;  ///< applied whenever the camera has been found
 };
 
-/// What the link tells its owner, each called from the link's thread and never after the link is destroyed; `measure` may be.
+/// What the link tells its owner, each called from the link's thread and never after the link is destroyed; `measure`
+/// may be.
 struct LinkHooks {
-    std::function<void()> notice;                     ///< there is a picture, or another condition
-    std::function<void(const std::string&)> log;      ///< worth a line in the log
-    std::function<Size(const std::string&)> measure;  ///< the size of a whole JPEG; throws saying what is wrong with any other
+    std::function<void()> notice;                 ///< there is a picture, or another condition
+    std::function<void(const std::string&)> log;  ///< worth a line in the log
+    std::function<Size(const std::string&)>
+        measure;  ///< the size of a whole JPEG; throws saying what is wrong with any other
 };
 
 /// For one thread (the drone's); the network is met on the link's own.

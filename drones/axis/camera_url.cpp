@@ -26,7 +26,8 @@ void check_host(std::string_view host)
 {
     const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
     const std::string_view inner = bracketed ? host.substr(1, host.size() - 2) : host;
-    if (inner.empty() || inner.find_first_not_of(bracketed ? address_characters : host_characters) != std::string_view::npos)
+    if (inner.empty()
+        || inner.find_first_not_of(bracketed ? address_characters : host_characters) != std::string_view::npos)
         refuse("it names no host");
 }
 
@@ -43,7 +44,8 @@ CameraUrl parse_camera_url(const std::string& text)
         refuse("write http:// or https:// and the host of the camera");
     std::string_view rest = std::string_view(text).substr(colon + 3);
     if (rest.find('@') != std::string_view::npos)
-        refuse("a user name or password does not belong here, where everybody can read it: see the parameter credentials");
+        refuse(
+            "a user name or password does not belong here, where everybody can read it: see the parameter credentials");
     if (rest.ends_with('/'))
         rest.remove_suffix(1);
     if (rest.find_first_of("/?#") != std::string_view::npos)

@@ -19,8 +19,8 @@ struct CameraUrl {
 /// @throws std::invalid_argument  saying what is wrong; a password in the URL is not repeated
 CameraUrl parse_camera_url(const std::string& text);
 
-/// A text from elsewhere as it may be logged: what stands between :// and @ is hidden, what follows ? is left out, and of
-/// long texts the end.
+/// A text from elsewhere as it may be logged: what stands between :// and @ is hidden, what follows ? is left out, and
+/// of long texts the end.
 std::string masked(std::string text);
 
 }  // namespace axis

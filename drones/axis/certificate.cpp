@@ -20,8 +20,10 @@ void check_certificate(const std::string& path)
     std::string text(1u << 20, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos && text.find("-----BEGIN TRUSTED CERTIFICATE-----") == std::string::npos)
-        throw std::runtime_error("certificate: " + path + " has none (in PEM it begins with -----BEGIN CERTIFICATE-----)");
+    if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos
+        && text.find("-----BEGIN TRUSTED CERTIFICATE-----") == std::string::npos)
+        throw std::runtime_error("certificate: " + path
+                                 + " has none (in PEM it begins with -----BEGIN CERTIFICATE-----)");
 }
 
 }  // namespace axis

@@ -1,4 +1,5 @@
-// The file of the certificate to trust: looked at when it is named, because later nobody would know which file was meant.
+// The file of the certificate to trust: looked at when it is named, because later nobody would know which file was
+// meant.
 #pragma once
 
 #include <string>

@@ -36,7 +36,8 @@ std::string first_line(const std::string& path)
     if (!S_ISREG(facts.st_mode))
         throw std::runtime_error("credentials: " + path + " is not a file");
     if (facts.st_uid != ::geteuid() || (facts.st_mode & 077) != 0)
-        throw std::runtime_error("credentials: others could read " + path + "; do: chmod 600 " + path + ", as its owner");
+        throw std::runtime_error("credentials: others could read " + path + "; do: chmod 600 " + path
+                                 + ", as its owner");
     std::array<char, 1024> buffer{};
     const auto size = ::read(file.descriptor, buffer.data(), buffer.size());
     const std::string text(buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
@@ -56,7 +57,8 @@ std::optional<Credentials> credentials_of_environment()
     if (found.user.empty() && found.password.empty())
         return std::nullopt;
     if (found.user.empty() || found.password.empty())
-        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? user_variable : password_variable) + " is missing in the environment, where "
+        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? user_variable : password_variable)
+                                 + " is missing in the environment, where "
                                  + (found.user.empty() ? password_variable : user_variable) + " is set");
     return found;
 }

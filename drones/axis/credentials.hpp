@@ -17,7 +17,8 @@ inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
 
 /// @param path  a file whose first line is user:password; empty: the environment variables above
 /// @return  nothing when neither is there
-/// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one variable is missing
+/// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
+/// variable is missing
 std::optional<Credentials> read_credentials(const std::string& path);
 /// When the file was written; always the same time when there is none.
 std::filesystem::file_time_type written_at(const std::string& path);

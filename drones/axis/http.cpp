@@ -24,7 +24,10 @@ void start_library_once()
         throw std::runtime_error("libcurl does not start");
 }
 
-std::string seconds(std::chrono::milliseconds time) { return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s"; }
+std::string seconds(std::chrono::milliseconds time)
+{
+    return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s";
+}
 
 }  // namespace
 
@@ -231,11 +234,13 @@ void Http::Transfer::check_time() const
 {
     const auto now = Clock::now();
     if (now - begun_ > patience_.whole)
-        throw CameraError(Trouble::silent, "no whole answer from " + access_.url.text() + " within " + seconds(patience_.whole)
+        throw CameraError(Trouble::silent, "no whole answer from " + access_.url.text() + " within "
+                                               + seconds(patience_.whole)
                                                + ": the camera or the network is slow; try again");
     if (connected_ && now - last_byte_ > patience_.silence)
-        throw CameraError(Trouble::silent, "no answer from " + access_.url.text() + ": it takes connections and then says nothing for " + seconds(patience_.silence)
-                                               + "; check that it is the camera, or restart the camera");
+        throw CameraError(Trouble::silent,
+                          "no answer from " + access_.url.text() + ": it takes connections and then says nothing for "
+                              + seconds(patience_.silence) + "; check that it is the camera, or restart the camera");
 }
 
 std::optional<CURLcode> Http::Transfer::outcome() const
@@ -249,7 +254,8 @@ std::optional<CURLcode> Http::Transfer::outcome() const
 void Http::Transfer::finish(CURLcode code)
 {
     if (!blocked_.empty())
-        throw CameraError(Trouble::not_allowed, "the address " + blocked_ + " is not allowed; if it is meant, set allow_address=" + blocked_);
+        throw CameraError(Trouble::not_allowed,
+                          "the address " + blocked_ + " is not allowed; if it is meant, set allow_address=" + blocked_);
     long problem = 0;
     curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
     if (code != CURLE_OK)

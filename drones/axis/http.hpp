@@ -1,4 +1,5 @@
-// A web client for one camera: no redirects, no proxies, checked addresses, limits while reading, and a deadline for everything.
+// A web client for one camera: no redirects, no proxies, checked addresses, limits while reading, and a deadline for
+// everything.
 #pragma once
 
 #include "address_rule.hpp"
@@ -37,14 +38,15 @@ struct Head {
 
 /// How long to wait, and how much to take.
 struct Patience {
-    std::chrono::milliseconds connecting{2000}, silence{2000};  ///< until there is a connection; without a byte after that
+    std::chrono::milliseconds connecting{2000},
+        silence{2000};  ///< until there is a connection; without a byte after that
     std::chrono::milliseconds whole{std::chrono::hours(24 * 365)};
     std::size_t body = 65536;
 };
 
 /// Is told what comes. May throw: the transfer ends and fetch() throws it on.
 struct Sink {
-    std::function<void(const Head&)> head = [](const Head&) {};        ///< of a status 200, before its first byte
+    std::function<void(const Head&)> head = [](const Head&) {};  ///< of a status 200, before its first byte
     std::function<void(std::string_view)> bytes = [](std::string_view) {};
     std::function<void()> time = [] {};  ///< ten times a second, also when nothing comes
 };

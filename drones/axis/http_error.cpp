@@ -14,7 +14,8 @@ bool offers_digest(const Head& head)
 {
     constexpr std::string_view scheme = "digest";
     return std::ranges::any_of(head.challenges, [&](const std::string& challenge) {
-        return std::ranges::equal(challenge.substr(0, scheme.size()), scheme, {}, [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        return std::ranges::equal(challenge.substr(0, scheme.size()), scheme, {},
+                                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     });
 }
 
@@ -23,7 +24,8 @@ CameraError error_of_login(const Access& access, const Head& head)
     if (!access.credentials)
         return {Trouble::login_needed, "the camera asks for a login; set credentials"};
     if (!offers_digest(head) && !access.url.encrypted() && !access.basic_over_http)
-        return {Trouble::login_needed, "the camera takes only a readable password (basic) over http; use https, or set basic_over_http=on"};
+        return {Trouble::login_needed,
+                "the camera takes only a readable password (basic) over http; use https, or set basic_over_http=on"};
     return {Trouble::login_refused, "the camera refuses the password of " + masked(access.credentials->user)};
 }
 
@@ -35,9 +37,11 @@ CameraError error_of_status(const Access& access, const Head& head)
     if (head.status == 401)
         return error_of_login(access, head);
     if (head.status >= 300 && head.status < 400)
-        return {Trouble::redirected, host + " points to " + masked(head.location) + " (" + status + "), which is not followed"};
+        return {Trouble::redirected,
+                host + " points to " + masked(head.location) + " (" + status + "), which is not followed"};
     if (head.status == 404)
-        return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not know what every Axis camera knows (404)"};
+        return {Trouble::not_vapix,
+                "not a VAPIX device: " + host + " does not know what every Axis camera knows (404)"};
     return {Trouble::refused_status, host + " answers with status " + status};
 }
 
@@ -47,13 +51,17 @@ CameraError error_of_transfer(const Access& access, const Patience& patience, in
     switch (code) {
     case CURLE_COULDNT_RESOLVE_HOST: return {Trouble::unknown_host, "no such host: " + access.url.host};
     case CURLE_COULDNT_CONNECT:
-        return problem == ECONNREFUSED ? CameraError(Trouble::refused, "connection refused by " + host) : CameraError(Trouble::no_route, "no route to " + host);
+        return problem == ECONNREFUSED ? CameraError(Trouble::refused, "connection refused by " + host)
+                                       : CameraError(Trouble::no_route, "no route to " + host);
     case CURLE_OPERATION_TIMEDOUT:
-        return {Trouble::no_answer, "no connection to " + host + " within " + std::to_string(patience.connecting.count() / 1000) + " s"};
+        return {Trouble::no_answer,
+                "no connection to " + host + " within " + std::to_string(patience.connecting.count() / 1000) + " s"};
     case CURLE_SSL_CONNECT_ERROR:
-    case CURLE_PEER_FAILED_VERIFICATION: return {Trouble::insecure, "no encrypted connection to " + host + ": " + reason};
+    case CURLE_PEER_FAILED_VERIFICATION:
+        return {Trouble::insecure, "no encrypted connection to " + host + ": " + reason};
     case CURLE_SSL_CACERT_BADFILE:
-        return {Trouble::insecure, "no encrypted connection to " + host + ": the certificate in " + (access.certificate.empty() ? "the system" : access.certificate)
+        return {Trouble::insecure, "no encrypted connection to " + host + ": the certificate in "
+                                       + (access.certificate.empty() ? "the system" : access.certificate)
                                        + " cannot be read"};
     case CURLE_UNSUPPORTED_PROTOCOL:
     case CURLE_WEIRD_SERVER_REPLY: return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not speak HTTP"};

@@ -9,7 +9,8 @@ namespace {
 /// Where nobody is, nobody is burdened.
 bool absent(Trouble trouble)
 {
-    return trouble == Trouble::no_route || trouble == Trouble::refused || trouble == Trouble::no_answer || trouble == Trouble::silent;
+    return trouble == Trouble::no_route || trouble == Trouble::refused || trouble == Trouble::no_answer
+           || trouble == Trouble::silent;
 }
 
 }  // namespace
@@ -57,8 +58,10 @@ std::string Lifeline::told(const CameraError& error) const
     case Trouble::silent: return broken_.empty() ? "stalled" : "stalled: " + broken_;
     case Trouble::login_needed: return "auth_failed: " + text;
     case Trouble::login_refused:
-        return locked_out() ? "auth_failed: " + text + "; to try it again, touch the file of credentials or set credentials again, also to the same"
-                            : text + " (try " + std::to_string(logins_) + " of " + std::to_string(most_logins) + ")";
+        return locked_out()
+                   ? "auth_failed: " + text
+                         + "; to try it again, touch the file of credentials or set credentials again, also to the same"
+                   : text + " (try " + std::to_string(logins_) + " of " + std::to_string(most_logins) + ")";
     default: return text;
     }
 }

@@ -1,4 +1,5 @@
-// Decides when a camera is tried again, when no more, and what is to be said about it: pure logic, the caller tells the time.
+// Decides when a camera is tried again, when no more, and what is to be said about it: pure logic, the caller tells the
+// time.
 #pragma once
 
 #include "trouble.hpp"
@@ -42,7 +43,8 @@ public:
     [[nodiscard]] bool login_refused() const { return logins_ > 0; }
     /// It was wrong so often that it is not tried again.
     [[nodiscard]] bool locked_out() const { return logins_ >= most_logins; }
-    /// Empty when all is well; otherwise one sentence, which begins with "stalled" or "auth_failed" when it is one of these.
+    /// Empty when all is well; otherwise one sentence, which begins with "stalled" or "auth_failed" when it is one of
+    /// these.
     [[nodiscard]] std::string condition(Time now) const;
 
 private:

@@ -20,7 +20,8 @@ std::string lower(std::string_view text)
 std::string_view trimmed(std::string_view text)
 {
     const auto first = text.find_first_not_of(" \t\r\n");
-    return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+    return first == std::string_view::npos ? std::string_view()
+                                           : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
 std::optional<std::size_t> number(std::string_view text)
@@ -32,7 +33,10 @@ std::optional<std::size_t> number(std::string_view text)
     return problem == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
-std::string_view without_dashes(std::string_view name) { return name.substr(std::min(name.find_first_not_of('-'), name.size())); }
+std::string_view without_dashes(std::string_view name)
+{
+    return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
 
 }  // namespace
 
@@ -55,7 +59,8 @@ MultipartReader::MultipartReader(std::string_view boundary) : boundary_("--" + s
 void MultipartReader::feed(std::string_view bytes)
 {
     buffer_ += bytes;
-    while (step()) {}
+    while (step()) {
+    }
 }
 
 void MultipartReader::finish()

@@ -21,8 +21,8 @@ cv::Ptr<cv::BackgroundSubtractor> make(const ModelSettings& settings)
     throw std::invalid_argument("no method " + settings.method + "; there are mog2 and knn");
 }
 
-/// By itself a young mixture takes a thing that stays for a few pictures into the background; at an even rate it takes a tenth of the history from
-/// the beginning. The samples of knn have to be filled quickly first.
+/// By itself a young mixture takes a thing that stays for a few pictures into the background; at an even rate it takes
+/// a tenth of the history from the beginning. The samples of knn have to be filled quickly first.
 double learning_rate(const ModelSettings& settings) { return settings.method == "mog2" ? 1.0 / settings.history : -1; }
 
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
@@ -74,9 +74,13 @@ std::vector<Blob> ForegroundFinder::blobs_of(const cv::Mat& mask) const
     for (int i = 1; i < count; ++i) {  // 0 is the background
         const int* row = rows.ptr<int>(i);
         if (row[cv::CC_STAT_AREA] >= min_area)
-            blobs.push_back({{row[cv::CC_STAT_LEFT], row[cv::CC_STAT_TOP], row[cv::CC_STAT_WIDTH], row[cv::CC_STAT_HEIGHT]}, row[cv::CC_STAT_AREA]});
+            blobs.push_back(
+                {{row[cv::CC_STAT_LEFT], row[cv::CC_STAT_TOP], row[cv::CC_STAT_WIDTH], row[cv::CC_STAT_HEIGHT]},
+                 row[cv::CC_STAT_AREA]});
     }
-    const auto place = [](const Blob& blob) { return std::tuple(blob.box.y, blob.box.x, blob.box.height, blob.box.width); };
+    const auto place = [](const Blob& blob) {
+        return std::tuple(blob.box.y, blob.box.x, blob.box.height, blob.box.width);
+    };
     if (blobs.size() > most_blobs) {
         std::ranges::sort(blobs, {}, [&](const Blob& blob) { return std::tuple(-blob.area, place(blob)); });
         blobs.resize(most_blobs);

@@ -14,8 +14,9 @@ namespace background {
 struct ModelSettings {
     std::string method = "mog2";  ///< mog2: a mixture of gaussians for each pixel; knn: its nearest earlier values
     int history = 500;            ///< pictures that the model remembers, at least 1
-    double threshold = 0;         ///< squared distance from the background: in variances (mog2), in grey levels (knn); 0: 16 (mog2), 400 (knn)
-    bool shadows = false;         ///< tell shadows from things
+    double threshold = 0;  ///< squared distance from the background: in variances (mog2), in grey levels (knn); 0: 16
+                           ///< (mog2), 400 (knn)
+    bool shadows = false;  ///< tell shadows from things
 
     bool operator==(const ModelSettings&) const = default;
 };
@@ -30,9 +31,9 @@ struct Blob {
 
 /// One picture's foreground.
 struct Foreground {
-    cv::Mat mask;             ///< grey: 255 foreground, 0 background, 127 shadow
-    std::vector<Blob> blobs;  ///< at most most_blobs, the largest; from top to bottom, then from left to right
-    std::int64_t learned = 0; ///< pictures that the model has seen, this one included
+    cv::Mat mask;              ///< grey: 255 foreground, 0 background, 127 shadow
+    std::vector<Blob> blobs;   ///< at most most_blobs, the largest; from top to bottom, then from left to right
+    std::int64_t learned = 0;  ///< pictures that the model has seen, this one included
 };
 
 class ForegroundFinder {

@@ -17,7 +17,10 @@ hive::Json boxes_header(const Foreground& found)
     hive::Json boxes = hive::Json::array();
     for (const auto& [box, area] : found.blobs)
         boxes.push_back({{"x", box.x}, {"y", box.y}, {"w", box.width}, {"h", box.height}, {"area", area}});
-    return {{"boxes", std::move(boxes)}, {"width", found.mask.cols}, {"height", found.mask.rows}, {"learned", found.learned}};
+    return {{"boxes", std::move(boxes)},
+            {"width", found.mask.cols},
+            {"height", found.mask.rows},
+            {"learned", found.learned}};
 }
 
 hive::Json mask_header(const Foreground& found)
@@ -37,23 +40,32 @@ hive::Body mask_body(const hive::Output& output, const cv::Mat& mask)
 void background_drone(hive::Drone& drone)
 {
     ForegroundFinder finder;
-    drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}), "mixture of gaussians or nearest neighbours, for each pixel");
+    drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}),
+                    "mixture of gaussians or nearest neighbours, for each pixel");
     drone.parameter("history", finder.model.history, hive::between(1, 10000), "pictures that the model remembers");
-    drone.parameter("threshold", finder.model.threshold, hive::between(0, 65025), "squared distance that makes foreground; 0: 16 (mog2), 400 (knn)");
+    drone.parameter("threshold", finder.model.threshold, hive::between(0, 65025),
+                    "squared distance that makes foreground; 0: 16 (mog2), 400 (knn)");
     drone.parameter("shadows", finder.model.shadows, hive::anything(), "tell shadows from things: 127 in the mask");
     drone.parameter("open", finder.open, hive::between(0, 100).in("px"), "radius: thinner specks are erased; 0: none");
     drone.parameter("close", finder.close, hive::between(0, 100).in("px"), "radius: narrower gaps are filled; 0: none");
     drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"), "foreground that makes a box");
-    const hive::Output boxes = drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
-    const hive::Output mask = drone.output("mask", hive::vision::image_types, "255 where there is foreground", hive::vision::encoder());
+    const hive::Output boxes =
+        drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
+    const hive::Output mask =
+        drone.output("mask", hive::vision::image_types, "255 where there is foreground", hive::vision::encoder());
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core
-    drone.on_event("image", hive::vision::image_types, [&](const hive::Event& event) {
-        const Foreground found = finder.find(hive::vision::view(event));
-        if (found.learned == 1)
-            drone.log("learns a background of " + std::to_string(found.mask.cols) + "x" + std::to_string(found.mask.rows) + " px");
-        boxes.emit(boxes_header(found));
-        mask.emit(mask_header(found), [&] { return mask_body(mask, found.mask); }, "image/raw");
-    }, "pictures of a camera that stands still");
+    drone.on_event(
+        "image", hive::vision::image_types,
+        [&](const hive::Event& event) {
+            const Foreground found = finder.find(hive::vision::view(event));
+            if (found.learned == 1)
+                drone.log("learns a background of " + std::to_string(found.mask.cols) + "x"
+                          + std::to_string(found.mask.rows) + " px");
+            boxes.emit(boxes_header(found));
+            mask.emit(
+                mask_header(found), [&] { return mask_body(mask, found.mask); }, "image/raw");
+        },
+        "pictures of a camera that stands still");
     drone.run();
 }
 
@@ -61,5 +73,6 @@ void background_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"background", "Tells what moves from a background that it learns.", true}, background_drone);
+    return hive::run_drone(argc, argv, {"background", "Tells what moves from a background that it learns.", true},
+                           background_drone);
 }

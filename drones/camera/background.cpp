@@ -30,7 +30,9 @@ cv::Mat bricks(cv::Size size, cv::RNG& random)
 /// Four octaves of smoothly enlarged random cells, per channel.
 cv::Mat soft_noise(cv::Size size, cv::RNG& random)
 {
-    struct Octave { int cell, amplitude; };
+    struct Octave {
+        int cell, amplitude;
+    };
     cv::Mat sum(size, CV_32FC3, cv::Scalar::all(96));
     for (const Octave octave : {Octave{160, 24}, {64, 14}, {24, 8}, {8, 4}}) {
         cv::Mat cells(size.height / octave.cell + 2, size.width / octave.cell + 2, CV_32FC3), enlarged;

@@ -25,14 +25,22 @@ cv::Size size_to_send(cv::Size own, int width, int height)
     return {width, height};
 }
 
-hive::Body body_of(const std::shared_ptr<const std::vector<unsigned char>>& jpeg) { return {std::as_bytes(std::span(*jpeg)), jpeg}; }
+hive::Body body_of(const std::shared_ptr<const std::vector<unsigned char>>& jpeg)
+{
+    return {std::as_bytes(std::span(*jpeg)), jpeg};
+}
 
 hive::Json truth_of(const Frame& frame)
 {
     const auto tenths = [](double value) { return std::round(value * 10) / 10; };
     hive::Json boxes = hive::Json::array();
     for (const auto& [kind, id, box] : frame.truth)
-        boxes.push_back({{"kind", kind}, {"id", id}, {"x", tenths(box.x)}, {"y", tenths(box.y)}, {"w", tenths(box.width)}, {"h", tenths(box.height)}});
+        boxes.push_back({{"kind", kind},
+                         {"id", id},
+                         {"x", tenths(box.x)},
+                         {"y", tenths(box.y)},
+                         {"w", tenths(box.width)},
+                         {"h", tenths(box.height)}});
     return boxes;
 }
 
@@ -41,20 +49,24 @@ hive::Json hands_of(const Frame& frame)
     const auto tenths = [](double value) { return std::round(value * 10) / 10; };
     hive::Json hands = hive::Json::array();
     for (const DrawnHand& hand : frame.hands)
-        hands.push_back({{"fingers", hand.fingers}, {"angle", tenths(hand.rotation)},
-                         {"palm", {{"x", tenths(hand.palm.x)}, {"y", tenths(hand.palm.y)}, {"radius", tenths(hand.radius)}}}});
+        hands.push_back(
+            {{"fingers", hand.fingers},
+             {"angle", tenths(hand.rotation)},
+             {"palm", {{"x", tenths(hand.palm.x)}, {"y", tenths(hand.palm.y)}, {"radius", tenths(hand.radius)}}}});
     return hands;
 }
 
 }  // namespace
 
 CameraDrone::CameraDrone(hive::Drone& drone)
-    : drone_(drone), image_(drone.output("image", hive::vision::image_types, "the pictures", hive::vision::encoder())),
-      memory_(std::make_shared<hive::vision::LoanAllocator>([output = image_](std::size_t bytes) { return output.loan(bytes); }))
+    : drone_(drone),
+      image_(drone.output("image", hive::vision::image_types, "the pictures", hive::vision::encoder())),
+      memory_(std::make_shared<hive::vision::LoanAllocator>(
+          [output = image_](std::size_t bytes) { return output.loan(bytes); }))
 {
     declare();
     drone_.on_start([] {
-        cv::setNumThreads(1);  // one drone, one core
+        cv::setNumThreads(1);                                                  // one drone, one core
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // what matters is thrown
     });
     drone_.on_change([this] { apply(); });
@@ -63,13 +75,18 @@ CameraDrone::CameraDrone(hive::Drone& drone)
 
 void CameraDrone::declare()
 {
-    drone_.parameter("source", source_, hive::anything(),
-                     "scene, scene:brick|noise|plain, a picture, a folder of pictures, a video, /dev/videoN, http(s):// or rtsp://");
-    drone_.parameter("width", width_, hive::between(0, 8192).in("px"), "0: follows height, or as the source has it (scene and device: 640)");
-    drone_.parameter("height", height_, hive::between(0, 8192).in("px"), "0: follows width, or as the source has it (scene and device: 480)");
-    drone_.parameter("fps", fps_, hive::between(0, 1000).in("fps"), "with pace=live; 0: as the source has it (scene and pictures: 30)");
+    drone_.parameter(
+        "source", source_, hive::anything(),
+        "scene, scene:brick|noise|plain, a picture, a folder of pictures, a video, /dev/videoN, http(s):// or rtsp://");
+    drone_.parameter("width", width_, hive::between(0, 8192).in("px"),
+                     "0: follows height, or as the source has it (scene and device: 640)");
+    drone_.parameter("height", height_, hive::between(0, 8192).in("px"),
+                     "0: follows width, or as the source has it (scene and device: 480)");
+    drone_.parameter("fps", fps_, hive::between(0, 1000).in("fps"),
+                     "with pace=live; 0: as the source has it (scene and pictures: 30)");
     drone_.parameter("loop", loop_, hive::anything(), "files begin again at their end");
-    drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next picture when all receivers ask");
+    drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}),
+                     "live never waits; demand gives the next picture when all receivers ask");
     drone_.parameter("faces", faces_, hive::between(0, 3), "in the scene");
     drone_.parameter("walkers", walkers_, hive::between(0, 4), "in the scene");
     drone_.parameter("hand", hand_, hive::anything(), "in the scene: a hand that shows changing numbers of fingers");
@@ -100,22 +117,23 @@ void CameraDrone::apply()
     say("");
 }
 
-/// What can be opened without waiting is opened here, so that a mistake refuses the `set`; devices and networks are left
-/// to the capture's thread, which tries again.
+/// What can be opened without waiting is opened here, so that a mistake refuses the `set`; devices and networks are
+/// left to the capture's thread, which tries again.
 void CameraDrone::open(const Wanted& wanted)
 {
     const SourceKind kind = source_kind(wanted.source.text);
     if (wanted.pace == "demand" && is_live(kind))
-        throw hive::Error(hive::Errc::refused, "pace=demand is for files and the scene: a camera does not wait to be asked");
+        throw hive::Error(hive::Errc::refused,
+                          "pace=demand is for files and the scene: a camera does not wait to be asked");
     auto source = is_live(kind) ? nullptr : open_source(wanted.source, memory_.get());
     on_demand_.reset();
     capture_.reset();
     if (wanted.pace == "demand")
         on_demand_ = std::move(source);
     else
-        capture_ = std::make_unique<Capture>([settings = wanted.source, memory = memory_] { return open_source(settings, memory.get()); }, wanted.fps,
-                                             is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop,
-                                             [this] { drone_.wake(); });
+        capture_ = std::make_unique<Capture>(
+            [settings = wanted.source, memory = memory_] { return open_source(settings, memory.get()); }, wanted.fps,
+            is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop, [this] { drone_.wake(); });
 }
 
 std::chrono::microseconds CameraDrone::step() { return capture_ ? step_live() : step_on_demand(); }
@@ -150,16 +168,18 @@ void CameraDrone::send(const Frame& frame, bool lossless)
     const cv::Size own = frame.jpeg ? hive::vision::size_of(body_of(frame.jpeg), "image/jpeg") : frame.image.size();
     const cv::Size size = size_to_send(own, width_, height_);
     const bool untouched = frame.jpeg && size == own;
-    const auto form = untouched ? hive::vision::PlainForm{"image/jpeg", {{"width", size.width}, {"height", size.height}}}
-                                : hive::vision::plain_form(size, frame.jpeg ? 3 : frame.image.channels());
+    const auto form = untouched
+                          ? hive::vision::PlainForm{"image/jpeg", {{"width", size.width}, {"height", size.height}}}
+                          : hive::vision::plain_form(size, frame.jpeg ? 3 : frame.image.channels());
     hive::Json header = form.header;
     header.update({{"index", frame.index}, {"source", shown_source(source_)}});
     if (frame.knows_truth)
         header["truth"] = truth_of(frame);
     if (hand_ && frame.knows_truth)
         header["hands"] = hands_of(frame);
-    image_.emit_captured(frame.captured, lossless, std::move(header),
-                         [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
+    image_.emit_captured(
+        frame.captured, lossless, std::move(header),
+        [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
 }
 
 hive::Body CameraDrone::pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size)

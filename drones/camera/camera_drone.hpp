@@ -52,8 +52,8 @@ private:
     bool loop_ = true, hand_ = false;
 
     std::optional<Wanted> opened_;
-    std::unique_ptr<Capture> capture_;  ///< pace=live
-    std::unique_ptr<Source> on_demand_; ///< pace=demand; gone at its end
+    std::unique_ptr<Capture> capture_;   ///< pace=live
+    std::unique_ptr<Source> on_demand_;  ///< pace=demand; gone at its end
     std::string condition_;
 };
 

@@ -114,14 +114,16 @@ struct Capture::Shared {
 
     void run()
     {
-        while (open_and_read() && wait_until(Clock::now() + backoff.next())) {}
+        while (open_and_read() && wait_until(Clock::now() + backoff.next())) {
+        }
         const std::lock_guard lock(mutex);
         ended = true;
         changed.notify_all();
     }
 };
 
-Capture::Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice) : shared_(std::make_shared<Shared>())
+Capture::Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice)
+    : shared_(std::make_shared<Shared>())
 {
     shared_->open = std::move(open);
     shared_->fps = fps;

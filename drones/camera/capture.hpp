@@ -11,8 +11,8 @@
 
 namespace camera {
 
-/// Opens the source, and again with growing pauses when it is lost; how it goes is told by condition(). All functions are
-/// for one thread (the drone's); opening and reading happen on the capture's own.
+/// Opens the source, and again with growing pauses when it is lost; how it goes is told by condition(). All functions
+/// are for one thread (the drone's); opening and reading happen on the capture's own.
 class Capture {
 public:
     using Opener = std::function<std::unique_ptr<Source>()>;
@@ -29,7 +29,8 @@ public:
     /// The newest picture that was not yet taken.
     std::optional<Frame> take();
     /// Empty when pictures come; otherwise what is wrong: "stalled", "end of source", or why it does not open.
-    [[nodiscard]] std::string condition(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
+    [[nodiscard]] std::string
+    condition(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
 
 private:
     struct Shared;  // outlives the capture if the thread is stuck

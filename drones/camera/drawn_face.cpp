@@ -89,7 +89,8 @@ void mix(cv::Vec3b& pixel, float alpha, float hair, float luminance)
     for (int channel = 0; channel < 3; ++channel) {
         const float tone = luminance * skin[channel] * (1 - hair) + dark[channel] * hair;
         const float mixed = static_cast<float>(pixel[channel]) * (1 - alpha) + 255 * tone * alpha;
-        pixel[channel] = static_cast<unsigned char>(mixed + 0.5F);  // all parts are within 0 to 1, so the sum is within 0 to 255
+        pixel[channel] =
+            static_cast<unsigned char>(mixed + 0.5F);  // all parts are within 0 to 1, so the sum is within 0 to 255
     }
 }
 

@@ -46,7 +46,9 @@ private:
         return {static_cast<int>(std::lround(16 * at.x)), static_cast<int>(std::lround(16 * at.y))};
     }
 
-    struct Reach { double from, to; };
+    struct Reach {
+        double from, to;
+    };
     void line(double direction, Reach reach, double thickness)
     {
         const int pixels = std::max(1, static_cast<int>(std::lround(thickness * hand_.radius)));

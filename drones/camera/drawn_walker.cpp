@@ -23,7 +23,8 @@ public:
     /// Filled, from one angle to the other: 0 right, 90 down, 270 up.
     void arc(cv::Point2d middle, cv::Size2d radii, double from, double to, const cv::Scalar& colour)
     {
-        const cv::Size size(std::lround(radii.width * walker_.height * parts), std::lround(radii.height * walker_.height * parts));
+        const cv::Size size(std::lround(radii.width * walker_.height * parts),
+                            std::lround(radii.height * walker_.height * parts));
         cv::ellipse(picture_, place(middle), size, 0, from, to, colour, cv::FILLED, cv::LINE_AA, parts_bits);
     }
 
@@ -52,7 +53,8 @@ void draw_leg(Pen& pen, double side, double step, const cv::Scalar& colour)
 void draw_arm(Pen& pen, double side, double step)
 {
     const cv::Scalar sleeve(70, 60, 60);
-    const cv::Point2d shoulder(0.10 * side, 0.21), elbow(side * (0.115 - step / 2), 0.36), hand(side * (0.11 - step), 0.50);
+    const cv::Point2d shoulder(0.10 * side, 0.21), elbow(side * (0.115 - step / 2), 0.36),
+        hand(side * (0.11 - step), 0.50);
     pen.line(shoulder, elbow, 0.05, sleeve);
     pen.line(elbow, hand, 0.042, sleeve);
 }

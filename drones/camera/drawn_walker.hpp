@@ -1,4 +1,5 @@
-// A person drawn from lines and ellipses, walking: people detectors take it for a real one before a wall that is lighter than its clothes.
+// A person drawn from lines and ellipses, walking: people detectors take it for a real one before a wall that is
+// lighter than its clothes.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -10,7 +11,7 @@ struct Walker {
     double middle;  ///< x
     double top;     ///< y of the head's top
     double height;
-    double phase;   ///< of the step, radians: the legs are together at 0 and furthest apart a quarter of a turn later
+    double phase;  ///< of the step, radians: the legs are together at 0 and furthest apart a quarter of a turn later
 
     /// From head to feet, as wide as people detectors frame it: hands and feet of large steps reach a little beyond.
     [[nodiscard]] cv::Rect2d box() const { return {middle - 0.17 * height, top, 0.34 * height, height}; }

@@ -24,9 +24,12 @@ std::optional<DrawnHand> hand_at(std::int64_t index, cv::Size size)
     const double radius = std::min(size.width, size.height) * (0.1 + 0.02 * swing(index, 151));
     const double reach = 2.7 * radius;  // of the fingers from the centre of the palm, and a little
     const cv::Point2d middle(size.width * 0.5, size.height * 0.5);
-    return DrawnHand{.palm = {middle.x + (middle.x - reach) * swing(index, 173), middle.y + (middle.y - reach) * swing(index, 113)},
-                     .radius = radius, .fingers = fingers, .rotation = 15 * swing(index, 89),
-                     .arm = static_cast<double>(size.height) / radius};
+    return DrawnHand{
+        .palm = {middle.x + (middle.x - reach) * swing(index, 173), middle.y + (middle.y - reach) * swing(index, 113)},
+        .radius = radius,
+        .fingers = fingers,
+        .rotation = 15 * swing(index, 89),
+        .arm = static_cast<double>(size.height) / radius};
 }
 
 }  // namespace camera

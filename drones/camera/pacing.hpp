@@ -19,10 +19,13 @@ public:
     {
         if (fps_ <= 0)
             return start_;
-        return start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(static_cast<double>(count_) / fps_));
+        return start_
+               + std::chrono::duration_cast<Clock::duration>(
+                   std::chrono::duration<double>(static_cast<double>(count_) / fps_));
     }
 
-    /// Takes one place of the schedule. Places that were missed by more than one are not made up for: no burst follows a pause.
+    /// Takes one place of the schedule. Places that were missed by more than one are not made up for: no burst follows
+    /// a pause.
     void take(Clock::time_point now)
     {
         ++count_;

@@ -47,7 +47,8 @@ const SceneSettings& checked(const SceneSettings& settings)
 }  // namespace
 
 Scene::Scene(const SceneSettings& settings)
-    : settings_(checked(settings)), walkers_(settings.walkers, settings.size, settings.seed),
+    : settings_(checked(settings)),
+      walkers_(settings.walkers, settings.size, settings.seed),
       background_(draw_background(settings.background, settings.size, settings.seed))
 {
     cv::RNG random(settings.seed + 2);
@@ -90,8 +91,8 @@ void Scene::add_faces(ScenePicture& picture, std::int64_t index) const
     }
 }
 
-/// A Lissajous path inside the face's own upright strip of the picture, so that faces never meet. Above the box there is
-/// a quarter of its height for the hair, below a tenth for the chin.
+/// A Lissajous path inside the face's own upright strip of the picture, so that faces never meet. Above the box there
+/// is a quarter of its height for the hair, below a tenth for the chin.
 cv::Rect2d Scene::face_box(int face, std::int64_t index) const
 {
     const std::uint64_t seed = settings_.seed * 97 + static_cast<std::uint64_t>(face) * 7;
@@ -107,7 +108,8 @@ void Scene::add_noise(cv::Mat& image, std::int64_t index) const
 {
     if (settings_.noise <= 0)
         return;
-    const auto offset = static_cast<int>(mixed(settings_.seed ^ static_cast<std::uint64_t>(index) << 8) % noise_offsets);
+    const auto offset =
+        static_cast<int>(mixed(settings_.seed ^ static_cast<std::uint64_t>(index) << 8) % noise_offsets);
     const cv::Range part(offset, offset + static_cast<int>(image.total()) * 3);
     cv::Mat flat = image.reshape(1, 1);
     cv::add(flat, brighter_.colRange(part), flat);

@@ -16,10 +16,10 @@ namespace camera {
 struct SceneSettings {
     cv::Size size{640, 480};  ///< at least 64x64
     Background background = Background::brick;
-    int faces = 1;        ///< 0 to 3
-    int walkers = 0;      ///< 0 to 4
-    bool hand = false;    ///< one hand that shows changing numbers of fingers, see hand_path.hpp
-    double noise = 3;     ///< standard deviation of the gaussian sensor noise, grey levels
+    int faces = 1;      ///< 0 to 3
+    int walkers = 0;    ///< 0 to 4
+    bool hand = false;  ///< one hand that shows changing numbers of fingers, see hand_path.hpp
+    double noise = 3;   ///< standard deviation of the gaussian sensor noise, grey levels
     std::uint64_t seed = 1;
 
     bool operator==(const SceneSettings&) const = default;
@@ -35,9 +35,10 @@ struct Truth {
 
 /// One picture of the scene and what is in it.
 struct ScenePicture {
-    cv::Mat image;             ///< BGR
-    std::vector<Truth> truth;  ///< faces are wholly inside; a walker is here while half of it is, with that part of its box
-    std::vector<DrawnHand> hands;    ///< none in the pictures without the hand
+    cv::Mat image;  ///< BGR
+    std::vector<Truth>
+        truth;  ///< faces are wholly inside; a walker is here while half of it is, with that part of its box
+    std::vector<DrawnHand> hands;  ///< none in the pictures without the hand
 };
 
 /// Everything that does not move is made once; a picture depends on the settings and its index alone.

@@ -69,7 +69,10 @@ private:
 /// Picture files one after the other; one file is a folder of one.
 class FileSource : public Source {
 public:
-    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory) : files_(std::move(files)), loop_(loop), memory_(memory) {}
+    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory)
+        : files_(std::move(files)), loop_(loop), memory_(memory)
+    {
+    }
 
     std::optional<Frame> next() override
     {
@@ -132,7 +135,8 @@ std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAlloc
 {
     switch (source_kind(settings.text)) {
     case SourceKind::scene: return open_scene(settings, memory);
-    case SourceKind::image: return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop, memory);
+    case SourceKind::image:
+        return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop, memory);
     case SourceKind::folder: return std::make_unique<FileSource>(pictures_in(settings.text), settings.loop, memory);
     case SourceKind::video: return open_video(settings.text, settings.loop, memory);
     case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps, memory);

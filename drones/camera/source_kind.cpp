@@ -26,7 +26,8 @@ void refuse_credentials(const std::string& url)
     const std::size_t begin = url.find("://") + 3;
     const std::string authority = url.substr(begin, url.find_first_of("/?#", begin) - begin);
     if (authority.find('@') != std::string::npos)
-        throw std::runtime_error("a URL with a user name or password in it is refused: everybody who can read the parameters would see it");
+        throw std::runtime_error(
+            "a URL with a user name or password in it is refused: everybody who can read the parameters would see it");
     if (authority.empty())
         throw std::runtime_error("the URL names no host");
 }

@@ -66,7 +66,8 @@ std::unique_ptr<Source> open_video(const std::string& path, bool loop, cv::MatAl
     cv::VideoCapture capture;
     if (!capture.open(std::filesystem::absolute(path).string(), cv::CAP_FFMPEG))
         throw std::runtime_error(path + " is not a video that can be read (damaged, or OpenCV without FFmpeg)");
-    return std::make_unique<VideoSource>(std::move(capture), loop ? VideoSource::AtEnd::begin_again : VideoSource::AtEnd::stop, memory);
+    return std::make_unique<VideoSource>(std::move(capture),
+                                         loop ? VideoSource::AtEnd::begin_again : VideoSource::AtEnd::stop, memory);
 }
 
 std::unique_ptr<Source> open_device(const std::string& path, cv::Size size, double fps, cv::MatAllocator* memory)

@@ -12,8 +12,12 @@ namespace camera {
 namespace {
 
 /// Heights and the ground under the feet in parts of the picture's height; speed in parts of its width per picture.
-struct Lane { double height, ground, speed; std::int64_t first; };
-constexpr std::array<Lane, Walkers::most> lanes{{{0.30, 0.66, 0.0050, 30}, {0.36, 0.78, -0.0062, 40}, {0.32, 0.71, -0.0041, 75}, {0.42, 0.93, 0.0078, 110}}};
+struct Lane {
+    double height, ground, speed;
+    std::int64_t first;
+};
+constexpr std::array<Lane, Walkers::most> lanes{
+    {{0.30, 0.66, 0.0050, 30}, {0.36, 0.78, -0.0062, 40}, {0.32, 0.71, -0.0041, 75}, {0.42, 0.93, 0.0078, 110}}};
 
 /// A person comes and goes this far outside, in parts of the picture's height.
 constexpr double outside = 0.12;
@@ -37,7 +41,8 @@ std::vector<Passer> Walkers::at(std::int64_t index) const
 std::optional<Passer> Walkers::on_lane(int number, std::int64_t index) const
 {
     const Lane& lane = lanes[static_cast<std::size_t>(number)];
-    const double margin = outside * size_.height, way = size_.width + 2 * margin, speed = std::abs(lane.speed) * size_.width;
+    const double margin = outside * size_.height, way = size_.width + 2 * margin,
+                 speed = std::abs(lane.speed) * size_.width;
     const auto crossing = static_cast<std::int64_t>(std::ceil(way / speed)) + pause;
     if (index < lane.first)
         return std::nullopt;

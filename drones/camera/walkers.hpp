@@ -15,8 +15,8 @@ struct Passer {
     Walker walker;
 };
 
-/// Each lane has a speed, a direction and a distance of its own; each person on it a height. The first second is empty, so that a
-/// background can be learned. Depends on its arguments alone.
+/// Each lane has a speed, a direction and a distance of its own; each person on it a height. The first second is empty,
+/// so that a background can be learned. Depends on its arguments alone.
 class Walkers {
 public:
     static constexpr int most = 4;

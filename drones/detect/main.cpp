@@ -22,8 +22,12 @@ hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& picture)
 {
     hive::Json list = hive::Json::array();
     for (const Object& object : objects)
-        list.push_back({{"x", object.box.x}, {"y", object.box.y}, {"w", object.box.width}, {"h", object.box.height},
-                        {"class", object.name}, {"score", std::round(object.score * 1000) / 1000}});
+        list.push_back({{"x", object.box.x},
+                        {"y", object.box.y},
+                        {"w", object.box.width},
+                        {"h", object.box.height},
+                        {"class", object.name},
+                        {"score", std::round(object.score * 1000) / 1000}});
     return {{"objects", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
@@ -64,27 +68,37 @@ public:
 private:
     void declare_people(hive::Drone& drone)
     {
-        drone.parameter("hit_threshold", people_.hit_threshold, hive::between(-1, 4), "of people: margin that a window needs; higher finds fewer");
-        drone.parameter("enlarge", people_.enlarge, hive::between(1, 4), "of people: the picture first, to find smaller ones");
+        drone.parameter("hit_threshold", people_.hit_threshold, hive::between(-1, 4),
+                        "of people: margin that a window needs; higher finds fewer");
+        drone.parameter("enlarge", people_.enlarge, hive::between(1, 4),
+                        "of people: the picture first, to find smaller ones");
         drone.parameter("scale", people_.scale, hive::between(1.01, 2), "of people: step between image scales");
-        drone.parameter("stride", people_.stride, hive::between(4, 32).in("px"), "of people: between windows, a multiple of 4");
+        drone.parameter("stride", people_.stride, hive::between(4, 32).in("px"),
+                        "of people: between windows, a multiple of 4");
         drone.parameter("padding", people_.padding, hive::between(0, 64).in("px"), "of people: around the picture");
         drone.parameter("grouping", people_.grouping, hive::between(0, 20), "of people: windows that must agree");
-        drone.parameter("shrink", people_.shrink, hive::anything(), "of people: boxes that fit, without the margin of the classifier's window");
+        drone.parameter("shrink", people_.shrink, hive::anything(),
+                        "of people: boxes that fit, without the margin of the classifier's window");
     }
 
     void declare_network(hive::Drone& drone)
     {
-        drone.parameter("model", settings_.model, hive::anything(), "ONNX file of a detector; empty: people are looked for");
-        drone.parameter("classes", settings_.classes, hive::anything(), "file of the model's class names, one a line; empty: numbers");
+        drone.parameter("model", settings_.model, hive::anything(),
+                        "ONNX file of a detector; empty: people are looked for");
+        drone.parameter("classes", settings_.classes, hive::anything(),
+                        "file of the model's class names, one a line; empty: numbers");
         drone.parameter("input_width", settings_.input.width, hive::between(8, 4096).in("px"), "of the model's input");
-        drone.parameter("input_height", settings_.input.height, hive::between(8, 4096).in("px"), "of the model's input");
-        drone.parameter("fit", settings_.fit, hive::one_of({"letterbox", "stretch"}), "how a picture becomes the model's input");
-        drone.parameter("input_scale", settings_.scale, hive::between(0, 255), "the model sees (pixel - mean) times this");
+        drone.parameter("input_height", settings_.input.height, hive::between(8, 4096).in("px"),
+                        "of the model's input");
+        drone.parameter("fit", settings_.fit, hive::one_of({"letterbox", "stretch"}),
+                        "how a picture becomes the model's input");
+        drone.parameter("input_scale", settings_.scale, hive::between(0, 255),
+                        "the model sees (pixel - mean) times this");
         drone.parameter("mean", mean_, hive::anything(), "one number, or three in the model's order of colours");
         drone.parameter("swap", settings_.swap, hive::anything(), "the model takes RGB instead of BGR");
         drone.parameter("min_score", min_score_, hive::between(0, 1), "of the model's objects");
-        drone.parameter("overlap", overlap_, hive::between(0, 1), "of the model: more of it with a better box of its class, and a box is left out");
+        drone.parameter("overlap", overlap_, hive::between(0, 1),
+                        "of the model: more of it with a better box of its class, and a box is left out");
     }
 
     detect::PeopleFinder people_;
@@ -99,7 +113,8 @@ void detect_drone(hive::Drone& drone)
     Detector detector;
     detector.declare(drone);
     const hive::Output objects = drone.output("objects", "application/json", "the boxes, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the objects framed", hive::vision::encoder());
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
+                                                "the picture with the objects framed", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
@@ -107,13 +122,17 @@ void detect_drone(hive::Drone& drone)
         detector.apply();
     });
     drone.on_change([&] { detector.apply(); });
-    drone.on_event("image", hive::vision::image_types, [&](const hive::Event& event) {
-        const cv::Mat picture = hive::vision::view(event);
-        const auto found = detector.find(picture);
-        hive::Json header = to_header(found, picture);
-        objects.emit(header);
-        hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) { detect::draw(canvas, found); });
-    }, "pictures to look for objects in");
+    drone.on_event(
+        "image", hive::vision::image_types,
+        [&](const hive::Event& event) {
+            const cv::Mat picture = hive::vision::view(event);
+            const auto found = detector.find(picture);
+            hive::Json header = to_header(found, picture);
+            objects.emit(header);
+            hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
+                                         [&](cv::Mat& canvas) { detect::draw(canvas, found); });
+        },
+        "pictures to look for objects in");
     drone.run();
 }
 
@@ -121,5 +140,6 @@ void detect_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"detect", "Finds people, or the objects that an ONNX model knows, in pictures."}, detect_drone);
+    return hive::run_drone(
+        argc, argv, {"detect", "Finds people, or the objects that an ONNX model knows, in pictures."}, detect_drone);
 }

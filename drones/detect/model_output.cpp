@@ -32,7 +32,8 @@ std::vector<Candidate> from_corners(const cv::Mat& table, cv::Size input, double
     std::vector<Candidate> found;
     for (int row = 0; row < table.rows; ++row) {
         const float* numbers = table.ptr<float>(row);
-        const cv::Point2d first(numbers[3] * input.width, numbers[4] * input.height), last(numbers[5] * input.width, numbers[6] * input.height);
+        const cv::Point2d first(numbers[3] * input.width, numbers[4] * input.height),
+            last(numbers[5] * input.width, numbers[6] * input.height);
         if (numbers[0] >= 0 && numbers[2] >= min_score)  // SSD fills up its table with an image of -1
             found.push_back({{first, last}, static_cast<int>(numbers[1]), numbers[2]});
     }
@@ -43,7 +44,8 @@ bool usable(const Candidate& candidate)
 {
     const cv::Rect2d& box = candidate.box;
     const auto sane = [](double value) { return std::isfinite(value) && std::abs(value) < 1e6; };
-    return sane(box.x) && sane(box.y) && sane(box.width) && sane(box.height) && box.width > 0 && box.height > 0 && candidate.class_index >= 0;
+    return sane(box.x) && sane(box.y) && sane(box.width) && sane(box.height) && box.width > 0 && box.height > 0
+           && candidate.class_index >= 0;
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace detect {
 enum class Layout {
     rows,     ///< 1 x N x (5+C), as YOLOv5 and its kin: centre, size, objectness, a score for each class
     columns,  ///< 1 x (4+C) x N, as YOLOv8 and its kin: centre, size, a score for each class
-    corners,  ///< 1 x 1 x N x 7, as SSD: image, class, score, left, top, right, bottom; the corners as shares of the input
+    corners,  ///< 1 x 1 x N x 7, as SSD: image, class, score, left, top, right, bottom; the corners as shares of the
+              ///< input
 };
 
 /// The layout of an output of this shape. Without class names (0), the shorter side of a table is taken for one object.

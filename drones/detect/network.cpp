@@ -96,10 +96,12 @@ void Network::choose_output()
             shapes += (shapes.empty() ? "" : ", ") + shape_text(shape);
         }
     } catch (const cv::Exception& error) {
-        throw std::runtime_error(settings_.model + " does not run with an input of " + std::to_string(settings_.input.width) + "x"
-                                 + std::to_string(settings_.input.height) + " (input_width, input_height): " + error.err);
+        throw std::runtime_error(settings_.model + " does not run with an input of "
+                                 + std::to_string(settings_.input.width) + "x" + std::to_string(settings_.input.height)
+                                 + " (input_width, input_height): " + error.err);
     }
-    const std::string classes = names_.empty() ? "" : " for the " + std::to_string(names_.size()) + " classes of " + settings_.classes;
+    const std::string classes =
+        names_.empty() ? "" : " for the " + std::to_string(names_.size()) + " classes of " + settings_.classes;
     throw std::runtime_error(settings_.model + " gives " + shapes + ", which is no output of a known detector" + classes
                              + ": 1xNx(5+classes), 1x(4+classes)xN or 1x1xNx7");
 }
@@ -115,11 +117,14 @@ std::vector<cv::Mat> Network::run(const cv::Mat& input)
 
 Network::Fit Network::fit(cv::Size picture) const
 {
-    const cv::Point2d whole(static_cast<double>(settings_.input.width) / picture.width, static_cast<double>(settings_.input.height) / picture.height);
+    const cv::Point2d whole(static_cast<double>(settings_.input.width) / picture.width,
+                            static_cast<double>(settings_.input.height) / picture.height);
     if (settings_.fit == "stretch")
         return {whole, {0, 0}};
     const double scale = std::min(whole.x, whole.y);
-    return {{scale, scale}, {(settings_.input.width - scale * picture.width) / 2, (settings_.input.height - scale * picture.height) / 2}};
+    return {
+        {scale, scale},
+        {(settings_.input.width - scale * picture.width) / 2, (settings_.input.height - scale * picture.height) / 2}};
 }
 
 cv::Mat Network::input_from(const cv::Mat& picture, const Fit& fit) const
@@ -127,7 +132,8 @@ cv::Mat Network::input_from(const cv::Mat& picture, const Fit& fit) const
     cv::Mat colour = picture;
     if (picture.channels() == 1)
         cv::cvtColor(picture, colour, cv::COLOR_GRAY2BGR);
-    cv::Rect place(cvRound(fit.offset.x), cvRound(fit.offset.y), cvRound(fit.scale.x * picture.cols), cvRound(fit.scale.y * picture.rows));
+    cv::Rect place(cvRound(fit.offset.x), cvRound(fit.offset.y), cvRound(fit.scale.x * picture.cols),
+                   cvRound(fit.scale.y * picture.rows));
     place = (place + cv::Size(place.width == 0, place.height == 0)) & cv::Rect({}, settings_.input);
     cv::Mat input(settings_.input, CV_8UC3, margin_grey);
     cv::resize(colour, input(place), place.size());
@@ -146,7 +152,8 @@ std::vector<Object> Network::find(const cv::Mat& picture)
     const auto outputs = run(input_from(picture, fitted));
     std::map<int, std::pair<std::vector<cv::Rect2d>, std::vector<float>>> by_class;
     for (const Candidate& candidate : candidates(outputs[output_], layout_, settings_.input, min_score)) {
-        const cv::Point2d corner((candidate.box.x - fitted.offset.x) / fitted.scale.x, (candidate.box.y - fitted.offset.y) / fitted.scale.y);
+        const cv::Point2d corner((candidate.box.x - fitted.offset.x) / fitted.scale.x,
+                                 (candidate.box.y - fitted.offset.y) / fitted.scale.y);
         const cv::Size2d size(candidate.box.width / fitted.scale.x, candidate.box.height / fitted.scale.y);
         auto& [boxes, scores] = by_class[candidate.class_index];
         boxes.emplace_back(corner, size);

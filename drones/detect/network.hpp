@@ -13,13 +13,13 @@ namespace detect {
 
 /// What has to be known about a model; each model's page tells.
 struct NetworkSettings {
-    std::string model;            ///< path of the .onnx file
-    std::string classes;          ///< path of a text file, one name a line in the order of the model; empty: numbers are names
-    cv::Size input{640, 640};     ///< px
-    std::string fit = "letterbox";///< how a picture becomes the input: "letterbox" (grey margins) or "stretch"
-    double scale = 1.0 / 255;     ///< the input is (pixel - mean) * scale
-    cv::Scalar mean;              ///< for each channel, in the order of the model
-    bool swap = true;             ///< the model wants RGB; pictures are BGR
+    std::string model;    ///< path of the .onnx file
+    std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: numbers are names
+    cv::Size input{640, 640};       ///< px
+    std::string fit = "letterbox";  ///< how a picture becomes the input: "letterbox" (grey margins) or "stretch"
+    double scale = 1.0 / 255;       ///< the input is (pixel - mean) * scale
+    cv::Scalar mean;                ///< for each channel, in the order of the model
+    bool swap = true;               ///< the model wants RGB; pictures are BGR
 
     bool operator==(const NetworkSettings&) const = default;
 };
@@ -27,7 +27,8 @@ struct NetworkSettings {
 class Network {
 public:
     double min_score = 0.5;  ///< 0 to 1
-    double overlap = 0.45;   ///< of two boxes of one class that overlap more (intersection over union), the better one is kept
+    double overlap =
+        0.45;  ///< of two boxes of one class that overlap more (intersection over union), the better one is kept
     static constexpr std::size_t most_objects = 300;  ///< of one picture; the best
 
     /// Reads the files and runs the model once, to see that it can run and what its output is.

@@ -11,7 +11,8 @@ namespace detect {
 
 void sort(std::vector<Object>& objects)
 {
-    std::ranges::stable_sort(objects, {}, [](const Object& object) { return std::tuple(-object.score, object.box.y, object.box.x); });
+    std::ranges::stable_sort(
+        objects, {}, [](const Object& object) { return std::tuple(-object.score, object.box.y, object.box.x); });
 }
 
 void draw(cv::Mat& picture, const std::vector<Object>& objects)
@@ -21,7 +22,8 @@ void draw(cv::Mat& picture, const std::vector<Object>& objects)
         char score[32];
         std::snprintf(score, sizeof score, " %.2f", object.score);
         cv::rectangle(picture, object.box, green, 2, cv::LINE_AA);
-        cv::putText(picture, object.name + score, object.box.tl() + cv::Point(4, 16), cv::FONT_HERSHEY_SIMPLEX, 0.5, green, 1, cv::LINE_AA);
+        cv::putText(picture, object.name + score, object.box.tl() + cv::Point(4, 16), cv::FONT_HERSHEY_SIMPLEX, 0.5,
+                    green, 1, cv::LINE_AA);
     }
 }
 

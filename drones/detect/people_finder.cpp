@@ -30,7 +30,8 @@ std::vector<Object> PeopleFinder::find(const cv::Mat& picture) const
         return {};
     std::vector<cv::Rect> boxes;
     std::vector<double> weights;
-    descriptor_.detectMultiScale(looked_at, boxes, weights, hit_threshold, {stride, stride}, {padding, padding}, scale, grouping);
+    descriptor_.detectMultiScale(looked_at, boxes, weights, hit_threshold, {stride, stride}, {padding, padding}, scale,
+                                 grouping);
     std::vector<Object> people;
     for (std::size_t i = 0; i < boxes.size(); ++i)
         if (const cv::Rect box = in_picture(boxes[i]) & cv::Rect({}, picture.size()); !box.empty())

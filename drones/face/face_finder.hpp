@@ -14,11 +14,11 @@ inline constexpr const char* default_cascade = "/usr/share/opencv4/haarcascades/
 
 class FaceFinder {
 public:
-    double scale = 1.1;      ///< step between image scales, 1.01 to 2: smaller finds more and takes longer
-    int min_neighbors = 5;   ///< detections that must agree on a face
-    int min_size = 24;       ///< side of the smallest face, px
-    int max_size = 0;        ///< side of the largest face, px; 0: no limit
-    bool equalise = false;   ///< spread the grey levels first
+    double scale = 1.1;     ///< step between image scales, 1.01 to 2: smaller finds more and takes longer
+    int min_neighbors = 5;  ///< detections that must agree on a face
+    int min_size = 24;      ///< side of the smallest face, px
+    int max_size = 0;       ///< side of the largest face, px; 0: no limit
+    bool equalise = false;  ///< spread the grey levels first
 
     /// Throws std::runtime_error saying what is missing.
     void load(const std::string& cascade_path);

@@ -12,12 +12,13 @@ namespace {
 
 using Contour = std::vector<cv::Point>;
 
-constexpr double near_palm = 1.55;      ///< nearer to the centre is palm
-constexpr double finger_length = 0.20;  ///< a fingertip is at least so much farther from the centre than where the finger begins
-constexpr double finger_width = 0.85;   ///< a finger is at most so wide, an arm is wider
-constexpr double defect_depth = 0.30;   ///< shallower ones are within a finger
-constexpr double palm_share = 0.75;     ///< an arm is at most 1 / so many times as wide as the palm
-constexpr double smallest_palm = 6;     ///< px; below it fingers are of one pixel
+constexpr double near_palm = 1.55;  ///< nearer to the centre is palm
+constexpr double finger_length =
+    0.20;  ///< a fingertip is at least so much farther from the centre than where the finger begins
+constexpr double finger_width = 0.85;  ///< a finger is at most so wide, an arm is wider
+constexpr double defect_depth = 0.30;  ///< shallower ones are within a finger
+constexpr double palm_share = 0.75;    ///< an arm is at most 1 / so many times as wide as the palm
+constexpr double smallest_palm = 6;    ///< px; below it fingers are of one pixel
 
 /// Specks and hairs narrower than `smooth` go, gaps are closed.
 cv::Mat cleaned(const cv::Mat& silhouette, int smooth)
@@ -75,11 +76,13 @@ private:
 
     [[nodiscard]] double distance(const cv::Point& point) const { return length(point - hand_.palm) / hand_.radius; }
 
-    /// How far inside each pixel is, px. The border of the picture is an edge, so that an arm that enters there stays narrow.
+    /// How far inside each pixel is, px. The border of the picture is an edge, so that an arm that enters there stays
+    /// narrow.
     [[nodiscard]] cv::Mat depths() const
     {
         cv::Mat filled(hand_.box.size() + cv::Size(2, 2), CV_8UC1, cv::Scalar(0)), result;
-        cv::drawContours(filled, std::vector<Contour>{contour_}, 0, 255, cv::FILLED, cv::LINE_8, cv::noArray(), 0, cv::Point(1, 1) - hand_.box.tl());
+        cv::drawContours(filled, std::vector<Contour>{contour_}, 0, 255, cv::FILLED, cv::LINE_8, cv::noArray(), 0,
+                         cv::Point(1, 1) - hand_.box.tl());
         cv::distanceTransform(filled, result, cv::DIST_L2, 5);
         return result;
     }
@@ -97,7 +100,8 @@ private:
         return count > 0 ? std::optional(sum * (1.0 / count)) : std::nullopt;
     }
 
-    /// The deepest place; but an arm may be as wide as the palm, so of several it is the one away from where the arm enters.
+    /// The deepest place; but an arm may be as wide as the palm, so of several it is the one away from where the arm
+    /// enters.
     void find_palm()
     {
         const cv::Mat depth = depths();
@@ -117,7 +121,8 @@ private:
     {
         Contour points;
         cv::findNonZero(candidates, points);
-        return *std::ranges::max_element(points, {}, [&](const cv::Point& point) { return length(cv::Point2d(point) - from); });
+        return *std::ranges::max_element(points, {},
+                                         [&](const cv::Point& point) { return length(cv::Point2d(point) - from); });
     }
 
     /// For each point of the outline: does it part two pieces?
@@ -149,7 +154,8 @@ private:
         const cv::Point left = contour_[begin % count], right = contour_[(end - 1) % count];
         const double width = length(left - right) / hand_.radius;
         const double length_seen = distance(tip) - std::max(distance(left), distance(right));
-        if (width <= finger_width && length_seen >= finger_length && !at_border(tip))  // what is cut off there may be anything
+        if (width <= finger_width && length_seen >= finger_length
+            && !at_border(tip))  // what is cut off there may be anything
             fingers_.push_back({tip, distance(tip)});
         else if (width > finger_width && width > arm_width_) {
             arm_width_ = width;
@@ -170,7 +176,10 @@ private:
         });
     }
 
-    static double clockwise_from_up(const cv::Point2d& direction) { return std::atan2(direction.x, -direction.y) * 180 / std::numbers::pi; }
+    static double clockwise_from_up(const cv::Point2d& direction)
+    {
+        return std::atan2(direction.x, -direction.y) * 180 / std::numbers::pi;
+    }
 
     /// Away from the arm; without one, where the fingers point.
     void find_angle()
@@ -201,7 +210,8 @@ std::vector<Hand> GestureFinder::find(const cv::Mat& silhouette) const
     cv::findContours(cleaned(silhouette, smooth), contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
     const double least = min_area / 100 * static_cast<double>(silhouette.total());
     std::erase_if(contours, [&](const Contour& contour) { return cv::contourArea(contour) < least; });
-    std::ranges::stable_sort(contours, std::ranges::greater{}, [](const Contour& contour) { return cv::contourArea(contour); });
+    std::ranges::stable_sort(contours, std::ranges::greater{},
+                             [](const Contour& contour) { return cv::contourArea(contour); });
     contours.resize(std::min(contours.size(), static_cast<std::size_t>(max_hands)));
     std::vector<Hand> hands;
     for (Contour& contour : contours)

@@ -26,7 +26,8 @@ void draw(cv::Mat& picture, const std::vector<Hand>& hands)
             cv::line(picture, hand.palm, tip, orange, 2, cv::LINE_AA);
             cv::circle(picture, tip, 5, green, cv::FILLED, cv::LINE_AA);
         }
-        cv::putText(picture, std::string(pose(hand)), hand.box.tl() + cv::Point(6, 22), cv::FONT_HERSHEY_SIMPLEX, 0.7, green, 2, cv::LINE_AA);
+        cv::putText(picture, std::string(pose(hand)), hand.box.tl() + cv::Point(6, 22), cv::FONT_HERSHEY_SIMPLEX, 0.7,
+                    green, 2, cv::LINE_AA);
     }
 }
 

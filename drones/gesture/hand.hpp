@@ -14,7 +14,8 @@ struct Hand {
     cv::Point palm;               ///< centre of the largest disc inside it
     double radius = 0;            ///< of that disc, px
     std::vector<cv::Point> tips;  ///< of the extended fingers, clockwise from the arm; at most 5
-    std::optional<double> angle;  ///< where the hand points, degrees clockwise from upwards, above -180 to 180; none when nothing tells
+    std::optional<double>
+        angle;  ///< where the hand points, degrees clockwise from upwards, above -180 to 180; none when nothing tells
 };
 
 /// What the hand shows: fist, one, two, three, four, open.

@@ -24,9 +24,13 @@ hive::Json to_json(const Hand& hand)
     hive::Json tips = hive::Json::array();
     for (const cv::Point& tip : hand.tips)
         tips.push_back(to_json(tip));
-    hive::Json json{{"x", hand.box.x}, {"y", hand.box.y}, {"w", hand.box.width}, {"h", hand.box.height},
+    hive::Json json{{"x", hand.box.x},
+                    {"y", hand.box.y},
+                    {"w", hand.box.width},
+                    {"h", hand.box.height},
                     {"palm", {{"x", hand.palm.x}, {"y", hand.palm.y}, {"radius", tenths(hand.radius)}}},
-                    {"fingers", tips.size()}, {"pose", gesture::pose(hand)}};
+                    {"fingers", tips.size()},
+                    {"pose", gesture::pose(hand)}};
     json["tips"] = std::move(tips);
     if (hand.angle)
         json["angle"] = tenths(*hand.angle);
@@ -44,11 +48,15 @@ hive::Json to_header(const std::vector<Hand>& hands, const cv::Mat& picture)
 void declare(hive::Drone& drone, gesture::Silhouette& silhouette, gesture::GestureFinder& finder)
 {
     const auto byte = hive::between(0, 255);
-    drone.parameter("silhouette", silhouette.from, hive::one_of({"mask", "skin"}), "the picture is a mask, or its skin-coloured parts are taken");
-    drone.parameter("level", silhouette.level, hive::between(1, 255), "of a mask: the grey level from which on it is silhouette");
+    drone.parameter("silhouette", silhouette.from, hive::one_of({"mask", "skin"}),
+                    "the picture is a mask, or its skin-coloured parts are taken");
+    drone.parameter("level", silhouette.level, hive::between(1, 255),
+                    "of a mask: the grey level from which on it is silhouette");
     drone.parameter("max_hands", finder.max_hands, hive::between(1, 8), "the largest so many silhouettes are read");
-    drone.parameter("min_area", finder.min_area, hive::between(0, 100).in("%"), "of the picture: smaller silhouettes are left out");
-    drone.parameter("smooth", finder.smooth, hive::between(0, 31).in("px"), "narrower specks, hairs and gaps are smoothed away");
+    drone.parameter("min_area", finder.min_area, hive::between(0, 100).in("%"),
+                    "of the picture: smaller silhouettes are left out");
+    drone.parameter("smooth", finder.smooth, hive::between(0, 31).in("px"),
+                    "narrower specks, hairs and gaps are smoothed away");
     drone.parameter("y_min", silhouette.skin.y_min, byte, "skin in YCrCb: least brightness");
     drone.parameter("y_max", silhouette.skin.y_max, byte, "skin: most brightness");
     drone.parameter("cr_min", silhouette.skin.cr_min, byte, "skin: least Cr");
@@ -63,19 +71,27 @@ void gesture_drone(hive::Drone& drone)
     gesture::GestureFinder finder;
     declare(drone, silhouette, finder);
     const hive::Output gestures = drone.output("gesture", "application/json", "the hands, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types, "the picture with the hands marked", hive::vision::encoder());
+    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
+                                                "the picture with the hands marked", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core: to use more, start more drones
-    drone.on_event("mask", hive::vision::image_types, [&](const hive::Event& event) {
-        const cv::Mat picture = hive::vision::view(event);
-        const auto hands = finder.find(silhouette.of(picture));
-        hive::Json header = to_header(hands, picture);
-        gestures.emit(header);
-        hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) { gesture::draw(canvas, hands); });
-    }, "masks, or pictures with silhouette=skin");
+    drone.on_event(
+        "mask", hive::vision::image_types,
+        [&](const hive::Event& event) {
+            const cv::Mat picture = hive::vision::view(event);
+            const auto hands = finder.find(silhouette.of(picture));
+            hive::Json header = to_header(hands, picture);
+            gestures.emit(header);
+            hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
+                                         [&](cv::Mat& canvas) { gesture::draw(canvas, hands); });
+        },
+        "masks, or pictures with silhouette=skin");
     drone.run();
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { return hive::run_drone(argc, argv, {"gesture", "Counts the fingers of hands in silhouettes."}, gesture_drone); }
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"gesture", "Counts the fingers of hands in silhouettes."}, gesture_drone);
+}

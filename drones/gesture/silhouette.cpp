@@ -12,7 +12,8 @@ cv::Mat skin_in(const cv::Mat& picture, const SkinRange& range)
         return cv::Mat::zeros(picture.size(), CV_8UC1);
     cv::Mat colours, result;
     cv::cvtColor(picture, colours, cv::COLOR_BGR2YCrCb);
-    cv::inRange(colours, cv::Scalar(range.y_min, range.cr_min, range.cb_min), cv::Scalar(range.y_max, range.cr_max, range.cb_max), result);
+    cv::inRange(colours, cv::Scalar(range.y_min, range.cr_min, range.cb_min),
+                cv::Scalar(range.y_max, range.cr_max, range.cb_max), result);
     return result;
 }
 

@@ -13,9 +13,11 @@ inline bool append(Writer& writer, const hive::Event& event)
 {
     // What another process could still change would not fit its check sum.
     const auto bytes = event.body.bytes();
-    const std::vector<std::byte> copy(event.body.foreign() ? std::vector<std::byte>(bytes.begin(), bytes.end()) : std::vector<std::byte>());
+    const std::vector<std::byte> copy(event.body.foreign() ? std::vector<std::byte>(bytes.begin(), bytes.end())
+                                                           : std::vector<std::byte>());
     const bool has_body = !bytes.empty() || event.size == 0;
-    return writer.append({event.sender, event.output, event.type}, hive::event_text(event), copy.empty() ? bytes : std::span<const std::byte>(copy), has_body, event.received);
+    return writer.append({event.sender, event.output, event.type}, hive::event_text(event),
+                         copy.empty() ? bytes : std::span<const std::byte>(copy), has_body, event.received);
 }
 
 }  // namespace recording

@@ -36,14 +36,21 @@ std::string next_free(const fs::path& file)
 
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
 {
-    drone_.parameter("file", file_, hive::anything(), "where to; a new one ends the recording and begins another; empty: ends it");
+    drone_.parameter("file", file_, hive::anything(),
+                     "where to; a new one ends the recording and begins another; empty: ends it");
     drone_.parameter("overwrite", overwrite_, hive::anything(), "a file that is there already may be replaced");
-    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"), "ends the recording before the file grows larger; 0: no limit");
-    drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"), "ends the recording so long after its first event; 0: no limit");
-    drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"), "how often the file is forced to the disk; 0: when the system likes");
-    drone_.on_start([] { std::signal(SIGXFSZ, SIG_IGN); });  // a file over the limit of the process is an error like others
+    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"),
+                     "ends the recording before the file grows larger; 0: no limit");
+    drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"),
+                     "ends the recording so long after its first event; 0: no limit");
+    drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"),
+                     "how often the file is forced to the disk; 0: when the system likes");
+    drone_.on_start(
+        [] { std::signal(SIGXFSZ, SIG_IGN); });  // a file over the limit of the process is an error like others
     drone_.on_change([this] { apply(); });
-    drone_.on_event("events", "*/*", [this](const hive::Event& event) { take(event); }, "what is recorded; connect as many outputs as you like");
+    drone_.on_event(
+        "events", "*/*", [this](const hive::Event& event) { take(event); },
+        "what is recorded; connect as many outputs as you like");
     drone_.main([this] { return look(); });
 }
 
@@ -55,7 +62,8 @@ void RecordDrone::run()
 
 Limits RecordDrone::limits() const
 {
-    return {static_cast<std::uint64_t>(max_size_ * 1e6), std::chrono::microseconds(static_cast<std::int64_t>(max_duration_ * 1e6))};
+    return {static_cast<std::uint64_t>(max_size_ * 1e6),
+            std::chrono::microseconds(static_cast<std::int64_t>(max_duration_ * 1e6))};
 }
 
 void RecordDrone::apply()
@@ -69,7 +77,8 @@ void RecordDrone::apply()
     say();
 }
 
-/// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite` says.
+/// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite`
+/// says.
 void RecordDrone::spare_what_was_recorded()
 {
     if (std::error_code none; !fs::exists(file_, none))
@@ -84,7 +93,8 @@ void RecordDrone::open()
     std::unique_ptr<Writer> fresh;
     if (!file_.empty())
         try {
-            fresh = std::make_unique<Writer>(WriterSettings{file_, overwrite_, limits(), std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
+            fresh = std::make_unique<Writer>(WriterSettings{
+                file_, overwrite_, limits(), std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
         }
@@ -103,7 +113,8 @@ void RecordDrone::close(const std::string& how)
         return;
     count_dropped();
     if (how == "stopped")
-        if (const auto waiting = drone_.status().value("queued", std::int64_t{0}); waiting > 0 && writer_->ended().empty())
+        if (const auto waiting = drone_.status().value("queued", std::int64_t{0});
+            waiting > 0 && writer_->ended().empty())
             writer_->lost("*", "still waiting when the drone was stopped", waiting);
     writer_->finish(how);
     drone_.log(opened_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
@@ -154,7 +165,8 @@ void RecordDrone::say()
     const bool failed = !writer_->failure().empty();
     drone_.condition(failed || writer_->ended().empty() ? writer_->failure() : "ended: " + writer_->ended());
     if (failed && !std::exchange(reported_, true))
-        drone_.report(hive::Errc::io, opened_ + ": " + writer_->failure() + "; the recording has ended, what comes now is counted as lost");
+        drone_.report(hive::Errc::io, opened_ + ": " + writer_->failure()
+                                          + "; the recording has ended, what comes now is counted as lost");
 }
 
 }  // namespace recording

@@ -34,14 +34,14 @@ private:
     std::string file_;
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;
-    std::string opened_;              ///< the file that `writer_` was made for
+    std::string opened_;  ///< the file that `writer_` was made for
     std::unique_ptr<Writer> writer_;
     struct Dropped {
         std::int64_t seen = 0;   ///< the connection's own count, which begins again with the connection
         std::int64_t total = 0;  ///< since the file was opened
     };
     std::map<std::string, Dropped> dropped_;  ///< by where the connection comes from
-    bool reported_ = false;           ///< that the disk failed
+    bool reported_ = false;                   ///< that the disk failed
     std::chrono::steady_clock::time_point next_count_{};
 };
 

@@ -19,25 +19,30 @@ namespace {
 template <class Projection>
 std::int64_t sum(const std::vector<Track>& tracks, Projection what)
 {
-    return std::accumulate(tracks.begin(), tracks.end(), std::int64_t{0}, [&](std::int64_t total, const Track& track) { return total + track.*what; });
+    return std::accumulate(tracks.begin(), tracks.end(), std::int64_t{0},
+                           [&](std::int64_t total, const Track& track) { return total + track.*what; });
 }
 
 Json to_json(const Track& track)
 {
-    return {{"sender", track.sender}, {"output", track.output}, {"type", track.type}, {"events", track.events}, {"bytes", track.bytes},
-            {"without_body", track.without_body}, {"first_us", track.first_us}, {"last_us", track.last_us}};
+    return {{"sender", track.sender},     {"output", track.output},  {"type", track.type},
+            {"events", track.events},     {"bytes", track.bytes},    {"without_body", track.without_body},
+            {"first_us", track.first_us}, {"last_us", track.last_us}};
 }
 
 Track track_from(const Json& json)
 {
-    Track track{json.at("sender"), json.at("output"), json.at("type"), json.at("events"), json.at("bytes"), json.at("without_body"), json.at("first_us"),
-                json.at("last_us")};
+    Track track{json.at("sender"), json.at("output"),       json.at("type"),     json.at("events"),
+                json.at("bytes"),  json.at("without_body"), json.at("first_us"), json.at("last_us")};
     if (!hive::is_name(track.sender) || !hive::is_name(track.output))
         throw std::invalid_argument("a name that is none");
     return track;
 }
 
-bool has_type(const std::string& types, const std::string& type) { return ("," + types + ",").find("," + type + ",") != std::string::npos; }
+bool has_type(const std::string& types, const std::string& type)
+{
+    return ("," + types + ",").find("," + type + ",") != std::string::npos;
+}
 
 /// A name that is free, the best first.
 std::string port_name(const Track& track, bool alone, const std::set<std::string>& taken, std::size_t number)
@@ -68,7 +73,8 @@ std::uint64_t number_in(std::span<const std::byte> bytes)
 
 std::uint32_t crc(std::span<const std::byte> bytes, std::uint32_t before)
 {
-    return static_cast<std::uint32_t>(::crc32_z(before, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+    return static_cast<std::uint32_t>(
+        ::crc32_z(before, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
 std::array<std::byte, prefix_size> encode(const Prefix& prefix)
@@ -89,7 +95,13 @@ std::array<std::byte, prefix_size> encode(const Prefix& prefix)
 std::optional<Prefix> decode(std::span<const std::byte, prefix_size> bytes)
 {
     const auto small = [&](std::size_t at) { return static_cast<std::uint32_t>(number_in(bytes.subspan(at, 4))); };
-    const Prefix prefix{static_cast<Kind>(small(0)), small(4), small(8), small(12), static_cast<std::int64_t>(number_in(bytes.subspan(16, 8))), small(24), small(28)};
+    const Prefix prefix{static_cast<Kind>(small(0)),
+                        small(4),
+                        small(8),
+                        small(12),
+                        static_cast<std::int64_t>(number_in(bytes.subspan(16, 8))),
+                        small(24),
+                        small(28)};
     const bool known = prefix.kind == Kind::begin || prefix.kind == Kind::event || prefix.kind == Kind::end;
     if (!known || small(32) != crc(bytes.first(32)) || prefix.time_us < 0)
         return std::nullopt;
@@ -106,7 +118,11 @@ std::string to_text(const Summary& summary)
         tracks.push_back(to_json(track));
     for (const auto& loss : summary.lost)
         lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
-    return Json{{"begun_us", summary.begun_us}, {"duration_us", summary.duration_us}, {"ended", summary.ended}, {"tracks", tracks}, {"lost", lost}}
+    return Json{{"begun_us", summary.begun_us},
+                {"duration_us", summary.duration_us},
+                {"ended", summary.ended},
+                {"tracks", tracks},
+                {"lost", lost}}
         .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -132,7 +148,9 @@ std::vector<Port> ports_of(const std::vector<Track>& tracks)
         const Track& track = tracks[i];
         const auto known = std::ranges::find(froms, track.from());
         if (known == froms.end()) {
-            const bool alone = std::ranges::none_of(tracks, [&](const Track& other) { return other.output == track.output && other.sender != track.sender; });
+            const bool alone = std::ranges::none_of(tracks, [&](const Track& other) {
+                return other.output == track.output && other.sender != track.sender;
+            });
             ports.push_back({port_name(track, alone, taken, ports.size() + 1), track.type, {i}});
             taken.insert(ports.back().name);
             froms.push_back(track.from());

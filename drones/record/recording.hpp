@@ -1,4 +1,5 @@
-// The recording file: its records, what is known of a whole file, and the names of what is in it. FORMAT.md is the specification.
+// The recording file: its records, what is known of a whole file, and the names of what is in it. FORMAT.md is the
+// specification.
 #pragma once
 
 #include <array>
@@ -14,11 +15,15 @@ namespace recording {
 
 inline constexpr std::string_view file_magic = "HIVEREC1", end_magic = "HIVEDONE";
 inline constexpr std::size_t prefix_size = 36, trailer_size = 16, index_entry_size = 20;
-inline constexpr std::size_t most_text = 128 * 1024;        ///< of an event's header
+inline constexpr std::size_t most_text = 128 * 1024;  ///< of an event's header
 inline constexpr std::size_t most_end_text = 16 * 1024 * 1024;
 inline constexpr std::size_t most_tracks = 1000;
 
-enum class Kind : std::uint32_t { begin = 0x4E474542, event = 0x544E5645, end = 0x454E4F44 };  ///< "BEGN", "EVNT", "DONE"
+enum class Kind : std::uint32_t {
+    begin = 0x4E474542,
+    event = 0x544E5645,
+    end = 0x454E4F44
+};  ///< "BEGN", "EVNT", "DONE"
 
 /// What stands before the text and the body of each record.
 struct Prefix {
@@ -80,7 +85,7 @@ std::optional<Summary> summary_from(std::string_view text);
 
 /// Everything of one output of the recorded swarm, under the name that a replay gives it.
 struct Port {
-    std::string name;  ///< "image"; where several drones had an output of that name, "camera-image"
+    std::string name;   ///< "image"; where several drones had an output of that name, "camera-image"
     std::string types;  ///< joined by commas
     std::vector<std::uint32_t> tracks;
 };

@@ -31,7 +31,8 @@ void check_path(const std::filesystem::path& path, bool overwrite)
     if (!std::filesystem::is_regular_file(status))
         throw std::runtime_error(path.string() + " is not a file");
     if (!overwrite)
-        throw std::runtime_error(path.string() + " is there already; choose another name, or overwrite it (overwrite=on, --overwrite)");
+        throw std::runtime_error(
+            path.string() + " is there already; choose another name, or overwrite it (overwrite=on, --overwrite)");
 }
 
 /// Moves the beginning of the parts on by what was written; at most a handful of parts.
@@ -55,7 +56,7 @@ File File::open_to_read(const std::filesystem::path& path)
     if (descriptor < 0)
         fail("cannot open " + path.string());
     File file(descriptor);
-    struct stat info{};
+    struct stat info {};
     if (::fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode))
         throw std::runtime_error(path.string() + " is not a file");
     return file;
@@ -84,7 +85,7 @@ File::File(File&& other) noexcept : descriptor_(std::exchange(other.descriptor_,
 
 std::uint64_t File::size() const
 {
-    struct stat info{};
+    struct stat info {};
     if (::fstat(descriptor_, &info) != 0)
         fail("cannot look at the file");
     return static_cast<std::uint64_t>(info.st_size);
@@ -109,11 +110,14 @@ bool File::read(std::uint64_t offset, std::span<std::byte> to) const
 void File::write(std::uint64_t offset, std::initializer_list<std::span<const std::byte>> parts)
 {
     std::array<iovec, 8> vectors{};
-    std::ranges::transform(parts, vectors.begin(), [](auto part) { return iovec{const_cast<std::byte*>(part.data()), part.size()}; });
+    std::ranges::transform(parts, vectors.begin(), [](auto part) {
+        return iovec{const_cast<std::byte*>(part.data()), part.size()};
+    });
     std::span<iovec> rest(vectors.data(), parts.size());
     skip_written(rest, 0);
     while (!rest.empty()) {
-        const auto count = ::pwritev(descriptor_, rest.data(), static_cast<int>(rest.size()), static_cast<off_t>(offset));
+        const auto count =
+            ::pwritev(descriptor_, rest.data(), static_cast<int>(rest.size()), static_cast<off_t>(offset));
         if (count < 0 && errno == EINTR)
             continue;
         if (count < 0)
@@ -125,7 +129,8 @@ void File::write(std::uint64_t offset, std::initializer_list<std::span<const std
 
 bool File::reserve(std::uint64_t from, std::uint64_t upto)
 {
-    while (::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(from), static_cast<off_t>(upto - from)) != 0) {
+    while (::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(from), static_cast<off_t>(upto - from))
+           != 0) {
         if (errno == EINTR)
             continue;
         if (errno == EOPNOTSUPP || errno == ENOSYS)

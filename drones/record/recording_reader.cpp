@@ -13,7 +13,10 @@ namespace {
 
 constexpr std::uint64_t first_record = file_magic.size();
 
-std::string_view text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string_view text_of(std::span<const std::byte> bytes)
+{
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 std::string damage(std::uint64_t offset) { return "the recording is damaged at byte " + std::to_string(offset); }
 
@@ -36,7 +39,8 @@ std::optional<Prefix> Reader::prefix_at(std::uint64_t offset) const
     if (offset < first_record || offset > size_ || size_ - offset < prefix_size || !file_.read(offset, bytes))
         return std::nullopt;
     const auto prefix = decode(bytes);
-    const bool sane = prefix && prefix->record_size() <= size_ - offset && prefix->text_size <= (prefix->kind == Kind::end ? most_end_text : most_text);
+    const bool sane = prefix && prefix->record_size() <= size_ - offset
+                      && prefix->text_size <= (prefix->kind == Kind::end ? most_end_text : most_text);
     return sane ? prefix : std::nullopt;
 }
 
@@ -61,7 +65,8 @@ try {
         return false;
     for (std::size_t at = 0; at < index.size(); at += index_entry_size) {
         const auto entry = std::span(index).subspan(at, index_entry_size);
-        index_.push_back({number_in(entry.first(8)), static_cast<std::int64_t>(number_in(entry.subspan(8, 8))), static_cast<std::uint32_t>(number_in(entry.subspan(16)))});
+        index_.push_back({number_in(entry.first(8)), static_cast<std::int64_t>(number_in(entry.subspan(8, 8))),
+                          static_cast<std::uint32_t>(number_in(entry.subspan(16)))});
     }
     summary_ = *summary;
     end_ = offset;
@@ -84,7 +89,9 @@ void Reader::scan()
         offset += prefix->record_size();
     }
     end_ = offset;
-    problem_ = offset == size_ ? "the recording has no end; it was interrupted" : "the recording has no end; it was interrupted or is damaged at byte " + std::to_string(offset);
+    problem_ = offset == size_
+                   ? "the recording has no end; it was interrupted"
+                   : "the recording has no end; it was interrupted or is damaged at byte " + std::to_string(offset);
 }
 
 bool Reader::learn(const Record& record)
@@ -122,7 +129,8 @@ std::optional<Record> Reader::next()
 {
     while (at_ < end_) {
         const auto prefix = prefix_at(at_);
-        if (!prefix || prefix->record_size() > end_ - at_ || prefix->kind == Kind::end || (prefix->kind == Kind::event && prefix->track >= summary_.tracks.size())) {
+        if (!prefix || prefix->record_size() > end_ - at_ || prefix->kind == Kind::end
+            || (prefix->kind == Kind::event && prefix->track >= summary_.tracks.size())) {
             damaged_at(at_, damage(at_));
             break;
         }
@@ -161,7 +169,8 @@ std::string Reader::text(const Record& record) const
 
 void Reader::body(const Record& record, std::span<std::byte> to) const
 {
-    if (to.size() != record.prefix.body_size || !file_.read(record.offset + prefix_size + record.prefix.text_size, to) || crc(to) != record.prefix.body_crc)
+    if (to.size() != record.prefix.body_size || !file_.read(record.offset + prefix_size + record.prefix.text_size, to)
+        || crc(to) != record.prefix.body_crc)
         throw std::runtime_error(damage(record.offset));
 }
 

@@ -19,7 +19,8 @@ struct Record {
 /// For one thread. A file that changes under the reader gives errors, no more.
 class Reader {
 public:
-    /// @throws std::runtime_error  no such file, or no recording. A recording without an end is read through to its last whole record.
+    /// @throws std::runtime_error  no such file, or no recording. A recording without an end is read through to its
+    /// last whole record.
     explicit Reader(const std::filesystem::path& path);
 
     [[nodiscard]] const Summary& summary() const noexcept { return summary_; }

@@ -14,27 +14,34 @@ namespace recording {
 namespace {
 
 constexpr std::uint64_t reserve_step = 1 << 20;
-constexpr std::size_t end_bytes = 4096;        ///< of the end, beside its names and its index
-constexpr std::size_t row_bytes = 400;         ///< of a track, or a loss, in the end beside the names
+constexpr std::size_t end_bytes = 4096;  ///< of the end, beside its names and its index
+constexpr std::size_t row_bytes = 400;   ///< of a track, or a loss, in the end beside the names
 
 std::uint64_t file_size_limit()
 {
     rlimit limit{};
-    return ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY ? limit.rlim_cur : std::numeric_limits<std::int64_t>::max();
+    return ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY
+               ? limit.rlim_cur
+               : std::numeric_limits<std::int64_t>::max();
 }
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 std::int64_t wall_us()
 {
-    return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+    return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
 }
 
-std::string reason_of(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG ? "disk full" : std::strerror(error); }
+std::string reason_of(int error)
+{
+    return error == ENOSPC || error == EDQUOT || error == EFBIG ? "disk full" : std::strerror(error);
+}
 
 }  // namespace
 
-Writer::Writer(const WriterSettings& settings) : file_(File::create(settings.path, settings.overwrite)), limits_(settings.limits), most_(file_size_limit())
+Writer::Writer(const WriterSettings& settings)
+    : file_(File::create(settings.path, settings.overwrite)), limits_(settings.limits), most_(file_size_limit())
 {
     try {
         make_room(file_magic.size());
@@ -42,11 +49,13 @@ Writer::Writer(const WriterSettings& settings) : file_(File::create(settings.pat
     } catch (const std::system_error& error) {
         std::error_code ignored;
         std::filesystem::remove(settings.path, ignored);
-        throw std::runtime_error("nothing can be recorded into " + settings.path.string() + ": " + reason_of(error.code().value()));
+        throw std::runtime_error("nothing can be recorded into " + settings.path.string() + ": "
+                                 + reason_of(error.code().value()));
     }
     end_ = file_magic.size();
     if (settings.sync.count() > 0)
-        sync_ = std::jthread([this, period = settings.sync](std::stop_token stop) { sync_again_and_again(std::move(stop), period); });
+        sync_ = std::jthread(
+            [this, period = settings.sync](std::stop_token stop) { sync_again_and_again(std::move(stop), period); });
 }
 
 Writer::~Writer() { finish("stopped"); }
@@ -73,7 +82,8 @@ void Writer::make_room(std::uint64_t bytes)
 std::uint64_t Writer::size_of_end() const
 {
     const auto rows = summary_.tracks.size() * 2 + summary_.lost.size() + 1;  // a loss for each track may still come
-    return prefix_size + end_bytes + rows * row_bytes + names_bytes_ + (index_.size() + 1) * index_entry_size + trailer_size;
+    return prefix_size + end_bytes + rows * row_bytes + names_bytes_ + (index_.size() + 1) * index_entry_size
+           + trailer_size;
 }
 
 /// Half a record is no part of the file.
@@ -117,7 +127,8 @@ std::uint32_t Writer::track_number(const Track& track)
     numbers_.emplace(key, number);
     summary_.tracks.push_back({track.sender, track.output, track.type});
     indexed_.push_back(-1);
-    names_bytes_ += 2 * 6 * (track.sender.size() + track.output.size() + track.type.size());  // 6: the longest escape of JSON
+    names_bytes_ +=
+        2 * 6 * (track.sender.size() + track.output.size() + track.type.size());  // 6: the longest escape of JSON
     return number;
 }
 
@@ -128,7 +139,8 @@ void Writer::begin(Clock::time_point arrived)
     write({.kind = Kind::begin}, nlohmann::json{{"begun_us", summary_.begun_us}}.dump(), {});
 }
 
-bool Writer::append(const Track& track, std::string_view text, std::span<const std::byte> body, bool has_body, Clock::time_point arrived)
+bool Writer::append(const Track& track, std::string_view text, std::span<const std::byte> body, bool has_body,
+                    Clock::time_point arrived)
 {
     look(arrived);
     if (ended().empty() && summary_.begun_us == 0)
@@ -137,7 +149,8 @@ bool Writer::append(const Track& track, std::string_view text, std::span<const s
         ++loss(track.from(), failure_).events;
     if (!ended().empty())
         return false;
-    const auto time_us = std::max(summary_.duration_us, std::chrono::duration_cast<std::chrono::microseconds>(arrived - begun_).count());
+    const auto time_us =
+        std::max(summary_.duration_us, std::chrono::duration_cast<std::chrono::microseconds>(arrived - begun_).count());
     const auto number = track_number(track);
     if (number == most_tracks || text.size() > most_text || body.size() > std::numeric_limits<std::uint32_t>::max()) {
         ++loss(track.from(), number == most_tracks ? "more than 1000 outputs" : "too large").events;
@@ -156,7 +169,8 @@ bool Writer::append(const Track& track, std::string_view text, std::span<const s
     return ended().empty();
 }
 
-void Writer::note(std::uint32_t number, std::uint64_t offset, std::int64_t time_us, std::size_t body_size, bool has_body)
+void Writer::note(std::uint32_t number, std::uint64_t offset, std::int64_t time_us, std::size_t body_size,
+                  bool has_body)
 {
     Track& track = summary_.tracks[number];
     if (track.events++ == 0)
@@ -170,7 +184,8 @@ void Writer::note(std::uint32_t number, std::uint64_t offset, std::int64_t time_
 
 Loss& Writer::loss(const std::string& from, const std::string& reason)
 {
-    const auto known = std::ranges::find_if(summary_.lost, [&](const Loss& loss) { return loss.from == from && loss.reason == reason; });
+    const auto known = std::ranges::find_if(
+        summary_.lost, [&](const Loss& loss) { return loss.from == from && loss.reason == reason; });
     return known == summary_.lost.end() ? summary_.lost.emplace_back(Loss{from, reason, 0}) : *known;
 }
 
@@ -212,8 +227,13 @@ void Writer::write_end(std::uint64_t least_size)
     const auto bare_size = prefix_size + text.size() + index.size() + trailer_size;
     end_size_ = std::max<std::uint64_t>(bare_size, least_size);
     text.append(end_size_ - bare_size, ' ');
-    const Prefix prefix{Kind::end, 0, static_cast<std::uint32_t>(text.size()), static_cast<std::uint32_t>(index.size()), summary_.duration_us,
-                        crc(bytes_of(text)), crc(index)};
+    const Prefix prefix{Kind::end,
+                        0,
+                        static_cast<std::uint32_t>(text.size()),
+                        static_cast<std::uint32_t>(index.size()),
+                        summary_.duration_us,
+                        crc(bytes_of(text)),
+                        crc(index)};
     std::array<std::byte, 8> place{};
     put_number(place, end_);
     try {

@@ -16,7 +16,7 @@
 namespace recording {
 
 struct Limits {
-    std::uint64_t bytes = 0;              ///< of the whole file; 0: none
+    std::uint64_t bytes = 0;               ///< of the whole file; 0: none
     std::chrono::microseconds duration{};  ///< since the first event; 0: none
 };
 
@@ -27,9 +27,10 @@ struct WriterSettings {
     std::chrono::milliseconds sync{1000};  ///< how often what was written is sent to the disk; 0: when the system likes
 };
 
-/// Every event is with the operating system when append() returns, so killing the process loses none of them; a power failure loses what
-/// came after the last sync. Space for the end is taken ahead: a full disk does not keep the file from being ended properly.
-/// For one thread. Calls do not throw once it is made: what the disk refuses ends the recording, and is counted.
+/// Every event is with the operating system when append() returns, so killing the process loses none of them; a power
+/// failure loses what came after the last sync. Space for the end is taken ahead: a full disk does not keep the file
+/// from being ended properly. For one thread. Calls do not throw once it is made: what the disk refuses ends the
+/// recording, and is counted.
 class Writer {
 public:
     using Clock = std::chrono::steady_clock;
@@ -44,9 +45,13 @@ public:
     void limits(const Limits& limits) { limits_ = limits; }
     /// @param text  the event's header; @param has_body  false: there was a body that was not received
     /// @return false when the recording has ended; after a failure (not after a limit) the event is counted as lost
-    bool append(const Track& track, std::string_view text, std::span<const std::byte> body, bool has_body, Clock::time_point arrived);
+    bool append(const Track& track, std::string_view text, std::span<const std::byte> body, bool has_body,
+                Clock::time_point arrived);
     /// Notes what others know to be missing; the same cause again replaces the number.
-    void lost(const std::string& from, const std::string& reason, std::int64_t events) { loss(from, reason).events = events; }
+    void lost(const std::string& from, const std::string& reason, std::int64_t events)
+    {
+        loss(from, reason).events = events;
+    }
     /// Looks whether time is up or the disk has failed; for when no event comes.
     void look(Clock::time_point now);
     /// Writes the end; again when more was lost since. @param how  for people: "stopped"
@@ -75,10 +80,10 @@ private:
 
     File file_;
     Limits limits_;
-    std::uint64_t most_;           ///< what the system lets a file of this process grow to
-    std::uint64_t end_ = 0;        ///< of the last whole record
-    std::uint64_t end_size_ = 0;   ///< of what ends the file now; 0: nothing yet
-    std::uint64_t reserved_ = 0;   ///< disk space taken, bytes from the beginning of the file
+    std::uint64_t most_;          ///< what the system lets a file of this process grow to
+    std::uint64_t end_ = 0;       ///< of the last whole record
+    std::uint64_t end_size_ = 0;  ///< of what ends the file now; 0: nothing yet
+    std::uint64_t reserved_ = 0;  ///< disk space taken, bytes from the beginning of the file
     bool reserves_ = true;
     Summary summary_;
     std::string failure_;

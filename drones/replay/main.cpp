@@ -3,5 +3,6 @@
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"replay", "Gives the events of a recording again, as they were."}, [](hive::Drone& drone) { replay::ReplayDrone(drone).run(); });
+    return hive::run_drone(argc, argv, {"replay", "Gives the events of a recording again, as they were."},
+                           [](hive::Drone& drone) { replay::ReplayDrone(drone).run(); });
 }

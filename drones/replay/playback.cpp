@@ -49,7 +49,10 @@ std::int64_t Playback::pause_us() const
 Timeline::Clock::time_point Timeline::due(std::int64_t time_us, double speed, Clock::time_point now)
 {
     constexpr auto late = std::chrono::seconds(1);
-    const auto took = [&](std::int64_t us) { return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::micro>(static_cast<double>(us) / speed)); };
+    const auto took = [&](std::int64_t us) {
+        return std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double, std::micro>(static_cast<double>(us) / speed));
+    };
     const auto at = [&] { return start_ + took(time_us - first_us_); };
     if (!begun_ || time_us < last_us_ || speed != speed_ || now - at() > late) {
         begun_ = true;

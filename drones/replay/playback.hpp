@@ -42,8 +42,8 @@ class Timeline {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// When an event is due. Time that goes back begins anew with this event; so does what is more than a second late, so that no burst
-    /// follows a pause.
+    /// When an event is due. Time that goes back begins anew with this event; so does what is more than a second late,
+    /// so that no burst follows a pause.
     Clock::time_point due(std::int64_t time_us, double speed, Clock::time_point now);
     /// The next event begins anew: it is due after a pause of the recording, or at once.
     void restart(std::int64_t pause_us = 0);

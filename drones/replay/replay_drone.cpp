@@ -47,8 +47,10 @@ ReplayDrone::ReplayDrone(hive::Drone& drone) : drone_(drone)
 void ReplayDrone::declare()
 {
     drone_.parameter("file", file_, hive::anything(), "the recording");
-    drone_.parameter("pace", pace_, hive::one_of({"real", "demand"}), "real: as the events came; demand: the next one when all receivers ask, nothing skipped");
-    drone_.parameter("speed", speed_, hive::between(0.01, 1000), "with pace=real: how many times as fast as the events came");
+    drone_.parameter("pace", pace_, hive::one_of({"real", "demand"}),
+                     "real: as the events came; demand: the next one when all receivers ask, nothing skipped");
+    drone_.parameter("speed", speed_, hive::between(0.01, 1000),
+                     "with pace=real: how many times as fast as the events came");
     drone_.parameter("loop", loop_, hive::anything(), "begins again at the end");
     drone_.parameter("from", from_, hive::at_least(0).in("s"), "of the recording, where to begin");
     drone_.parameter("to", to_, hive::at_least(0).in("s"), "of the recording, where to end; 0: at its end");
@@ -66,14 +68,19 @@ void ReplayDrone::declare_outputs()
         }
     for (const auto& port : ports) {
         const auto help = "as it was recorded";
-        outputs_.push_back({port, are_pictures(port.types) ? drone_.output(port.name, hive::vision::image_types, help, hive::vision::encoder())
+        outputs_.push_back({port, are_pictures(port.types) ? drone_.output(port.name, hive::vision::image_types, help,
+                                                                           hive::vision::encoder())
                                                            : drone_.output(port.name, port.types, help)});
     }
     if (outputs_.empty())
-        outputs_.push_back({{everything, "*/*", {}}, drone_.output(everything, "*/*", "everything in the order of the recording")});
+        outputs_.push_back(
+            {{everything, "*/*", {}}, drone_.output(everything, "*/*", "everything in the order of the recording")});
 }
 
-Range ReplayDrone::range() const { return {static_cast<std::int64_t>(from_ * 1e6), static_cast<std::int64_t>(to_ * 1e6)}; }
+Range ReplayDrone::range() const
+{
+    return {static_cast<std::int64_t>(from_ * 1e6), static_cast<std::int64_t>(to_ * 1e6)};
+}
 
 void ReplayDrone::apply()
 {
@@ -114,9 +121,13 @@ std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<recording::T
     if (outputs_[0].port.name == everything && outputs_[0].port.tracks.empty())
         return result;
     for (const auto& port : recording::ports_of(tracks)) {
-        const auto found = std::ranges::find_if(outputs_, [&](const Declared& declared) { return declared.port.name == port.name && declared.port.types == port.types; });
+        const auto found = std::ranges::find_if(outputs_, [&](const Declared& declared) {
+            return declared.port.name == port.name && declared.port.types == port.types;
+        });
         if (found == outputs_.end())
-            throw std::runtime_error("it has an output " + port.name + " (" + port.types + ") that this drone was not started with; start another one: hivectl replay FILE --as NAME");
+            throw std::runtime_error(
+                "it has an output " + port.name + " (" + port.types
+                + ") that this drone was not started with; start another one: hivectl replay FILE --as NAME");
         for (const auto track : port.tracks)
             result[track] = static_cast<std::size_t>(found - outputs_.begin());
     }
@@ -128,13 +139,14 @@ bool ReplayDrone::anybody() const
     return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.received(); });
 }
 
-/// Watchers of headers ask for nothing, so on demand what has no body is theirs at the pace of the recording, unless there were receivers
-/// of bodies before, which may come back.
+/// Watchers of headers ask for nothing, so on demand what has no body is theirs at the pace of the recording, unless
+/// there were receivers of bodies before, which may come back.
 ReplayDrone::Step ReplayDrone::next_step()
 {
     if (pace_ == "real")
         return Step::when_due;
-    const bool asked_now = std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); });
+    const bool asked_now =
+        std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.wanted(); });
     asked_before_ = asked_before_ || asked_now;
     if (asked_now)
         return Step::when_asked;

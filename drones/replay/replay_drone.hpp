@@ -14,7 +14,8 @@ namespace replay {
 /// User thread.
 class ReplayDrone {
 public:
-    /// The outputs are those of the recording that the drone is started with; without one there is `events`, for everything.
+    /// The outputs are those of the recording that the drone is started with; without one there is `events`, for
+    /// everything.
     explicit ReplayDrone(hive::Drone& drone);
     void run() { drone_.run(); }
 
@@ -43,7 +44,10 @@ private:
     bool prepare();
     void take_next();
     void send();
-    [[nodiscard]] const hive::Output& output() const { return outputs_[output_of_[playback_->current()->prefix.track]].output; }
+    [[nodiscard]] const hive::Output& output() const
+    {
+        return outputs_[output_of_[playback_->current()->prefix.track]].output;
+    }
     void damaged(const std::string& what);
     std::chrono::microseconds at_end();
 
@@ -57,7 +61,7 @@ private:
     std::vector<std::size_t> output_of_;  ///< by track
     Timeline timeline_;
     bool begun_ = false, ended_ = false, asked_before_ = false;
-    std::optional<hive::Event> event_;    ///< the current one, without its body
+    std::optional<hive::Event> event_;  ///< the current one, without its body
     std::int64_t damaged_ = 0, without_body_ = 0;
 };
 

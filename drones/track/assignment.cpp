@@ -9,8 +9,8 @@
 namespace track {
 namespace {
 
-/// For tables that are at least as wide as high. Prices keep every cost minus the prices of its row and column at 0 or above, and at 0
-/// for the pairs made so far: then these are the cheapest for the rows placed so far.
+/// For tables that are at least as wide as high. Prices keep every cost minus the prices of its row and column at 0 or
+/// above, and at 0 for the pairs made so far: then these are the cheapest for the rows placed so far.
 class Placement {
 public:
     explicit Placement(const CostTable& costs)
@@ -33,13 +33,17 @@ public:
 
 private:
     struct Search {
-        explicit Search(std::size_t columns) : distance(columns, std::numeric_limits<double>::infinity()), before(columns), reached(columns) {}
+        explicit Search(std::size_t columns)
+            : distance(columns, std::numeric_limits<double>::infinity()), before(columns), reached(columns)
+        {
+        }
         std::vector<double> distance;                    ///< of the cheapest chain to each column
         std::vector<std::optional<std::size_t>> before;  ///< the column before it in that chain
         std::vector<bool> reached;
     };
 
-    /// Looks from `row`, to which the chain through column `via` has come; returns the nearest column that was not reached before.
+    /// Looks from `row`, to which the chain through column `via` has come; returns the nearest column that was not
+    /// reached before.
     std::size_t advance(Search& search, std::size_t row, std::optional<std::size_t> via) const
     {
         const double so_far = via ? search.distance[*via] : 0;

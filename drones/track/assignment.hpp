@@ -26,9 +26,10 @@ struct Pair {
     bool operator==(const Pair&) const = default;
 };
 
-/// As many pairs as the shorter side has, no row and no column twice, with the least sum of costs (which are finite). Sorted by row; the same costs
-/// give the same pairs. Takes time in proportion to (shorter side)^2 x (longer side).
-/// Source: H. W. Kuhn, "The Hungarian method for the assignment problem" (1955), in the form with shortest augmenting paths.
+/// As many pairs as the shorter side has, no row and no column twice, with the least sum of costs (which are finite).
+/// Sorted by row; the same costs give the same pairs. Takes time in proportion to (shorter side)^2 x (longer side).
+/// Source: H. W. Kuhn, "The Hungarian method for the assignment problem" (1955), in the form with shortest augmenting
+/// paths.
 std::vector<Pair> assign(const CostTable& costs);
 
 }  // namespace track

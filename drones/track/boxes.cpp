@@ -16,9 +16,9 @@ constexpr double furthest = 1e6;
 bool is_box(const hive::Json& value)
 {
     return value.is_object() && std::ranges::all_of(std::array{"x", "y", "w", "h"}, [&](const char* key) {
-        const auto field = value.find(key);
-        return field != value.end() && field->is_number();
-    });
+               const auto field = value.find(key);
+               return field != value.end() && field->is_number();
+           });
 }
 
 bool are_boxes(const hive::Json& value) { return value.is_array() && std::ranges::all_of(value, is_box); }
@@ -86,9 +86,18 @@ hive::Json to_json(const std::vector<Track>& tracks)
     const auto tenths = [](double value) { return rounded(value, 10); };
     hive::Json array = hive::Json::array();
     for (const Track& one : tracks)
-        array.push_back({{"id", one.id}, {"x", tenths(one.box.x)}, {"y", tenths(one.box.y)}, {"w", tenths(one.box.w)}, {"h", tenths(one.box.h)},
-                         {"vx", tenths(one.speed_x)}, {"vy", tenths(one.speed_y)}, {"speed", tenths(std::hypot(one.speed_x, one.speed_y))},
-                         {"age", one.age}, {"seconds", rounded(one.seconds, 1000)}, {"hits", one.hits}, {"missing", one.missing},
+        array.push_back({{"id", one.id},
+                         {"x", tenths(one.box.x)},
+                         {"y", tenths(one.box.y)},
+                         {"w", tenths(one.box.w)},
+                         {"h", tenths(one.box.h)},
+                         {"vx", tenths(one.speed_x)},
+                         {"vy", tenths(one.speed_y)},
+                         {"speed", tenths(std::hypot(one.speed_x, one.speed_y))},
+                         {"age", one.age},
+                         {"seconds", rounded(one.seconds, 1000)},
+                         {"hits", one.hits},
+                         {"missing", one.missing},
                          {"confirmed", one.confirmed}});
     return array;
 }

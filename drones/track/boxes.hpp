@@ -10,8 +10,8 @@
 
 namespace track {
 
-/// The boxes in the array `name`, or, without a name, in the only field that is an array of boxes (objects with numbers "x", "y", "w", "h" in px;
-/// what else they say does not matter; an empty array counts).
+/// The boxes in the array `name`, or, without a name, in the only field that is an array of boxes (objects with numbers
+/// "x", "y", "w", "h" in px; what else they say does not matter; an empty array counts).
 /// @throws hive::Error  malformed: no such array, or several, or a box without area; too_large: more than most_boxes
 std::vector<Box> boxes_in(const hive::Json& header, const std::string& name);
 

@@ -3,13 +3,16 @@
 
 namespace track {
 
-/// Units of length are the caller's (px). Source: R. E. Kalman, "A new approach to linear filtering and prediction problems" (1960),
-/// for a state of place and speed that white acceleration disturbs.
+/// Units of length are the caller's (px). Source: R. E. Kalman, "A new approach to linear filtering and prediction
+/// problems" (1960), for a state of place and speed that white acceleration disturbs.
 class Motion {
 public:
-    /// @param place_deviation, speed_deviation  how far off the truth the first place and a speed of 0 may be (standard deviations)
+    /// @param place_deviation, speed_deviation  how far off the truth the first place and a speed of 0 may be (standard
+    /// deviations)
     Motion(double place, double place_deviation, double speed_deviation)
-        : place_(place), variance_(place_deviation * place_deviation), speed_variance_(speed_deviation * speed_deviation)
+        : place_(place),
+          variance_(place_deviation * place_deviation),
+          speed_variance_(speed_deviation * speed_deviation)
     {
     }
 
@@ -29,7 +32,8 @@ public:
     /// A place was measured, with this standard deviation (above 0).
     void correct(double measured, double deviation)
     {
-        const double sum = variance_ + deviation * deviation, gain = variance_ / sum, speed_gain = covariance_ / sum, surprise = measured - place_;
+        const double sum = variance_ + deviation * deviation, gain = variance_ / sum, speed_gain = covariance_ / sum,
+                     surprise = measured - place_;
         place_ += gain * surprise;
         speed_ += speed_gain * surprise;
         speed_variance_ -= speed_gain * covariance_;

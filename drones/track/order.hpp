@@ -17,18 +17,24 @@ public:
     {
         const bool same = last_ && last_->source == identity.source && last_->epoch == identity.epoch;
         if (same && identity.sequence <= last_->sequence)
-            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(identity.sequence) + " of " + identity.source + " comes after picture " +
-                                                       std::to_string(last_->sequence) + ": tracks need one connection, in order");
+            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(identity.sequence) + " of "
+                                                       + identity.source + " comes after picture "
+                                                       + std::to_string(last_->sequence)
+                                                       + ": tracks need one connection, in order");
         last_ = Last{identity.source, identity.epoch, identity.sequence};
         return same;
     }
 
 private:
-    struct Last { std::string source; std::int64_t epoch, sequence; };
+    struct Last {
+        std::string source;
+        std::int64_t epoch, sequence;
+    };
     std::optional<Last> last_;
 };
 
-/// When the picture was taken, s on a clock of its source. @param fps  above 0: pictures are counted at this rate instead
+/// When the picture was taken, s on a clock of its source. @param fps  above 0: pictures are counted at this rate
+/// instead
 inline double time_of(const hive::Identity& identity, double fps)
 {
     return fps > 0 ? static_cast<double>(identity.sequence) / fps : static_cast<double>(identity.monotonic_us) / 1e6;

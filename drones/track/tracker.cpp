@@ -22,22 +22,31 @@ double side(double w, double h) { return std::sqrt(w * h); }
 
 double diagonal(const Box& box) { return std::hypot(box.w, box.h); }
 
-bool within(const Box& box, double x, double y) { return x >= box.x && x < box.x + box.w && y >= box.y && y < box.y + box.h; }
+bool within(const Box& box, double x, double y)
+{
+    return x >= box.x && x < box.x + box.w && y >= box.y && y < box.y + box.h;
+}
 
-double distance(const Box& a, const Box& b) { return std::hypot(a.x + a.w / 2 - b.x - b.w / 2, a.y + a.h / 2 - b.y - b.h / 2); }
+double distance(const Box& a, const Box& b)
+{
+    return std::hypot(a.x + a.w / 2 - b.x - b.w / 2, a.y + a.h / 2 - b.y - b.h / 2);
+}
 
 }  // namespace
 
 double intersection_over_union(const Box& a, const Box& b)
 {
-    const double w = std::min(a.x + a.w, b.x + b.w) - std::max(a.x, b.x), h = std::min(a.y + a.h, b.y + b.h) - std::max(a.y, b.y);
+    const double w = std::min(a.x + a.w, b.x + b.w) - std::max(a.x, b.x),
+                 h = std::min(a.y + a.h, b.y + b.h) - std::max(a.y, b.y);
     const double both = std::max(0.0, w) * std::max(0.0, h);
     return both / (a.w * a.h + b.w * b.h - both);
 }
 
 Tracker::Followed::Followed(std::int64_t id, const Box& box)
     : x(box.x + box.w / 2, place_noise * side(box.w, box.h), first_speed * side(box.w, box.h)),
-      y(box.y + box.h / 2, place_noise * side(box.w, box.h), first_speed * side(box.w, box.h)), w(box.w), h(box.h)
+      y(box.y + box.h / 2, place_noise * side(box.w, box.h), first_speed * side(box.w, box.h)),
+      w(box.w),
+      h(box.h)
 {
     track.id = id;
     track.box = box;
@@ -123,7 +132,8 @@ std::vector<bool> Tracker::match(std::span<const Box> boxes)
     return taken;
 }
 
-/// Which boxes show several tracks at once? Such a box says that they are there, but not where, so they go on as predicted until they part.
+/// Which boxes show several tracks at once? Such a box says that they are there, but not where, so they go on as
+/// predicted until they part.
 std::vector<bool> Tracker::share(std::span<const Box> boxes)
 {
     std::vector<bool> shared;
@@ -164,7 +174,8 @@ double Tracker::cost(const Box& expected, const Box& box) const
 bool Tracker::over(const Followed& one) const
 {
     const Box box = one.box();
-    const bool left = width > 0 && height > 0 && (box.x >= width || box.y >= height || box.x + box.w <= 0 || box.y + box.h <= 0);
+    const bool left =
+        width > 0 && height > 0 && (box.x >= width || box.y >= height || box.x + box.w <= 0 || box.y + box.h <= 0);
     return left || one.track.missing >= (one.track.confirmed ? forget : 1);
 }
 

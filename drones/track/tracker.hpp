@@ -21,14 +21,14 @@ double intersection_over_union(const Box& a, const Box& b);
 
 /// A thing that is followed, as seen from outside.
 struct Track {
-    std::int64_t id = 0;    ///< from 1, never used again
-    Box box;                ///< where it is, or without a box of its own: where it should be
-    int age = 1;            ///< pictures since its first box, that one included
-    double seconds = 0;     ///< since its first box
+    std::int64_t id = 0;              ///< from 1, never used again
+    Box box;                          ///< where it is, or without a box of its own: where it should be
+    int age = 1;                      ///< pictures since its first box, that one included
+    double seconds = 0;               ///< since its first box
     double speed_x = 0, speed_y = 0;  ///< px/s
-    int hits = 1;           ///< boxes that it had for itself
-    int missing = 0;        ///< pictures since it was seen last, alone or in one box with others
-    bool confirmed = false; ///< had enough boxes to be believed
+    int hits = 1;                     ///< boxes that it had for itself
+    int missing = 0;                  ///< pictures since it was seen last, alone or in one box with others
+    bool confirmed = false;           ///< had enough boxes to be believed
     bool operator==(const Track&) const = default;
 };
 
@@ -38,12 +38,14 @@ inline constexpr std::size_t most_boxes = 256;
 /// The same boxes at the same times give the same tracks.
 class Tracker {
 public:
-    int confirm = 3;       ///< boxes, one in each picture, until a track is confirmed; before, its first miss ends it. At least 1
-    int forget = 30;       ///< pictures in a row without a box that end a confirmed track. At least 1
-    double gate = 0.7;     ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
-    double agility = 2;    ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
+    int confirm =
+        3;  ///< boxes, one in each picture, until a track is confirmed; before, its first miss ends it. At least 1
+    int forget = 30;  ///< pictures in a row without a box that end a confirmed track. At least 1
+    double gate =
+        0.7;  ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
+    double agility = 2;  ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
     double width = 0, height = 0;  ///< of the pictures, px: a track that has left them ends; 0: unknown
-    double max_gap = 2;    ///< pictures further apart have nothing to do with each other, s: all tracks end. Above 0
+    double max_gap = 2;  ///< pictures further apart have nothing to do with each other, s: all tracks end. Above 0
 
     /// The next picture. @param seconds  its time on any clock; earlier than the last one: all tracks end
     /// @param boxes  with sides above 0, at most most_boxes
@@ -62,7 +64,7 @@ private:
         void tell();
 
         Track track;
-        Motion x, y;   ///< of the middle
+        Motion x, y;  ///< of the middle
         double w, h;
         double since_hit = 0;  ///< s
         int shared = 0;        ///< pictures in one box with others since its last own one

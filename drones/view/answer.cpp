@@ -37,7 +37,8 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
     if (request.path == "/picture.jpg")
         return picture(exchange.newest());
     if (request.path == "/stream.mjpg")
-        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true} : sentence(503, "Too many are looking.");
+        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true}
+                                            : sentence(503, "Too many are looking.");
     return sentence(404, "There is nothing here.");
 }
 

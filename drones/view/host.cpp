@@ -16,7 +16,8 @@ const in6_addr& v6(const sockaddr* address) { return reinterpret_cast<const sock
 
 bool equal_ignoring_case(std::string_view a, std::string_view b)
 {
-    return std::ranges::equal(a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+    return std::ranges::equal(a, b,
+                              [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 /// The host in "host", "host:80", "[host]", "[host]:80"; nothing when it is written otherwise.
@@ -28,7 +29,8 @@ std::optional<std::string> without_port(std::string_view text)
         return std::nullopt;
     const auto host = text.substr(bracketed ? 1 : 0, end - (bracketed ? 1 : 0));
     auto rest = end == text.npos ? std::string_view() : text.substr(end + (bracketed ? 1 : 0));
-    const bool digits = std::ranges::all_of(rest.substr(std::min<std::size_t>(1, rest.size())), [](char c) { return c >= '0' && c <= '9'; });
+    const bool digits = std::ranges::all_of(rest.substr(std::min<std::size_t>(1, rest.size())),
+                                            [](char c) { return c >= '0' && c <= '9'; });
     if (!rest.empty() && (rest.front() != ':' || rest.size() > 6 || !digits))
         return std::nullopt;
     return std::string(host);
@@ -47,12 +49,17 @@ Address::Address(const std::string& text, int port)
     }
     storage_ = {};
     if (::inet_pton(AF_INET6, text.c_str(), &six.sin6_addr) != 1)
-        throw std::runtime_error("\"" + text + "\" is not an address; write for example 127.0.0.1, or 0.0.0.0 for every address of this machine");
+        throw std::runtime_error(
+            "\"" + text
+            + "\" is not an address; write for example 127.0.0.1, or 0.0.0.0 for every address of this machine");
     six.sin6_family = AF_INET6;
     six.sin6_port = htons(static_cast<std::uint16_t>(port));
 }
 
-socklen_t Address::size() const noexcept { return storage_.ss_family == AF_INET ? sizeof(sockaddr_in) : sizeof(sockaddr_in6); }
+socklen_t Address::size() const noexcept
+{
+    return storage_.ss_family == AF_INET ? sizeof(sockaddr_in) : sizeof(sockaddr_in6);
+}
 
 bool Address::any() const noexcept
 {
@@ -68,7 +75,8 @@ bool Address::same_host(const Address& other) const noexcept
 {
     if (storage_.ss_family != other.storage_.ss_family)
         return false;
-    return storage_.ss_family == AF_INET ? v4(raw()).s_addr == v4(other.raw()).s_addr : std::memcmp(&v6(raw()), &v6(other.raw()), sizeof(in6_addr)) == 0;
+    return storage_.ss_family == AF_INET ? v4(raw()).s_addr == v4(other.raw()).s_addr
+                                         : std::memcmp(&v6(raw()), &v6(other.raw()), sizeof(in6_addr)) == 0;
 }
 
 bool host_fits(std::string_view text, const Address& bind)

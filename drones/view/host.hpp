@@ -14,7 +14,7 @@ public:
     Address(const std::string& text, int port);
     [[nodiscard]] const sockaddr* raw() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }
     [[nodiscard]] socklen_t size() const noexcept;
-    [[nodiscard]] bool any() const noexcept;       ///< 0.0.0.0 or ::
+    [[nodiscard]] bool any() const noexcept;  ///< 0.0.0.0 or ::
     [[nodiscard]] bool loopback() const noexcept;
     [[nodiscard]] bool same_host(const Address& other) const noexcept;
 
@@ -22,8 +22,9 @@ private:
     sockaddr_storage storage_{};
 };
 
-/// May a request with this Host header be answered by who listens at `bind`? A foreign page can make its own name mean our
-/// address (DNS rebinding), but it cannot make the browser say an address or "localhost": so other names are refused.
+/// May a request with this Host header be answered by who listens at `bind`? A foreign page can make its own name mean
+/// our address (DNS rebinding), but it cannot make the browser say an address or "localhost": so other names are
+/// refused.
 bool host_fits(std::string_view host, const Address& bind);
 
 /// "http://127.0.0.1:8080/", "http://[::1]:8080/"

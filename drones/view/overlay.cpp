@@ -36,7 +36,8 @@ std::string age_text(std::chrono::milliseconds age)
     const auto ms = std::max<std::int64_t>(0, age.count());
     if (ms < 1000)
         return std::to_string(ms) + " ms";
-    return ms < 60'000 ? one_digit(static_cast<double>(ms) / 1000) + " s" : std::to_string((ms + 30'000) / 60'000) + " min";
+    return ms < 60'000 ? one_digit(static_cast<double>(ms) / 1000) + " s"
+                       : std::to_string((ms + 30'000) / 60'000) + " min";
 }
 
 std::string caption(const Origin& origin, std::chrono::system_clock::time_point now)
@@ -75,8 +76,8 @@ cv::Mat notice(const std::string& text, cv::Size size)
     const double scale = scale_for(text, {size.width - size.width / 10, 2 * size.height});
     int baseline = 0;
     const cv::Size box = cv::getTextSize(text, font, scale, thickness_for(scale), &baseline);
-    cv::putText(picture, text, {(size.width - box.width) / 2, (size.height + box.height) / 2}, font, scale, cv::Scalar::all(170),
-                thickness_for(scale), cv::LINE_AA);
+    cv::putText(picture, text, {(size.width - box.width) / 2, (size.height + box.height) / 2}, font, scale,
+                cv::Scalar::all(170), thickness_for(scale), cv::LINE_AA);
     return picture;
 }
 

@@ -38,7 +38,8 @@ const std::string_view page_css = R"(:root { color-scheme: dark; }
 * { box-sizing: border-box; margin: 0; }
 body { display: flex; flex-direction: column; height: 100vh; height: 100dvh; background: #14161a; color: #e8eaed;
        font: 16px/1.4 system-ui, sans-serif; }
-header, footer { display: flex; flex-wrap: wrap; align-items: center; gap: .3rem .7rem; padding: .6rem 1rem; background: #1e2127; }
+header, footer { display: flex; flex-wrap: wrap; align-items: center; }
+header, footer { gap: .3rem .7rem; padding: .6rem 1rem; background: #1e2127; }
 h1 { font-size: 1.05rem; font-weight: 600; overflow-wrap: anywhere; }
 #source, dt { color: #9aa0a8; }
 #light { width: .7rem; height: .7rem; border-radius: 50%; background: #6b7280; }
@@ -57,7 +58,8 @@ dl div { display: flex; gap: .5rem; }
 const std::string_view page_js = R"("use strict";
 const at = id => document.getElementById(id);
 const write = (id, text) => { if (at(id).textContent !== text) at(id).textContent = text; };
-const time = ms => ms < 1000 ? ms + " ms" : ms < 60000 ? (ms / 1000).toFixed(1) + " s" : Math.round(ms / 60000) + " min";
+const long = ms => ms < 60000 ? (ms / 1000).toFixed(1) + " s" : Math.round(ms / 60000) + " min";
+const time = ms => ms < 1000 ? ms + " ms" : long(ms);
 let lost = false;
 
 function look_again() { at("picture").src = "stream.mjpg?" + Date.now(); }

@@ -46,9 +46,15 @@ private:
     std::exception_ptr problem_;
 };
 
-Picture::Picture(Origin origin, Content content, Look look) : Picture(std::move(origin), std::make_shared<Source>(std::move(content)), look) {}
+Picture::Picture(Origin origin, Content content, Look look)
+    : Picture(std::move(origin), std::make_shared<Source>(std::move(content)), look)
+{
+}
 
-Picture::Picture(Origin origin, std::shared_ptr<Source> source, Look look) : origin_(std::move(origin)), source_(std::move(source)), look_(look) {}
+Picture::Picture(Origin origin, std::shared_ptr<Source> source, Look look)
+    : origin_(std::move(origin)), source_(std::move(source)), look_(look)
+{
+}
 
 std::shared_ptr<const Picture> Picture::captioned_anew() const
 {
@@ -61,7 +67,8 @@ std::shared_ptr<const Picture> Picture::captioned_anew() const
 
 std::shared_ptr<const Picture> Picture::of_notice(const std::string& text)
 {
-    return std::make_shared<Picture>(Origin{}, Content{[text] { return notice(text); }, nullptr}, Look{.overlay = false});
+    return std::make_shared<Picture>(Origin{}, Content{[text] { return notice(text); }, nullptr},
+                                     Look{.overlay = false});
 }
 
 const cv::Mat& Picture::shown() const

@@ -16,8 +16,9 @@ using Jpeg = std::shared_ptr<const std::vector<unsigned char>>;
 class Picture {
 public:
     struct Content {
-        std::function<cv::Mat()> pixels;  ///< 8 bit, grey or BGR; called at most once. If it throws, a notice is shown instead
-        Jpeg jpeg;                        ///< as the picture came, if it came so
+        std::function<cv::Mat()>
+            pixels;  ///< 8 bit, grey or BGR; called at most once. If it throws, a notice is shown instead
+        Jpeg jpeg;   ///< as the picture came, if it came so
     };
     struct Look {
         bool overlay = true;  ///< the caption; without it a JPEG stays as it came
@@ -28,7 +29,8 @@ public:
     /// What is shown until there is a picture.
     static std::shared_ptr<const Picture> of_notice(const std::string& text);
 
-    /// The same pixels, to be captioned at the next look, without the rate that is no longer true. Nothing when it has no caption.
+    /// The same pixels, to be captioned at the next look, without the rate that is no longer true. Nothing when it has
+    /// no caption.
     [[nodiscard]] std::shared_ptr<const Picture> captioned_anew() const;
 
     [[nodiscard]] const Origin& origin() const noexcept { return origin_; }

@@ -26,21 +26,23 @@ using Response = std::unique_ptr<MHD_Response, decltype(&MHD_destroy_response)>;
 
 constexpr auto tick = std::chrono::milliseconds(500);
 constexpr std::size_t request_bytes = 16 * 1024;  // of a request's head, and of what is on its way to one browser
-constexpr int socket_bytes = 64 * 1024;           // in the kernel: what a slow browser sees is not much older than it is slow
+constexpr int socket_bytes = 64 * 1024;  // in the kernel: what a slow browser sees is not much older than it is slow
 
 /// One connection is one request; and other pages may do nothing with ours.
 constexpr std::pair<const char*, const char*> headers[]{
     {"Allow", "GET"},
     {"Cache-Control", "no-store"},
     {"Connection", "close"},
-    {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
+    {"Content-Security-Policy",
+     "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
     {"X-Content-Type-Options", "nosniff"},
 };
 
 Response response_of(const std::string& body)
 {
-    return {MHD_create_response_from_buffer(body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY), MHD_destroy_response};
+    return {MHD_create_response_from_buffer(body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY),
+            MHD_destroy_response};
 }
 
 }  // namespace
@@ -74,8 +76,8 @@ private:
     Response begin_stream(MHD_Connection* connection);
     void visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what);
 
-    static MHD_Result on_request(void* core, MHD_Connection* connection, const char* path, const char* method, const char*, const char*,
-                                 std::size_t* uploaded, void** state);
+    static MHD_Result on_request(void* core, MHD_Connection* connection, const char* path, const char* method,
+                                 const char*, const char*, std::size_t* uploaded, void** state);
     static void on_visit(void* core, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode what);
     static ssize_t on_read(void* streaming, std::uint64_t, char* to, std::size_t size);
     static void on_stream_end(void* streaming);
@@ -96,18 +98,19 @@ private:
 };
 
 Server::Core::Core(const Settings& settings, const Exchange& exchange)
-    : settings_(settings), exchange_(exchange), address_(settings.bind, settings.port), wakes_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))
+    : settings_(settings),
+      exchange_(exchange),
+      address_(settings.bind, settings.port),
+      wakes_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))
 {
     Descriptor socket = listen_at(address_, url_of(settings_.bind, settings_.port));
     port_ = port_of(socket);
-    daemon_ = MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Core::on_request, this,
-                               MHD_OPTION_LISTEN_SOCKET, socket.get(),
-                               MHD_OPTION_CONNECTION_LIMIT, settings_.connections,
-                               MHD_OPTION_CONNECTION_MEMORY_LIMIT, request_bytes,
-                               MHD_OPTION_CONNECTION_TIMEOUT, static_cast<unsigned>(settings_.stalled.count()),
-                               MHD_OPTION_NOTIFY_CONNECTION, &Core::on_visit, this,
-                               MHD_OPTION_STRICT_FOR_CLIENT, 1,
-                               MHD_OPTION_END);
+    daemon_ =
+        MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Core::on_request, this,
+                         MHD_OPTION_LISTEN_SOCKET, socket.get(), MHD_OPTION_CONNECTION_LIMIT, settings_.connections,
+                         MHD_OPTION_CONNECTION_MEMORY_LIMIT, request_bytes, MHD_OPTION_CONNECTION_TIMEOUT,
+                         static_cast<unsigned>(settings_.stalled.count()), MHD_OPTION_NOTIFY_CONNECTION,
+                         &Core::on_visit, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
     if (!daemon_)
         throw std::runtime_error("cannot serve HTTP at " + url_of(settings_.bind, port_));
     socket.release();  // the daemon closes it
@@ -203,7 +206,8 @@ MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& reque
 Response Server::Core::begin_stream(MHD_Connection* connection)
 {
     auto streaming = std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat)});
-    Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read, streaming.get(), &Core::on_stream_end),
+    Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read,
+                                                        streaming.get(), &Core::on_stream_end),
                       MHD_destroy_response);
     if (response) {
         streaming.release();  // until on_stream_end
@@ -237,9 +241,10 @@ void Server::Core::on_stream_end(void* state)
     --streaming->core.streams_;
 }
 
-/// Called when the head of a request is complete, before any body: every request is answered at once, with or without one.
-MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, const char* path, const char* method, const char*, const char*, std::size_t*,
-                                    void**)
+/// Called when the head of a request is complete, before any body: every request is answered at once, with or without
+/// one.
+MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
+                                    const char*, const char*, std::size_t*, void**)
 {
     auto& core = *static_cast<Core*>(self);
     auto& visitor = core.visitors_.at(connection);
@@ -258,7 +263,9 @@ void Server::Core::on_visit(void* self, MHD_Connection* connection, void**, MHD_
     static_cast<Core*>(self)->visit(connection, what);
 }
 
-Server::Server(const Settings& settings, const Exchange& exchange) : core_(std::make_unique<Core>(settings, exchange)) {}
+Server::Server(const Settings& settings, const Exchange& exchange) : core_(std::make_unique<Core>(settings, exchange))
+{
+}
 Server::~Server() = default;
 int Server::port() const noexcept { return core_->port(); }
 void Server::wake() noexcept { core_->wake(); }

@@ -1,4 +1,5 @@
-// The HTTP server: one page, its style and script, one picture, one stream, one status. Nothing else, and nothing from files.
+// The HTTP server: one page, its style and script, one picture, one stream, one status. Nothing else, and nothing from
+// files.
 #pragma once
 
 #include "exchange.hpp"
@@ -9,19 +10,19 @@
 
 namespace view {
 
-/// One thread serves all browsers and never waits for one of them. Only GET; a request is small, soon complete, and says a
-/// Host of ours; each connection is one request.
+/// One thread serves all browsers and never waits for one of them. Only GET; a request is small, soon complete, and
+/// says a Host of ours; each connection is one request.
 class Server {
 public:
     struct Settings {
         std::string bind = "127.0.0.1";
-        int port = 0;                 ///< 0: any that is free
-        unsigned connections = 32;    ///< at once; more wait until one ends
-        std::size_t streams = 8;      ///< at once; more are answered 503
-        std::chrono::milliseconds asking{5000};      ///< until the request is complete
-        std::chrono::milliseconds answering{30'000}; ///< until the answer is read, but that of a stream
-        std::chrono::seconds stalled{10};            ///< without a byte read
-        std::chrono::milliseconds repeat{2000};      ///< of the last picture, when there is no newer one
+        int port = 0;                                 ///< 0: any that is free
+        unsigned connections = 32;                    ///< at once; more wait until one ends
+        std::size_t streams = 8;                      ///< at once; more are answered 503
+        std::chrono::milliseconds asking{5000};       ///< until the request is complete
+        std::chrono::milliseconds answering{30'000};  ///< until the answer is read, but that of a stream
+        std::chrono::seconds stalled{10};             ///< without a byte read
+        std::chrono::milliseconds repeat{2000};       ///< of the last picture, when there is no newer one
     };
 
     /// Listens when it returns. Throws std::runtime_error saying why it cannot.

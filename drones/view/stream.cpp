@@ -1,4 +1,5 @@
-// Parts of a multipart body. The line that ends a part leaves together with it: browsers show a picture when they see it.
+// Parts of a multipart body. The line that ends a part leaves together with it: browsers show a picture when they see
+// it.
 #include "stream.hpp"
 
 #include <algorithm>
@@ -22,7 +23,8 @@ bool Stream::begin_part(Exchange::Time now)
     version_ = newest.version;
     begun_ = now;
     sent_ = 0;
-    head_ = (first ? std::string(boundary) : std::string()) + "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg_->size()) + "\r\n\r\n";
+    head_ = (first ? std::string(boundary) : std::string())
+            + "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg_->size()) + "\r\n\r\n";
     return true;
 }
 
@@ -31,7 +33,8 @@ std::size_t Stream::read(std::span<char> to, Exchange::Time now)
     if (!jpeg_ || sent_ == head_.size() + jpeg_->size() + end.size())
         if (!begin_part(now))
             return 0;
-    const std::array<std::string_view, 3> pieces{head_, {reinterpret_cast<const char*>(jpeg_->data()), jpeg_->size()}, end};
+    const std::array<std::string_view, 3> pieces{
+        head_, {reinterpret_cast<const char*>(jpeg_->data()), jpeg_->size()}, end};
     std::size_t before = 0, copied = 0;
     for (const auto piece : pieces) {
         if (sent_ >= before && sent_ < before + piece.size()) {

@@ -1,4 +1,5 @@
-// The endless body of an MJPEG stream (multipart/x-mixed-replace): for each reader the newest picture when it is ready for one.
+// The endless body of an MJPEG stream (multipart/x-mixed-replace): for each reader the newest picture when it is ready
+// for one.
 #pragma once
 
 #include "exchange.hpp"
@@ -12,7 +13,8 @@ class Stream {
 public:
     static constexpr const char* type = "multipart/x-mixed-replace; boundary=picture";
 
-    /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that readers that are gone are noticed
+    /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that
+    /// readers that are gone are noticed
     Stream(const Exchange& exchange, std::chrono::milliseconds repeat) : exchange_(exchange), repeat_(repeat) {}
     /// Copies the next bytes; returns how many. 0: nothing to send at this time.
     std::size_t read(std::span<char> to, Exchange::Time now);

@@ -19,7 +19,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* no_display = "there is no display for a window (DISPLAY); look with a browser: http=PORT, or hivectl view --http PORT";
+constexpr const char* no_display =
+    "there is no display for a window (DISPLAY); look with a browser: http=PORT, or hivectl view --http PORT";
 
 Origin origin_of(const hive::Event& event, cv::Size size, double rate)
 {
@@ -36,18 +37,21 @@ ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_
     declare();
     drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
     drone_.on_change([this] { apply(); });
-    drone_.on_event("image", hive::vision::image_types, [this](const hive::Event& event) { take(event); }, "the pictures to show");
+    drone_.on_event(
+        "image", hive::vision::image_types, [this](const hive::Event& event) { take(event); }, "the pictures to show");
     drone_.main([this] { return step(); });
 }
 
 void ViewDrone::declare()
 {
     drone_.parameter("http", http_, hive::between(0, 65535), "port of the page for browsers; 0: none");
-    drone_.parameter("bind", bind_, hive::anything(), "address of that page; 0.0.0.0: every address of this machine, for everybody who reaches it");
+    drone_.parameter("bind", bind_, hive::anything(),
+                     "address of that page; 0.0.0.0: every address of this machine, for everybody who reaches it");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
     drone_.parameter("overlay", overlay_, hive::anything(), "write names, rate and age on the pictures");
     drone_.parameter("quality", quality_, hive::between(1, 100), "of the JPEG for browsers");
-    drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"), "how long a picture is shown at least before the next is asked for");
+    drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"),
+                     "how long a picture is shown at least before the next is asked for");
 }
 
 void ViewDrone::apply()
@@ -90,8 +94,10 @@ std::string ViewDrone::problem() const
 
 void ViewDrone::take(const hive::Event& event)
 {
-    const cv::Size size = hive::vision::size_of(event.body, event.type, {}, event.header);  // refuses what is no picture
-    exchange_.put(std::make_shared<Picture>(origin_of(event, size, rate_.count(Clock::now())), content_of(event), Picture::Look{overlay_, quality_}));
+    const cv::Size size =
+        hive::vision::size_of(event.body, event.type, {}, event.header);  // refuses what is no picture
+    exchange_.put(std::make_shared<Picture>(origin_of(event, size, rate_.count(Clock::now())), content_of(event),
+                                            Picture::Look{overlay_, quality_}));
     show();
     hold(event);
 }
@@ -102,13 +108,14 @@ Picture::Content ViewDrone::content_of(const hive::Event& event) const
     hive::Event picture = event;
     picture.receipt.reset();  // looking is not working on it
     Picture::Content content{[this, picture] {
-        try {
-            return hive::vision::view(picture);
-        } catch (const hive::Error& error) {
-            drone_.report(error.code(), error.what());
-            throw;
-        }
-    }, nullptr};
+                                 try {
+                                     return hive::vision::view(picture);
+                                 } catch (const hive::Error& error) {
+                                     drone_.report(error.code(), error.what());
+                                     throw;
+                                 }
+                             },
+                             nullptr};
     if (event.type == "image/jpeg" && !overlay_) {
         const std::span bytes(reinterpret_cast<const unsigned char*>(event.body.data()), event.body.size());
         content.jpeg = std::make_shared<const std::vector<unsigned char>>(bytes.begin(), bytes.end());
@@ -121,7 +128,8 @@ void ViewDrone::show()
     if (server_)
         server_->wake();
     if (!windows_ && wants_window())
-        windows_ = std::make_unique<Window>(exchange_, [] { ::kill(::getpid(), SIGTERM); });  // as if the drone had been told to stop
+        windows_ = std::make_unique<Window>(
+            exchange_, [] { ::kill(::getpid(), SIGTERM); });  // as if the drone had been told to stop
     else if (windows_)
         windows_->wake();
 }

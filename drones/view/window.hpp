@@ -9,8 +9,8 @@
 
 namespace view {
 
-/// A thread of its own, which opens the window with the first picture. One in a process, for as long as that shows windows:
-/// the toolkits want every call from the same thread. Needs has_display().
+/// A thread of its own, which opens the window with the first picture. One in a process, for as long as that shows
+/// windows: the toolkits want every call from the same thread. Needs has_display().
 class Window {
 public:
     /// @param closed    called on that thread when the user closes the window or presses q or Escape

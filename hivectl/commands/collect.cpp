@@ -24,7 +24,8 @@ struct Options {
 
 hive::Match rule(const Options& options)
 {
-    return options.within_ms ? hive::Match::within(std::chrono::milliseconds(*options.within_ms)) : hive::Match::exact();
+    return options.within_ms ? hive::Match::within(std::chrono::milliseconds(*options.within_ms))
+                             : hive::Match::exact();
 }
 
 /// How far the captures of a set are apart.
@@ -38,7 +39,12 @@ double spread_ms(const std::vector<hive::Event>& set)
 std::string line_of(const std::vector<hive::Event>& set)
 {
     const auto& identity = set.front().identity;
-    std::string text = Row{{"source", identity.source}, {"epoch", identity.epoch}, {"seq", identity.sequence}, {"spread_ms", spread_ms(set)}}.json();
+    std::string text = Row{
+        {"source", identity.source},
+        {"epoch", identity.epoch},
+        {"seq", identity.sequence},
+        {"spread_ms",
+         spread_ms(set)}}.json();
     text.pop_back();  // the brace: the events follow as results prints them, their fields in the same order
     std::vector<Row> events;
     std::ranges::transform(set, std::back_inserter(events), event_row);
@@ -66,7 +72,10 @@ int run(const Options& options, Session& session)
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
-    const int code = print_lines({.verb = "collect", .count = options.count, .patience = session.patience(), .reason = [&] { return reason_for_silence(application, outputs); }},
+    const int code = print_lines({.verb = "collect",
+                                  .count = options.count,
+                                  .patience = session.patience(),
+                                  .reason = [&] { return reason_for_silence(application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;
@@ -78,10 +87,16 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON").required();
-    line.option("-n", options->count, "end after this many sets").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53);
-    line.option("--within", options->within_ms, "the nearest captures, at most this far apart (default: those of the same capture)")
-        .type_name("MS").between(0, 3'600'000);
+    line.option("NAME", options->names,
+                "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON")
+        .required();
+    line.option("-n", options->count, "end after this many sets")
+        .type_name("N")
+        .between(std::int64_t{1}, std::int64_t{1} << 53);
+    line.option("--within", options->within_ms,
+                "the nearest captures, at most this far apart (default: those of the same capture)")
+        .type_name("MS")
+        .between(0, 3'600'000);
     line.flag("--notify", options->notify, "ask for headers only; the drones need not make the bodies");
     return [options, &session] { return run(*options, session); };
 }
@@ -94,8 +109,10 @@ Verb collect_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
             .summary = "Prints what several drones find in the same picture, one JSON object a line",
-            .details = "Each line is a set with one event of each output, in the order given: source, epoch and seq of the first, spread_ms (how "
-                       "far the captures are apart) and events, each as hivectl results prints it. What found no partner is left out; "
+            .details = "Each line is a set with one event of each output, in the order given: source, epoch and seq of "
+                       "the first, spread_ms (how "
+                       "far the captures are apart) and events, each as hivectl results prints it. What found no "
+                       "partner is left out; "
                        "the last line on stderr says how many, and where their partners were missing.",
             .examples = "hivectl collect camera.image face.faces -n 5\n"
                         "hivectl collect left right --within 20 -n 5 | jq .spread_ms",

@@ -38,7 +38,8 @@ hive::ConnectionOptions connection_of(const Options& options, const std::string&
 void report(const std::pair<hive::Endpoint, hive::Endpoint>& ends, const hive::ConnectionOptions& connection, bool json)
 {
     const auto from = to_text(ends.first), to = to_text(ends.second);
-    write_out(json ? Row{{"from", from}, {"to", to}, {"options", hive::to_json(connection)}}.json() + "\n" : from + " -> " + to + "\n");
+    write_out(json ? Row{{"from", from}, {"to", to}, {"options", hive::to_json(connection)}}.json() + "\n"
+                   : from + " -> " + to + "\n");
 }
 
 int run(const Options& options, Session& session)
@@ -61,21 +62,42 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("SENDER", options->sender, "drone or drone.output; the output goes without saying when only one fits").required();
-    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'").required();
-    const auto stream = line.flag("--stream", options->stream, "send every event, not only the newest when the receiver is ready; what it cannot keep up with is dropped and counted");
-    line.option("--window", options->window, "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
-        .type_name("N").between(1, 64).excludes(stream);
+    line.option("SENDER", options->sender, "drone or drone.output; the output goes without saying when only one fits")
+        .required();
+    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
+        .required();
+    const auto stream = line.flag("--stream", options->stream,
+                                  "send every event, not only the newest when the receiver is ready; what it cannot "
+                                  "keep up with is dropped and counted");
+    line.option("--window", options->window,
+                "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
+        .type_name("N")
+        .between(1, 64)
+        .excludes(stream);
     const auto notify = line.flag("--notify", options->notify, "send headers without bodies");
-    const auto first_frame = line.flag("--first-frame", options->first_frame, "begin with the newest event that exists already; not for shared work");
-    line.flag("--share", options->share, "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
-        .excludes(stream).excludes(notify).excludes(first_frame);
-    line.option("--group", options->group, "share with everyone of that group (default with --share: the sender's name)")
-        .type_name("NAME").excludes(stream).excludes(notify).excludes(first_frame);
-    line.option("--lease", options->lease_s, "how long one of them may work on an event before another gets it (default: learnt)")
-        .type_name("SECONDS").seconds();
-    line.option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
-        .type_name("NAME").encoding().excludes(notify);
+    const auto first_frame = line.flag("--first-frame", options->first_frame,
+                                       "begin with the newest event that exists already; not for shared work");
+    line.flag("--share", options->share,
+              "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
+        .excludes(stream)
+        .excludes(notify)
+        .excludes(first_frame);
+    line.option("--group", options->group,
+                "share with everyone of that group (default with --share: the sender's name)")
+        .type_name("NAME")
+        .excludes(stream)
+        .excludes(notify)
+        .excludes(first_frame);
+    line.option("--lease", options->lease_s,
+                "how long one of them may work on an event before another gets it (default: learnt)")
+        .type_name("SECONDS")
+        .seconds();
+    line.option("--encoding", options->encoding,
+                "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across "
+                "a network)")
+        .type_name("NAME")
+        .encoding()
+        .excludes(notify);
     return [options, &session] { return run(*options, session); };
 }
 
@@ -83,19 +105,22 @@ Run declare(CommandLine& line, Session& session)
 
 Verb connect_verb()
 {
-    return {.name = "connect",
-            .group = "wire them",
-            .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
-            .summary = "Sends the events of one drone to others",
-            .details = "Returns when both ends have confirmed, and prints the ports that were joined. By default a receiver gets the "
-                       "newest event each time it is ready for one, so it is never behind. The connection is made again by itself "
-                       "when an end restarts.",
-            .examples = "hivectl connect camera face\n"
-                        "hivectl connect camera.image face.image --window 2\n"
-                        "hivectl connect camera face --encoding jpeg:60\n"
-                        "hivectl connect camera 'face-*' --share  divide the work",
-            .operands = {Operand::sender, Operand::receiver},
-            .declare = declare};
+    return {
+        .name = "connect",
+        .group = "wire them",
+        .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
+        .summary = "Sends the events of one drone to others",
+        .details =
+            "Returns when both ends have confirmed, and prints the ports that were joined. By default a receiver gets "
+            "the "
+            "newest event each time it is ready for one, so it is never behind. The connection is made again by itself "
+            "when an end restarts.",
+        .examples = "hivectl connect camera face\n"
+                    "hivectl connect camera.image face.image --window 2\n"
+                    "hivectl connect camera face --encoding jpeg:60\n"
+                    "hivectl connect camera 'face-*' --share  divide the work",
+        .operands = {Operand::sender, Operand::receiver},
+        .declare = declare};
 }
 
 }  // namespace hivectl

@@ -40,13 +40,14 @@ std::string section(std::string_view title, const std::string& table)
 std::string text_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
 {
     const std::vector<Column> ports{{"NAME", "name"}, {"TYPE", "type"}, {"HELP", "help"}};
-    const std::vector<Column> parameters{{"NAME", "name"}, {"VALUE", "value"}, {"DEFAULT", "default"}, {"TYPE", "type"},
-                                         {"RANGE", "range"}, {"UNIT", "unit"}, {"HELP", "help"}};
-    return name + ": " + printable(interface.kind) + " " + printable(interface.version) + (interface.stateful ? ", keeps state between events" : "")
-         + "\n" + printable(interface.summary) + "\n"
-         + section("inputs", table_text(ports, port_rows(interface.inputs)))
-         + section("outputs", table_text(ports, port_rows(interface.outputs)))
-         + section("parameters", table_text(parameters, parameter_rows(interface, values)));
+    const std::vector<Column> parameters{{"NAME", "name"}, {"VALUE", "value"}, {"DEFAULT", "default"},
+                                         {"TYPE", "type"}, {"RANGE", "range"}, {"UNIT", "unit"},
+                                         {"HELP", "help"}};
+    return name + ": " + printable(interface.kind) + " " + printable(interface.version)
+           + (interface.stateful ? ", keeps state between events" : "") + "\n" + printable(interface.summary) + "\n"
+           + section("inputs", table_text(ports, port_rows(interface.inputs)))
+           + section("outputs", table_text(ports, port_rows(interface.outputs)))
+           + section("parameters", table_text(parameters, parameter_rows(interface, values)));
 }
 
 std::string json_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
@@ -86,16 +87,18 @@ Run declare(CommandLine& line, Session& session)
 
 Verb describe_verb()
 {
-    return {.name = "describe",
-            .group = "run drones",
-            .usage = "NAME... [options]",
-            .summary = "Shows what a drone receives, produces and can be told",
-            .details = "Inputs and outputs with their media types; parameters with present value, default, type, range and unit. "
-                       "With --json one object a drone.",
-            .examples = "hivectl describe face\n"
-                        "hivectl describe face --json | jq .parameters",
-            .operands = {Operand::drone},
-            .declare = declare};
+    return {
+        .name = "describe",
+        .group = "run drones",
+        .usage = "NAME... [options]",
+        .summary = "Shows what a drone receives, produces and can be told",
+        .details =
+            "Inputs and outputs with their media types; parameters with present value, default, type, range and unit. "
+            "With --json one object a drone.",
+        .examples = "hivectl describe face\n"
+                    "hivectl describe face --json | jq .parameters",
+        .operands = {Operand::drone},
+        .declare = declare};
 }
 
 }  // namespace hivectl

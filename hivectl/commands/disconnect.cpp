@@ -37,7 +37,8 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("SENDER", options->sender, "drone or drone.output").required();
-    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'").required();
+    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
+        .required();
     return [options, &session] { return run(*options, session); };
 }
 

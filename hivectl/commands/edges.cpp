@@ -17,7 +17,8 @@ using namespace std::chrono_literals;
 bool concerns(const Row& row, const std::vector<std::string>& drones)
 {
     return std::ranges::any_of(drones, [&](const std::string& drone) {
-        return row.text("from").starts_with(drone + ".") || row.text("to") == drone || row.text("to").starts_with(drone + ".");
+        return row.text("from").starts_with(drone + ".") || row.text("to") == drone
+               || row.text("to").starts_with(drone + ".");
     });
 }
 
@@ -30,10 +31,25 @@ int run(const std::vector<std::string>& words, Session& session)
             complain("edges", answer.drone + " does not answer; its connections are known from their other ends only");
     auto rows = connection_rows(statuses);
     if (!words.empty())
-        std::erase_if(rows, [drones = drones_named(application, words)](const Row& row) { return !concerns(row, drones); });
-    print_rows(session.json, {{"FROM", "from"}, {"TO", "to"}, {"TRANSFER", "transfer"}, {"WINDOW", "window"}, {"GROUP", "group"}, {"ENCODING", "encoding"}, {"BY", "way"},
-                              {"STATE", "state"}, {"KNOWN-BY", "known_by"}, {"PRODUCED", "produced"}, {"DELIVERED", "delivered"},
-                              {"SKIPPED", "skipped"}, {"DROPPED", "dropped"}, {"ABANDONED", "abandoned"}, {"IN-FLIGHT", "in_flight"}}, rows);
+        std::erase_if(rows,
+                      [drones = drones_named(application, words)](const Row& row) { return !concerns(row, drones); });
+    print_rows(session.json,
+               {{"FROM", "from"},
+                {"TO", "to"},
+                {"TRANSFER", "transfer"},
+                {"WINDOW", "window"},
+                {"GROUP", "group"},
+                {"ENCODING", "encoding"},
+                {"BY", "way"},
+                {"STATE", "state"},
+                {"KNOWN-BY", "known_by"},
+                {"PRODUCED", "produced"},
+                {"DELIVERED", "delivered"},
+                {"SKIPPED", "skipped"},
+                {"DROPPED", "dropped"},
+                {"ABANDONED", "abandoned"},
+                {"IN-FLIGHT", "in_flight"}},
+               rows);
     return exit_code::done;
 }
 
@@ -48,19 +64,23 @@ Run declare(CommandLine& line, Session& session)
 
 Verb edges_verb()
 {
-    return {.name = "edges",
-            .group = "wire them",
-            .usage = "[NAME...] [options]",
-            .summary = "Lists the connections, as both ends know them",
-            .details = "For each, produced = delivered + skipped + dropped + abandoned + in flight, counted at the sender. skipped: "
-                       "the receiver was not ready; dropped: the queue of a stream was full; abandoned: given up after failures. "
-                       "ENCODING and BY are how the bodies travel: by shared memory within a machine, unless they are small; 'N by socket': there was no room. KNOWN-BY sender: the receiver is an application, or does not know of it; "
-                       "receiver: the sender does not (yet, or no longer) run.",
-            .examples = "hivectl edges\n"
-                        "hivectl edges camera --json | jq -r '.[].to'",
-            .timeout = "how long to wait for drones that do not answer (default 1)",
-            .operands = {Operand::drone},
-            .declare = declare};
+    return {
+        .name = "edges",
+        .group = "wire them",
+        .usage = "[NAME...] [options]",
+        .summary = "Lists the connections, as both ends know them",
+        .details =
+            "For each, produced = delivered + skipped + dropped + abandoned + in flight, counted at the sender. "
+            "skipped: "
+            "the receiver was not ready; dropped: the queue of a stream was full; abandoned: given up after failures. "
+            "ENCODING and BY are how the bodies travel: by shared memory within a machine, unless they are small; 'N "
+            "by socket': there was no room. KNOWN-BY sender: the receiver is an application, or does not know of it; "
+            "receiver: the sender does not (yet, or no longer) run.",
+        .examples = "hivectl edges\n"
+                    "hivectl edges camera --json | jq -r '.[].to'",
+        .timeout = "how long to wait for drones that do not answer (default 1)",
+        .operands = {Operand::drone},
+        .declare = declare};
 }
 
 }  // namespace hivectl

@@ -19,7 +19,9 @@ struct Options {
     std::string policy;
 };
 
-const std::vector<Column> columns{{"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"}, {"INPUT", "input"}, {"SOURCE", "source"}, {"SEQ", "seq"}, {"TEXT", "text"}};
+const std::vector<Column> columns{
+    {"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"},
+    {"INPUT", "input"}, {"SOURCE", "source"},         {"SEQ", "seq"},   {"TEXT", "text"}};
 
 int show_last(const std::vector<std::string>& drones, Session& session)
 {
@@ -42,11 +44,17 @@ int show_last(const std::vector<std::string>& drones, Session& session)
 std::string line_of(const hive::Event& event, bool json)
 {
     const auto& header = event.header;
-    const Row row{{"drone", event.sender}, {"code", text_in(header, "code")}, {"policy", text_in(header, "policy")}, {"source", event.identity.source},
-                  {"epoch", event.identity.epoch}, {"seq", event.identity.sequence}, {"header", header}};
+    const Row row{{"drone", event.sender},
+                  {"code", text_in(header, "code")},
+                  {"policy", text_in(header, "policy")},
+                  {"source", event.identity.source},
+                  {"epoch", event.identity.epoch},
+                  {"seq", event.identity.sequence},
+                  {"header", header}};
     if (json)
         return row.json() + "\n";
-    std::string text = printable(event.sender) + " " + printable(row.text("code")) + " (" + printable(row.text("policy")) + "): " + printable(text_in(header, "text"));
+    std::string text = printable(event.sender) + " " + printable(row.text("code")) + " ("
+                       + printable(row.text("policy")) + "): " + printable(text_in(header, "text"));
     if (event.identity.sequence > 0)
         text += " [" + printable(event.identity.source) + " " + std::to_string(event.identity.sequence) + "]";
     return text + "\n";
@@ -55,10 +63,11 @@ std::string line_of(const hive::Event& event, bool json)
 int follow(const std::vector<std::string>& drones, const Options& options, Session& session)
 {
     const auto collector = session.application().exceptions(drones);
-    return print_lines({.verb = "exceptions", .count = options.count, .patience = session.patience()}, [&](auto patience) -> std::optional<std::string> {
-        const auto event = collector->next(patience);
-        return event ? std::optional(line_of(*event, session.json)) : std::nullopt;
-    });
+    return print_lines({.verb = "exceptions", .count = options.count, .patience = session.patience()},
+                       [&](auto patience) -> std::optional<std::string> {
+                           const auto event = collector->next(patience);
+                           return event ? std::optional(line_of(*event, session.json)) : std::nullopt;
+                       });
 }
 
 int change_policy(const Options& options, const std::vector<std::string>& drones, Session& session)
@@ -69,7 +78,8 @@ int change_policy(const Options& options, const std::vector<std::string>& drones
         try {
             session.application().exception_policy(drone, policy);
             outcome.done();
-            write_out(session.json ? Row{{"drone", drone}, {"on_exception", options.policy}}.json() + "\n" : drone + " " + options.policy + "\n");
+            write_out(session.json ? Row{{"drone", drone}, {"on_exception", options.policy}}.json() + "\n"
+                                   : drone + " " + options.policy + "\n");
         } catch (const hive::Error& error) {
             outcome.failed(drone, error);
         }
@@ -80,7 +90,10 @@ int change_policy(const Options& options, const std::vector<std::string>& drones
 int run(const Options& options, Session& session)
 {
     if (!options.policy.empty() && options.names.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "--on-exception needs the names of the drones; for all of them: hivectl exceptions '*' --on-exception " + options.policy);
+        throw hive::Error(
+            hive::Errc::invalid_argument,
+            "--on-exception needs the names of the drones; for all of them: hivectl exceptions '*' --on-exception "
+                + options.policy);
     auto& application = session.application();
     const auto drones = options.names.empty() ? application.drones() : drones_named(application, options.names);
     if (!options.policy.empty())
@@ -93,9 +106,15 @@ Run declare(CommandLine& line, Session& session)
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones or globs (default: all that run)");
     const auto following = line.flag("-f,--follow", options->follow, "print each one as it happens, until Ctrl-C");
-    line.option("-n", options->count, "with --follow: end after this many").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53).needs(following);
-    line.option("--on-exception", options->policy, "change what the drones do from now on: skip the input and go on, or halt until resumed")
-        .type_name("skip|halt").one_of({"skip", "halt"}).excludes(following);
+    line.option("-n", options->count, "with --follow: end after this many")
+        .type_name("N")
+        .between(std::int64_t{1}, std::int64_t{1} << 53)
+        .needs(following);
+    line.option("--on-exception", options->policy,
+                "change what the drones do from now on: skip the input and go on, or halt until resumed")
+        .type_name("skip|halt")
+        .one_of({"skip", "halt"})
+        .excludes(following);
     return [options, &session] { return run(*options, session); };
 }
 
@@ -111,7 +130,8 @@ Verb exceptions_verb()
             .examples = "hivectl exceptions\n"
                         "hivectl exceptions face --follow\n"
                         "hivectl exceptions 'face-*' --on-exception halt",
-            .timeout = "give up after this long (default 5); with --follow: when none came for this long (default: never)",
+            .timeout =
+                "give up after this long (default 5); with --follow: when none came for this long (default: never)",
             .operands = {Operand::drone},
             .declare = declare};
 }

@@ -39,7 +39,8 @@ int get_many(const Options& options, Session& session)
             continue;
         }
         outcome.done();
-        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n" : settings_text(answer.drone, answer.result));
+        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
+                               : settings_text(answer.drone, answer.result));
     }
     return outcome.exit_code();
 }
@@ -49,7 +50,9 @@ Run declare(CommandLine& line, Session& session)
     auto options = std::make_shared<Options>();
     line.option("NAME", options->target, "a drone, or a glob such as 'face-*'").required();
     line.option("PARAMETER", options->names, "which parameters (default: all)");
-    return [options, &session] { return is_glob(options->target) ? get_many(*options, session) : get_one(*options, session); };
+    return [options, &session] {
+        return is_glob(options->target) ? get_many(*options, session) : get_one(*options, session);
+    };
 }
 
 }  // namespace
@@ -60,7 +63,8 @@ Verb get_verb()
             .group = "configure them",
             .usage = "NAME [PARAMETER...] [options]",
             .summary = "Reads parameters",
-            .details = "One parameter of one drone is printed bare, several as key=value, those of a glob with the drone before them. "
+            .details = "One parameter of one drone is printed bare, several as key=value, those of a glob with the "
+                       "drone before them. "
                        "Answered even while the drone is busy. With --json an object of values; with a glob one "
                        "{\"drone\", \"values\"} a line.",
             .examples = "hivectl get face scale\n"

@@ -64,7 +64,8 @@ int run(const Options& options, Session& session)
 {
     const std::string type = options.type.empty() ? media_type_of(options.file) : options.type;
     if (type.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "the ending of " + printable(options.file) + " says no media type; add for example --type image/jpeg");
+        throw hive::Error(hive::Errc::invalid_argument, "the ending of " + printable(options.file)
+                                                            + " says no media type; add for example --type image/jpeg");
     const auto header = header_of(options.header);
     std::string content = content_of(options.file);
     auto& application = session.application();
@@ -81,9 +82,11 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->to, "drone or drone.input; the input goes without saying when only one takes the type").required();
+    line.option("NAME", options->to, "drone or drone.input; the input goes without saying when only one takes the type")
+        .required();
     line.option("FILE", options->file, "what to send; - is stdin (then --type is needed)").required();
-    line.option("--type", options->type, "its media type (default: from the ending: .jpg .png .bmp .json .txt ...)").type_name("TYPE");
+    line.option("--type", options->type, "its media type (default: from the ending: .jpg .png .bmp .json .txt ...)")
+        .type_name("TYPE");
     line.option("--header", options->header, "a JSON object to go with it").type_name("JSON");
     return [options, &session] { return run(*options, session); };
 }
@@ -96,7 +99,8 @@ Verb put_verb()
             .group = "look",
             .usage = "NAME[.INPUT] FILE [options]",
             .summary = "Sends one file into a drone, as if another drone had sent it",
-            .details = "Returns when the drone has taken it into its queue. Its results go to whoever receives them: see hivectl results.",
+            .details = "Returns when the drone has taken it into its queue. Its results go to whoever receives them: "
+                       "see hivectl results.",
             .examples = "hivectl put face photo.jpg\n"
                         "hivectl put face.image - --type image/png < photo.png",
             .operands = {Operand::receiver, Operand::file},

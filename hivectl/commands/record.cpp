@@ -58,10 +58,12 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options, std::optional<std::chrono::milliseconds> patience,
-                const std::function<std::string()>& reason)
+int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options,
+                std::optional<std::chrono::milliseconds> patience, const std::function<std::string()>& reason)
 {
-    const auto limit = options.seconds ? Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*options.seconds * 1e6)) : Clock::time_point::max();
+    const auto limit = options.seconds
+                           ? Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*options.seconds * 1e6))
+                           : Clock::time_point::max();
     auto last = Clock::now();
     while (writer.ended().empty() && !interrupt::requested()) {
         if (Clock::now() >= limit) {
@@ -87,7 +89,8 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
 void take_rest(hive::Collector& collector, recording::Writer& writer)
 {
     const auto now = Clock::now();
-    for (auto event = collector.next(0ms); event && event->received < now && writer.ended().empty(); event = collector.next(0ms))
+    for (auto event = collector.next(0ms); event && event->received < now && writer.ended().empty();
+         event = collector.next(0ms))
         recording::append(writer, *event);
 }
 
@@ -101,13 +104,15 @@ void note_sender(const hive::Endpoint& output, const hive::Answer& answer, recor
         for (const auto& receiver : list_in(row, "receivers")) {
             if (text_in(row, "name") != output.port || text_in(receiver, "receiver") != own_name)
                 continue;
-            for (const auto& [key, reason] : {std::pair{"skipped", "skipped by the sender: not asked for in time"}, {"dropped", "dropped by the sender: the queue was full"}})
+            for (const auto& [key, reason] : {std::pair{"skipped", "skipped by the sender: not asked for in time"},
+                                              {"dropped", "dropped by the sender: the queue was full"}})
                 if (const auto count = count_in(receiver, key); count > 0)
                     writer.lost(to_text(output), reason, count);
         }
 }
 
-void note_losses(const std::vector<hive::Endpoint>& outputs, hive::Application& application, const hive::Collector& collector, recording::Writer& writer)
+void note_losses(const std::vector<hive::Endpoint>& outputs, hive::Application& application,
+                 const hive::Collector& collector, recording::Writer& writer)
 {
     std::vector<std::string> drones;
     for (const auto& output : outputs)
@@ -125,14 +130,23 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
     hive::Json lost = hive::Json::array();
     for (const auto& loss : summary.lost) {
         lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
-        complain("record", "lost: " + printable(loss.from) + ": " + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason));
+        complain("record", "lost: " + printable(loss.from) + ": "
+                               + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "")
+                               + printable(loss.reason));
     }
     const auto outputs = static_cast<std::int64_t>(recording::ports_of(summary.tracks).size());
-    const Row row{{"file", file}, {"events", summary.events()}, {"outputs", outputs}, {"duration_us", summary.duration_us},
-                  {"bytes", writer.size()}, {"ended", summary.ended}, {"lost", lost}};
+    const Row row{{"file", file},
+                  {"events", summary.events()},
+                  {"outputs", outputs},
+                  {"duration_us", summary.duration_us},
+                  {"bytes", writer.size()},
+                  {"ended", summary.ended},
+                  {"lost", lost}};
     write_out(json ? row.json() + "\n"
-                   : printable(file) + ": " + count_text(summary.events(), "event") + " of " + count_text(outputs, "output") + " in " + duration_text(summary.duration_us)
-                         + ", " + size_text(static_cast<std::int64_t>(writer.size())) + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
+                   : printable(file) + ": " + count_text(summary.events(), "event") + " of "
+                         + count_text(outputs, "output") + " in " + duration_text(summary.duration_us) + ", "
+                         + size_text(static_cast<std::int64_t>(writer.size()))
+                         + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
 }
 
 int exit_code_for(int code, const recording::Writer& writer)
@@ -151,9 +165,12 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto outputs = outputs_named(application, options.names);
     const auto collector = application.collect(outputs, collecting(options));
-    recording::Writer writer({.path = options.file, .overwrite = options.overwrite, .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
+    recording::Writer writer({.path = options.file,
+                              .overwrite = options.overwrite,
+                              .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
-    const int code = take_events(*collector, writer, options, session.patience(), [&] { return reason_for_silence(application, outputs); });
+    const int code = take_events(*collector, writer, options, session.patience(),
+                                 [&] { return reason_for_silence(application, outputs); });
     note_losses(outputs, application, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");
@@ -166,15 +183,25 @@ Run declare(CommandLine& line, Session& session)
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones (all of their outputs), drone.output, or globs").required();
     line.option("-o,--output", options->file, "where to").type_name("FILE").required();
-    line.option("-n", options->count, "end after this many events").type_name("N").between(std::int64_t{1}, std::int64_t{1} << 53);
+    line.option("-n", options->count, "end after this many events")
+        .type_name("N")
+        .between(std::int64_t{1}, std::int64_t{1} << 53);
     line.option("--for", options->seconds, "end after this long").type_name("SECONDS").seconds();
-    line.option("--max-size", options->max_size, "end before the file grows larger").type_name("MB").between(0.001, 1e9);
+    line.option("--max-size", options->max_size, "end before the file grows larger")
+        .type_name("MB")
+        .between(0.001, 1e9);
     line.flag("--overwrite", options->overwrite, "replace the file if it is there");
     const auto notify = line.flag("--notify", options->notify, "headers without bodies");
-    const auto stream = line.flag("--stream", options->stream, "be sent every event, through the sender's queue; what it cannot hold is dropped");
+    const auto stream = line.flag("--stream", options->stream,
+                                  "be sent every event, through the sender's queue; what it cannot hold is dropped");
     line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
-        .type_name("N").between(1, 64).excludes(stream);
-    line.option("--encoding", options->encoding, "how pictures are recorded: raw, png, jpeg or jpeg:QUALITY (default: as they are)").type_name("NAME").excludes(notify);
+        .type_name("N")
+        .between(1, 64)
+        .excludes(stream);
+    line.option("--encoding", options->encoding,
+                "how pictures are recorded: raw, png, jpeg or jpeg:QUALITY (default: as they are)")
+        .type_name("NAME")
+        .excludes(notify);
     return [options, &session] { return run(*options, session); };
 }
 
@@ -186,8 +213,10 @@ Verb record_verb()
             .group = "keep",
             .usage = "NAME[.OUTPUT]... -o FILE [-n N] [--for SECONDS] [options]",
             .summary = "Records what drones send into a file",
-            .details = "Until Ctrl-C, or as -n, --for and --max-size say. Every event is kept whole: header, body, identity, time of arrival. A recorder "
-                       "that is killed leaves a file that can be read to its last event. If anything that was sent is not in the file, stderr and "
+            .details = "Until Ctrl-C, or as -n, --for and --max-size say. Every event is kept whole: header, body, "
+                       "identity, time of arrival. A recorder "
+                       "that is killed leaves a file that can be read to its last event. If anything that was sent is "
+                       "not in the file, stderr and "
                        "the file say how much and why, and the exit code is 8.",
             .examples = "hivectl record camera face.faces -o run.hive --for 10\n"
                         "hivectl record camera -o small.hive --encoding jpeg:90  until Ctrl-C\n"

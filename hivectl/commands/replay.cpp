@@ -22,8 +22,14 @@ struct Options {
 
 std::string as_size(const hive::Json& bytes) { return size_text(bytes.get<std::int64_t>()); }
 
-const std::vector<Column> columns{{"OUTPUT", "output"}, {"FROM", "from"}, {"TYPE", "type"}, {"EVENTS", "events"}, {"SIZE", "bytes", as_size},
-                                  {"FIRST", "first_us", as_duration}, {"LAST", "last_us", as_duration}, {"WITHOUT BODY", "without_body"}};
+const std::vector<Column> columns{{"OUTPUT", "output"},
+                                  {"FROM", "from"},
+                                  {"TYPE", "type"},
+                                  {"EVENTS", "events"},
+                                  {"SIZE", "bytes", as_size},
+                                  {"FIRST", "first_us", as_duration},
+                                  {"LAST", "last_us", as_duration},
+                                  {"WITHOUT BODY", "without_body"}};
 
 std::vector<Row> output_rows(const recording::Summary& summary)
 {
@@ -31,8 +37,14 @@ std::vector<Row> output_rows(const recording::Summary& summary)
     for (const auto& port : recording::ports_of(summary.tracks))
         for (const auto number : port.tracks) {
             const auto& track = summary.tracks[number];
-            rows.push_back({{"output", port.name}, {"from", track.from()}, {"type", track.type}, {"events", track.events}, {"bytes", track.bytes},
-                            {"first_us", track.first_us}, {"last_us", track.last_us}, {"without_body", track.without_body}});
+            rows.push_back({{"output", port.name},
+                            {"from", track.from()},
+                            {"type", track.type},
+                            {"events", track.events},
+                            {"bytes", track.bytes},
+                            {"first_us", track.first_us},
+                            {"last_us", track.last_us},
+                            {"without_body", track.without_body}});
         }
     return rows;
 }
@@ -45,24 +57,40 @@ void print_json(const std::string& file, const recording::Reader& reader)
         outputs.push_back(hive::Json::parse(row.json()));
     for (const auto& loss : summary.lost)
         lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
-    write_out(Row{{"file", file}, {"bytes", reader.size()}, {"events", summary.events()}, {"begun_us", summary.begun_us}, {"duration_us", summary.duration_us},
-                  {"ended", summary.ended}, {"problem", reader.problem()}, {"outputs", outputs}, {"lost", lost}}.json() + "\n");
+    write_out(Row{{"file", file},
+                  {"bytes", reader.size()},
+                  {"events", summary.events()},
+                  {"begun_us", summary.begun_us},
+                  {"duration_us", summary.duration_us},
+                  {"ended", summary.ended},
+                  {"problem", reader.problem()},
+                  {"outputs", outputs},
+                  {"lost", lost}}
+                  .json()
+              + "\n");
 }
 
 void print_text(const std::string& file, const recording::Reader& reader)
 {
     const auto& summary = reader.summary();
-    write_out(printable(file) + ": " + count_text(summary.events(), "event") + " in " + duration_text(summary.duration_us) + ", " + size_text(static_cast<std::int64_t>(reader.size()))
-              + (summary.begun_us > 0 ? ", begun " + time_text(summary.begun_us) : "") + (summary.ended.empty() ? "" : ", ended: " + printable(summary.ended)) + "\n");
+    write_out(printable(file) + ": " + count_text(summary.events(), "event") + " in "
+              + duration_text(summary.duration_us) + ", " + size_text(static_cast<std::int64_t>(reader.size()))
+              + (summary.begun_us > 0 ? ", begun " + time_text(summary.begun_us) : "")
+              + (summary.ended.empty() ? "" : ", ended: " + printable(summary.ended)) + "\n");
     write_out(table_text(columns, output_rows(summary)));
     for (const auto& loss : summary.lost)
-        write_out("lost: " + printable(loss.from) + ": " + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason) + "\n");
+        write_out("lost: " + printable(loss.from) + ": "
+                  + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason) + "\n");
 }
 
 std::vector<std::string> settings(const Options& options)
 {
     std::vector<std::string> words{"--set", "file=" + std::filesystem::absolute(options.file).string()};
-    for (const auto& [key, value] : {std::pair{"pace", options.pace}, {"speed", options.speed}, {"from", options.from}, {"to", options.to}, {"loop", std::string(options.loop ? "on" : "")}})
+    for (const auto& [key, value] : {std::pair{"pace", options.pace},
+                                     {"speed", options.speed},
+                                     {"from", options.from},
+                                     {"to", options.to},
+                                     {"loop", std::string(options.loop ? "on" : "")}})
         if (!value.empty())
             words.insert(words.end(), {"--set", std::string(key) + "=" + value});
     return words;
@@ -72,12 +100,14 @@ int run(const Options& options, Session& session)
 {
     const recording::Reader reader(options.file);
     if (!reader.problem().empty())
-        complain("replay", printable(options.file) + ": " + reader.problem() + "; whole events before that: " + std::to_string(reader.summary().events()));
+        complain("replay", printable(options.file) + ": " + reader.problem()
+                               + "; whole events before that: " + std::to_string(reader.summary().events()));
     if (options.info) {
         session.json ? print_json(options.file, reader) : print_text(options.file, reader);
         return reader.problem().empty() ? exit_code::done : exit_code::partly_done;
     }
-    if (const int code = start_in_background(session, {"replay", "replay", options.name, settings(options)}); code != exit_code::done)
+    if (const int code = start_in_background(session, {"replay", "replay", options.name, settings(options)});
+        code != exit_code::done)
         return code;
     session.application().timeout(session.timeout());
     if (options.halted)
@@ -90,9 +120,13 @@ Run declare(CommandLine& line, Session& session)
     auto options = std::make_shared<Options>();
     line.option("FILE", options->file, "the recording").required();
     line.option("--as", options->name, "name of the drone in the swarm (default: replay)").type_name("NAME");
-    line.option("--pace", options->pace, "real: as the events came (default); demand: the next one when all receivers ask, nothing skipped")
-        .type_name("real|demand").one_of({"real", "demand"});
-    line.option("--speed", options->speed, "times as fast as the events came").type_name("FACTOR").between(0.01, 1000.0);
+    line.option("--pace", options->pace,
+                "real: as the events came (default); demand: the next one when all receivers ask, nothing skipped")
+        .type_name("real|demand")
+        .one_of({"real", "demand"});
+    line.option("--speed", options->speed, "times as fast as the events came")
+        .type_name("FACTOR")
+        .between(0.01, 1000.0);
     line.option("--from", options->from, "begin there in the recording").type_name("SECONDS").seconds(0);
     line.option("--to", options->to, "end there").type_name("SECONDS").seconds();
     line.flag("--loop", options->loop, "begin again at the end");
@@ -109,9 +143,12 @@ Verb replay_verb()
             .group = "keep",
             .usage = "FILE [--as NAME] [--pace real|demand] [--halted] [options]",
             .summary = "Gives a recording again, as a drone with the outputs that were recorded",
-            .details = "Starts the drone and prints its name. It begins with its first receiver; events have the identity, times and bodies of then. "
-                       "The outputs have their old names; where several drones had the same, DRONE-OUTPUT. With --info, the exit code is 8 if the file "
-                       "was cut short or what lists its events is damaged; the events themselves are read, and checked, when they are played.",
+            .details = "Starts the drone and prints its name. It begins with its first receiver; events have the "
+                       "identity, times and bodies of then. "
+                       "The outputs have their old names; where several drones had the same, DRONE-OUTPUT. With "
+                       "--info, the exit code is 8 if the file "
+                       "was cut short or what lists its events is damaged; the events themselves are read, and "
+                       "checked, when they are played.",
             .examples = "hivectl replay run.hive --info\n"
                         "hivectl replay run.hive --pace demand\n"
                         "hivectl connect replay.image face",

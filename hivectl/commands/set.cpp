@@ -48,7 +48,8 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
     if (outcome.exit_code() != exit_code::done)
         return exit_code_of_failure(answers);
     for (const auto& answer : answers)
-        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n" : settings_text(answer.drone, answer.result));
+        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
+                               : settings_text(answer.drone, answer.result));
     return exit_code::done;
 }
 
@@ -67,18 +68,20 @@ Run declare(CommandLine& line, Session& session)
 
 Verb set_verb()
 {
-    return {.name = "set",
-            .group = "configure them",
-            .usage = "NAME key=value... [options]",
-            .summary = "Changes parameters while the drone runs",
-            .details = "Returns when the drone's own code has applied them, and prints the applied values: bare for one parameter "
-                       "of one drone, otherwise as key=value. All of one command are applied together or not at all; "
-                       "with a glob that holds for all the drones: one refusal and nothing has changed (exit code 5). With --json "
-                       "an object of values; with a glob one {\"drone\", \"values\"} a line.",
-            .examples = "hivectl set face scale=1.05 min_size=40\n"
-                        "hivectl set 'face-*' scale=1.05",
-            .operands = {Operand::drone, Operand::setting},
-            .declare = declare};
+    return {
+        .name = "set",
+        .group = "configure them",
+        .usage = "NAME key=value... [options]",
+        .summary = "Changes parameters while the drone runs",
+        .details =
+            "Returns when the drone's own code has applied them, and prints the applied values: bare for one parameter "
+            "of one drone, otherwise as key=value. All of one command are applied together or not at all; "
+            "with a glob that holds for all the drones: one refusal and nothing has changed (exit code 5). With --json "
+            "an object of values; with a glob one {\"drone\", \"values\"} a line.",
+        .examples = "hivectl set face scale=1.05 min_size=40\n"
+                    "hivectl set 'face-*' scale=1.05",
+        .operands = {Operand::drone, Operand::setting},
+        .declare = declare};
 }
 
 }  // namespace hivectl

@@ -42,9 +42,14 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     const auto collector = collect(output, file, session);
     const auto event = collector->next(session.timeout());
     if (!event)
-        throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time; is it fed? see hivectl edges, or allow more time: --timeout SECONDS");
+        throw hive::Error(
+            hive::Errc::timeout,
+            to_text(output)
+                + " sent nothing in time; is it fed? see hivectl edges, or allow more time: --timeout SECONDS");
     if (event->body.empty())
-        throw hive::Error(hive::Errc::not_found, to_text(output) + " sends events without a body; read them: hivectl results " + to_text(output));
+        throw hive::Error(hive::Errc::not_found, to_text(output)
+                                                     + " sends events without a body; read them: hivectl results "
+                                                     + to_text(output));
     return *event;
 }
 
@@ -77,18 +82,28 @@ int run(const Options& options, Session& session)
         return exit_code::done;
     }
     if (!ending_fits(options.file, event.type))
-        complain("snap", printable(options.file) + " holds " + printable(event.type) + ", which its ending does not say; it is saved as it came");
+        complain("snap", printable(options.file) + " holds " + printable(event.type)
+                             + ", which its ending does not say; it is saved as it came");
     save(options.file, event.body);
     if (session.json)
-        write_out(Row{{"file", options.file}, {"type", event.type}, {"size", event.body.size()}, {"source", event.identity.source},
-                      {"epoch", event.identity.epoch}, {"seq", event.identity.sequence}, {"header", event.header}}.json() + "\n");
+        write_out(Row{{"file", options.file},
+                      {"type", event.type},
+                      {"size", event.body.size()},
+                      {"source", event.identity.source},
+                      {"epoch", event.identity.epoch},
+                      {"seq", event.identity.sequence},
+                      {"header", event.header}}
+                      .json()
+                  + "\n");
     return exit_code::done;
 }
 
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures").required();
+    line.option("NAME", options->from,
+                "drone or drone.output; the output goes without saying when only one sends pictures")
+        .required();
     line.option("FILE", options->file, "where to; - is stdout").required();
     return [options, &session] { return run(*options, session); };
 }
@@ -101,8 +116,10 @@ Verb snap_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] FILE [options]",
             .summary = "Saves one picture that a drone sends",
-            .details = "A picture is saved as PNG if the file's ending says so, otherwise as JPEG. What is no picture is saved as it came; a "
-                       "warning says so if the file's ending means another type. A file that is there already is replaced.",
+            .details =
+                "A picture is saved as PNG if the file's ending says so, otherwise as JPEG. What is no picture is "
+                "saved as it came; a "
+                "warning says so if the file's ending means another type. A file that is there already is replaced.",
             .examples = "hivectl snap camera now.jpg\n"
                         "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},

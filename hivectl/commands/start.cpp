@@ -19,7 +19,9 @@ std::vector<std::string> arguments(const Options& options)
     std::vector<std::string> words;
     for (const auto& setting : options.settings)
         words.insert(words.end(), {"--set", setting});
-    for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception}, {"--listen", options.listen}, {"--log-level", options.log_level}})
+    for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception},
+                                      {"--listen", options.listen},
+                                      {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
     if (options.insecure)
@@ -36,15 +38,22 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("KIND", options->kind, "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH").required();
+    line.option("KIND", options->kind,
+                "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH")
+        .required();
     line.option("key=value", options->settings, "parameters to begin with");
     line.option("--as", options->name, "its name in the swarm (default: KIND)").type_name("NAME");
-    line.option("--on-exception", options->on_exception, "when its code throws: skip the input (default), or halt until resumed")
-        .type_name("skip|halt").one_of({"skip", "halt"});
+    line.option("--on-exception", options->on_exception,
+                "when its code throws: skip the input (default), or halt until resumed")
+        .type_name("skip|halt")
+        .one_of({"skip", "halt"});
     line.option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT").type_name("ADDRESS");
-    line.flag("--insecure", options->insecure, "let --listen take peers without a key: only on a network that you trust wholly");
-    line.option("--log-level", options->log_level, "how much it writes to its log: debug, info (default), warning, error or off")
-        .type_name("LEVEL").one_of({"debug", "info", "warning", "error", "off"});
+    line.flag("--insecure", options->insecure,
+              "let --listen take peers without a key: only on a network that you trust wholly");
+    line.option("--log-level", options->log_level,
+                "how much it writes to its log: debug, info (default), warning, error or off")
+        .type_name("LEVEL")
+        .one_of({"debug", "info", "warning", "error", "off"});
     return [options, &session] {
         if (options->name.empty())
             options->name = options->kind;

@@ -33,8 +33,10 @@ std::vector<std::string> meant_by(const std::string& word, hive::Application& ap
     const std::string near = hive::nearest(word, names);
     std::erase_if(names, [&](const std::string& name) { return !hive::matches_glob(word, name); });
     if (names.empty())
-        throw hive::Error(hive::Errc::not_found, "nothing to stop: no drone " + hive::in_quotes(word) + " runs or is remembered; "
-                                                     + (near.empty() || is_glob(word) ? "see what runs: hivectl ps" : "did you mean " + near + "?"));
+        throw hive::Error(
+            hive::Errc::not_found,
+            "nothing to stop: no drone " + hive::in_quotes(word) + " runs or is remembered; "
+                + (near.empty() || is_glob(word) ? "see what runs: hivectl ps" : "did you mean " + near + "?"));
     return names;
 }
 
@@ -68,7 +70,9 @@ void stop(const std::string& name, Session& session)
 int run(const Options& options, Session& session)
 {
     if (options.all != options.names.empty())
-        throw hive::Error(hive::Errc::invalid_argument, options.all ? "give names or --all, not both" : "which drones? give names, or --all; see what runs: hivectl ps");
+        throw hive::Error(hive::Errc::invalid_argument,
+                          options.all ? "give names or --all, not both"
+                                      : "which drones? give names, or --all; see what runs: hivectl ps");
     Outcome outcome("stop");
     for (const auto& name : meant_by(options, session.application(), outcome)) {
         try {
@@ -93,18 +97,22 @@ Run declare(CommandLine& line, Session& session)
 
 Verb stop_verb()
 {
-    return {.name = "stop",
-            .group = "run drones",
-            .usage = "NAME... | --all [options]",
-            .summary = "Ends drones; returns when they are gone",
-            .details = "Prints the names of those that ended. A stopped drone forgets the connections and parameters that it was "
-                       "told. Its receivers keep theirs: they wait for a drone of that name and are wired to it when there is one, until "
-                       "hivectl disconnect. One that crashed would get them back when it is started again; stop makes them forgotten.",
-            .examples = "hivectl stop face\n"
-                        "hivectl stop 'face-*'\n"
-                        "hivectl stop --all",
-            .operands = {Operand::drone},
-            .declare = declare};
+    return {
+        .name = "stop",
+        .group = "run drones",
+        .usage = "NAME... | --all [options]",
+        .summary = "Ends drones; returns when they are gone",
+        .details =
+            "Prints the names of those that ended. A stopped drone forgets the connections and parameters that it was "
+            "told. Its receivers keep theirs: they wait for a drone of that name and are wired to it when there is "
+            "one, until "
+            "hivectl disconnect. One that crashed would get them back when it is started again; stop makes them "
+            "forgotten.",
+        .examples = "hivectl stop face\n"
+                    "hivectl stop 'face-*'\n"
+                    "hivectl stop --all",
+        .operands = {Operand::drone},
+        .declare = declare};
 }
 
 }  // namespace hivectl

@@ -22,10 +22,12 @@ std::vector<hive::Answer> look(hive::Application& application) { return applicat
 std::string shown(const Rates& rates, bool json)
 {
     if (json)
-        return "{\"interval_ms\":" + std::to_string(rates.interval / 1ms) + ",\"drones\":" + json_array(rates.drones) + ",\"edges\":" + json_array(rates.edges) + "}\n";
+        return "{\"interval_ms\":" + std::to_string(rates.interval / 1ms) + ",\"drones\":" + json_array(rates.drones)
+               + ",\"edges\":" + json_array(rates.edges) + "}\n";
     const std::string drones = table_text(drone_rate_columns(), rates.drones);
     const std::string edges = table_text(edge_rate_columns(), rates.edges);
-    return (drones.empty() ? "no drone runs; start one: hivectl start KIND\n" : drones) + (edges.empty() ? "" : "\n" + edges);
+    return (drones.empty() ? "no drone runs; start one: hivectl start KIND\n" : drones)
+           + (edges.empty() ? "" : "\n" + edges);
 }
 
 int run(const Options& options, Session& session)
@@ -35,7 +37,9 @@ int run(const Options& options, Session& session)
     const bool redraw = on_terminal() && !session.json && !options.once;
     auto earlier = look(application);
     auto earlier_at = std::chrono::steady_clock::now();
-    for (bool first = true; interrupt::sleep(std::chrono::milliseconds(static_cast<std::int64_t>(options.interval_s * 1000))); first = false) {
+    for (bool first = true;
+         interrupt::sleep(std::chrono::milliseconds(static_cast<std::int64_t>(options.interval_s * 1000)));
+         first = false) {
         auto now = look(application);
         const auto now_at = std::chrono::steady_clock::now();
         const std::string text = shown(rates_between(earlier, now, now_at - earlier_at), session.json);
@@ -52,7 +56,9 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.flag("--once", options->once, "print one table after one interval");
-    line.option("--interval", options->interval_s, "time between two looks (default 1)").type_name("SECONDS").seconds(0.05, 3600);
+    line.option("--interval", options->interval_s, "time between two looks (default 1)")
+        .type_name("SECONDS")
+        .seconds(0.05, 3600);
     return [options, &session] { return run(*options, session); };
 }
 
@@ -64,8 +70,10 @@ Verb top_verb()
             .group = "look",
             .usage = "[--once] [--interval SECONDS] [options]",
             .summary = "Shows rates, ages and losses of drones and connections until Ctrl-C",
-            .details = "IN/s and OUT/s are events a second since the last look; BUSY is the share of that time in which the drone's code "
-                       "worked; AGE is how old the newest event was when it arrived, counted from its capture. The busiest drone that "
+            .details = "IN/s and OUT/s are events a second since the last look; BUSY is the share of that time in "
+                       "which the drone's code "
+                       "worked; AGE is how old the newest event was when it arrived, counted from its capture. The "
+                       "busiest drone that "
                        "receives something is marked slowest: it limits the whole. With --json one object a look.",
             .examples = "hivectl top\n"
                         "hivectl top --once --interval 5",

@@ -26,7 +26,8 @@ void require_somewhere(const Options& options)
 {
     const char* display = std::getenv("DISPLAY");
     if (options.port == 0 && (!display || !*display))
-        throw hive::Error(hive::Errc::refused, "there is no display here for a window; look with a browser: --http PORT");
+        throw hive::Error(hive::Errc::refused,
+                          "there is no display here for a window; look with a browser: --http PORT");
 }
 
 hive::Endpoint output_of(hive::Application& application, const std::string& from)
@@ -53,7 +54,10 @@ void report(const Options& options, const hive::Endpoint& output, const std::str
 {
     const std::string url = options.port != 0 ? "http://127.0.0.1:" + std::to_string(options.port) + "/" : "";
     if (json)
-        write_out(Row{{"from", to_text(output)}, {"drone", viewer}, {"url", url.empty() ? hive::Json() : hive::Json(url)}}.json() + "\n");
+        write_out(
+            Row{{"from", to_text(output)}, {"drone", viewer}, {"url", url.empty() ? hive::Json() : hive::Json(url)}}
+                .json()
+            + "\n");
     else if (!url.empty())
         write_out(url + "\n");
 }
@@ -70,7 +74,10 @@ int look(Launch& launch)
 /// Nothing of the drone is left, whichever way this ends. The log belongs to whoever has the name.
 class Removal {
 public:
-    Removal(Launch& launch, hive::Application& application, const std::string& name) : launch_(launch), application_(application), name_(name) {}
+    Removal(Launch& launch, hive::Application& application, const std::string& name)
+        : launch_(launch), application_(application), name_(name)
+    {
+    }
     ~Removal()
     {
         launch_.process().end();
@@ -122,11 +129,17 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; the output goes without saying when only one sends pictures").required();
+    line.option("NAME", options->from,
+                "drone or drone.output; the output goes without saying when only one sends pictures")
+        .required();
     line.option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
-        .type_name("PORT").between(1, 65535);
-    line.option("--encoding", options->encoding, "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across a network)")
-        .type_name("NAME").encoding();
+        .type_name("PORT")
+        .between(1, 65535);
+    line.option("--encoding", options->encoding,
+                "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across "
+                "a network)")
+        .type_name("NAME")
+        .encoding();
     return [options, &session] { return run(*options, session); };
 }
 
@@ -138,7 +151,8 @@ Verb view_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] [--http PORT] [options]",
             .summary = "Shows the pictures that a drone sends, in a window or a browser",
-            .details = "Runs a drone of the kind view for as long as this command runs: until Ctrl-C, or until the window is closed "
+            .details = "Runs a drone of the kind view for as long as this command runs: until Ctrl-C, or until the "
+                       "window is closed "
                        "(q closes it too). With --http it prints the address to open in a browser of this machine.",
             .examples = "hivectl view camera\n"
                         "hivectl view face.annotated --http 8080",

@@ -48,7 +48,8 @@ int await(const std::string& name, const std::string& goal, Session& session, st
         if (reached(goal, state))
             return exit_code::done;
         if (std::chrono::steady_clock::now() >= end) {
-            complain("wait", name + " did not become " + goal + " in time; it is " + printable(state) + (state == "halted" ? "; let it go on: hivectl resume " + name : ""));
+            complain("wait", name + " did not become " + goal + " in time; it is " + printable(state)
+                                 + (state == "halted" ? "; let it go on: hivectl resume " + name : ""));
             return exit_code::timed_out;
         }
         interrupt::sleep(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
@@ -73,9 +74,11 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones; they need not run yet").required();
-    line.option("--for", options->goal, "running: it answers and is past its start (default); idle: it has nothing to do; "
-                                           "halted: it takes nothing until resumed; gone: it has ended")
-        .type_name("running|idle|halted|gone").one_of({"running", "idle", "halted", "gone"});
+    line.option("--for", options->goal,
+                "running: it answers and is past its start (default); idle: it has nothing to do; "
+                "halted: it takes nothing until resumed; gone: it has ended")
+        .type_name("running|idle|halted|gone")
+        .one_of({"running", "idle", "halted", "gone"});
     return [options, &session] { return run(*options, session); };
 }
 

@@ -26,8 +26,11 @@ Json to_json(const std::vector<Port>& ports)
 
 Json to_json(const ParameterInfo& parameter)
 {
-    Json object{{"name", parameter.name}, {"type", token(parameter.type)}, {"default", parameter.default_value},
-                {"unit", parameter.unit}, {"help", parameter.help}};
+    Json object{{"name", parameter.name},
+                {"type", token(parameter.type)},
+                {"default", parameter.default_value},
+                {"unit", parameter.unit},
+                {"help", parameter.help}};
     if (parameter.least && std::isfinite(*parameter.least))
         object["min"] = *parameter.least;
     if (parameter.most && std::isfinite(*parameter.most))
@@ -77,9 +80,14 @@ std::optional<double> bound(const Json& object, const char* key)
 ParameterInfo parameter(const Json& object)
 {
     const Fields fields(object, "parameter");
-    ParameterInfo result{.name = fields.name("name"), .type = parameter_type(fields.text("type")),
-                         .default_value = object.value("default", Json()), .least = bound(object, "min"), .most = bound(object, "max"),
-                         .choices = {}, .unit = fields.text_or("unit", ""), .help = fields.text_or("help", "")};
+    ParameterInfo result{.name = fields.name("name"),
+                         .type = parameter_type(fields.text("type")),
+                         .default_value = object.value("default", Json()),
+                         .least = bound(object, "min"),
+                         .most = bound(object, "max"),
+                         .choices = {},
+                         .unit = fields.text_or("unit", ""),
+                         .help = fields.text_or("help", "")};
     if (fields.has("choices"))
         for (const auto& choice : fields.array("choices")) {
             if (!choice.is_string())
@@ -100,17 +108,25 @@ Json to_json(const Interface& interface)
     Json parameters = Json::array();
     for (const auto& item : interface.parameters)
         parameters.push_back(to_json(item));
-    return {{"kind", interface.kind},       {"summary", interface.summary},          {"version", interface.version},
-            {"stateful", interface.stateful}, {"inputs", to_json(interface.inputs)}, {"outputs", to_json(interface.outputs)},
+    return {{"kind", interface.kind},
+            {"summary", interface.summary},
+            {"version", interface.version},
+            {"stateful", interface.stateful},
+            {"inputs", to_json(interface.inputs)},
+            {"outputs", to_json(interface.outputs)},
             {"parameters", parameters}};
 }
 
 Interface interface_from_json(const Json& object)
 {
     const Fields fields(object, "interface");
-    Interface result{.kind = fields.name("kind"), .summary = fields.text_or("summary", ""), .version = fields.text_or("version", ""),
-                     .stateful = fields.flag_or("stateful", false), .inputs = ports(fields.array("inputs")),
-                     .outputs = ports(fields.array("outputs")), .parameters = {}};
+    Interface result{.kind = fields.name("kind"),
+                     .summary = fields.text_or("summary", ""),
+                     .version = fields.text_or("version", ""),
+                     .stateful = fields.flag_or("stateful", false),
+                     .inputs = ports(fields.array("inputs")),
+                     .outputs = ports(fields.array("outputs")),
+                     .parameters = {}};
     for (const auto& item : fields.array("parameters")) {
         auto read = parameter(item);
         require_new(result.parameters, read);

@@ -68,7 +68,7 @@ private:
     bool fits(const string_t& value)
     {
         return value.size() <= limits_.string_bytes
-            || refuse(Errc::too_large, "a string of over " + std::to_string(limits_.string_bytes) + " bytes");
+               || refuse(Errc::too_large, "a string of over " + std::to_string(limits_.string_bytes) + " bytes");
     }
     /// Puts a value where the text has come to: the end of the open array, or the slot of the last key.
     template <class Value>
@@ -96,7 +96,7 @@ private:
 
     const JsonLimits& limits_;
     Json result_;
-    Json* slot_ = &result_;     ///< where the next value goes, unless an array is open
+    Json* slot_ = &result_;    ///< where the next value goes, unless an array is open
     std::vector<Json*> open_;  ///< the objects and arrays around it, outermost first
     Errc code_ = Errc::malformed;
     std::string problem_;
@@ -107,7 +107,8 @@ private:
 Json parse_json(std::string_view text, const JsonLimits& limits)
 {
     if (text.size() > limits.bytes)
-        throw Error(Errc::too_large, "JSON of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.bytes));
+        throw Error(Errc::too_large,
+                    "JSON of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.bytes));
     if (text.starts_with("\xEF\xBB\xBF"))
         throw Error(Errc::malformed, "JSON with a byte order mark");
     if (text.find('\0') != std::string_view::npos)  // to nlohmann's lexer it is the end, whatever follows

@@ -29,8 +29,8 @@ Json to_json(const Hello& hello)
 Hello hello_from_json(const Json& object)
 {
     const Fields fields(object, "hello");
-    return {fields.name("name"), fields.name("kind"), fields.integer("epoch", 0, max_json_integer), fields.integer_or("pid", 0, max_json_integer, 0),
-            fields.flag_or("maps", false)};
+    return {fields.name("name"), fields.name("kind"), fields.integer("epoch", 0, max_json_integer),
+            fields.integer_or("pid", 0, max_json_integer, 0), fields.flag_or("maps", false)};
 }
 
 Json to_json(const Registration& registration)
@@ -58,7 +58,8 @@ Registration registration_from_json(const Json& object)
 
 std::string to_text(const Request& request)
 {
-    return "{\"epoch\":" + std::to_string(request.epoch) + ",\"id\":" + std::to_string(request.id) + ",\"done\":" + std::to_string(request.done) + "}";
+    return "{\"epoch\":" + std::to_string(request.epoch) + ",\"id\":" + std::to_string(request.id)
+           + ",\"done\":" + std::to_string(request.done) + "}";
 }
 
 Request request_from_json(const Json& object)
@@ -71,7 +72,8 @@ Request request_from_json(const Json& object)
 Json to_json(const Confirmation& confirmation)
 {
     if (confirmation.ok)
-        return {{"id", confirmation.id}, {"result", confirmation.result.is_null() ? Json::object() : confirmation.result}};
+        return {{"id", confirmation.id},
+                {"result", confirmation.result.is_null() ? Json::object() : confirmation.result}};
     return {{"id", confirmation.id}, {"error", {{"code", info(confirmation.code).token}, {"text", confirmation.text}}}};
 }
 

@@ -21,14 +21,15 @@ bool is_alphanumeric(char c) noexcept
 bool is_name(std::string_view text) noexcept
 {
     return !text.empty() && text.size() <= 64 && is_alphanumeric(text.front())
-        && text.find("..") == std::string_view::npos
-        && std::ranges::all_of(text, [](char c) { return is_alphanumeric(c) || c == '_' || c == '.' || c == '-'; });
+           && text.find("..") == std::string_view::npos
+           && std::ranges::all_of(text, [](char c) { return is_alphanumeric(c) || c == '_' || c == '.' || c == '-'; });
 }
 
 std::string require_name(std::string_view text, std::string_view what)
 {
     if (!is_name(text))
-        throw Error(Errc::invalid_argument, in_quotes(text) + " is not a " + std::string(what)
+        throw Error(Errc::invalid_argument,
+                    in_quotes(text) + " is not a " + std::string(what)
                         + " name: 1 to 64 letters, digits, '_', '.' or '-', starting with a letter or digit");
     return std::string(text);
 }

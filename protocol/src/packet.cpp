@@ -12,7 +12,8 @@ namespace {
 void require_size(std::string_view part, std::uint32_t size, std::uint32_t limit)
 {
     if (size > limit)
-        throw Error(Errc::too_large, std::string(part) + " of " + std::to_string(size) + " bytes, limit " + std::to_string(limit));
+        throw Error(Errc::too_large,
+                    std::string(part) + " of " + std::to_string(size) + " bytes, limit " + std::to_string(limit));
 }
 
 }  // namespace
@@ -64,8 +65,8 @@ Prefix decode_prefix(const unsigned char* bytes, const Limits& limits)
     if (std::memcmp(bytes, magic.data(), magic.size()) != 0)
         throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
     if (bytes[4] != version)
-        throw Error(Errc::version_mismatch, "the peer speaks version " + std::to_string(bytes[4]) + " of the protocol, this end version "
-                        + std::to_string(version));
+        throw Error(Errc::version_mismatch, "the peer speaks version " + std::to_string(bytes[4])
+                                                + " of the protocol, this end version " + std::to_string(version));
     Prefix prefix{static_cast<PacketType>(bytes[5]), get<std::uint16_t>(&bytes[6]), get<std::uint32_t>(&bytes[8]),
                   get<std::uint32_t>(&bytes[12])};
     if (token(prefix.type).empty())

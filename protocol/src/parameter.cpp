@@ -21,8 +21,9 @@ std::string shortest(double number)
 {
     const std::string given = value.is_string() ? in_quotes(value.get<std::string>()) : to_text(value).substr(0, 200);
     const std::string range = range_text(parameter);
-    throw Error(Errc::refused, parameter.name + "=" + given + ": must be " + std::string(expected) + (range.empty() ? "" : ", " + range)
-                    + (parameter.unit.empty() ? "" : " " + parameter.unit));
+    throw Error(Errc::refused, parameter.name + "=" + given + ": must be " + std::string(expected)
+                                   + (range.empty() ? "" : ", " + range)
+                                   + (parameter.unit.empty() ? "" : " " + parameter.unit));
 }
 
 template <class Number>
@@ -35,12 +36,14 @@ std::optional<Number> parsed(const std::string& text)
 
 bool within(const ParameterInfo& parameter, double number)
 {
-    return std::isfinite(number) && (!parameter.least || number >= *parameter.least) && (!parameter.most || number <= *parameter.most);
+    return std::isfinite(number) && (!parameter.least || number >= *parameter.least)
+           && (!parameter.most || number <= *parameter.most);
 }
 
 Json checked_integer(const ParameterInfo& parameter, const Json& value)
 {
-    const auto number = json_integer(value.is_string() ? Json(parsed<std::int64_t>(value.get<std::string>()).value_or(INT64_MIN)) : value);
+    const auto number = json_integer(
+        value.is_string() ? Json(parsed<std::int64_t>(value.get<std::string>()).value_or(INT64_MIN)) : value);
     if (!number || !within(parameter, static_cast<double>(*number)))
         refuse(parameter, value, "a whole number");
     return *number;
@@ -63,8 +66,14 @@ Json checked_flag(const ParameterInfo& parameter, const Json& value)
     if (value.is_boolean())
         return value;
     if (value.is_string())
-        for (const auto& [text, flag] : {std::pair{"true", true}, {"on", true}, {"yes", true}, {"1", true}, {"false", false},
-                                         {"off", false}, {"no", false}, {"0", false}})
+        for (const auto& [text, flag] : {std::pair{"true", true},
+                                         {"on", true},
+                                         {"yes", true},
+                                         {"1", true},
+                                         {"false", false},
+                                         {"off", false},
+                                         {"no", false},
+                                         {"0", false}})
             if (value.get<std::string>() == text)
                 return flag;
     refuse(parameter, value, "on or off");

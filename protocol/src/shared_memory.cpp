@@ -16,11 +16,17 @@ void put_slot(unsigned char* at, const Slot& slot)
     put(at + 8, slot.generation);
 }
 
-Slot get_slot(const unsigned char* at) { return {get<std::uint32_t>(at), get<std::uint32_t>(at + 4), get<std::uint64_t>(at + 8)}; }
+Slot get_slot(const unsigned char* at)
+{
+    return {get<std::uint32_t>(at), get<std::uint32_t>(at + 4), get<std::uint64_t>(at + 8)};
+}
 
 }  // namespace
 
-Json to_json(const Segment& segment) { return {{"segment", segment.id}, {"slots", segment.slots}, {"slot_size", segment.slot_size}}; }
+Json to_json(const Segment& segment)
+{
+    return {{"segment", segment.id}, {"slots", segment.slots}, {"slot_size", segment.slot_size}};
+}
 
 Segment segment_from_json(const Json& object)
 {
@@ -43,8 +49,10 @@ Body to_body(const Reference& reference)
 Reference reference_from_body(const Body& body)
 {
     if (body.size() != reference_bytes)
-        throw Error(Errc::malformed, "reference: " + std::to_string(body.size()) + " bytes instead of " + std::to_string(reference_bytes));
-    return {get_slot(body.data()), get<std::uint64_t>(body.data() + slot_bytes), get<std::uint64_t>(body.data() + slot_bytes + 8)};
+        throw Error(Errc::malformed, "reference: " + std::to_string(body.size()) + " bytes instead of "
+                                         + std::to_string(reference_bytes));
+    return {get_slot(body.data()), get<std::uint64_t>(body.data() + slot_bytes),
+            get<std::uint64_t>(body.data() + slot_bytes + 8)};
 }
 
 Body to_body(const std::vector<Slot>& slots)

@@ -13,7 +13,8 @@ template <class Enum>
 struct Tokens;
 template <>
 struct Tokens<Transfer> {
-    static constexpr std::array all{std::pair{Transfer::synchronized, "sync"}, std::pair{Transfer::streaming, "stream"}};
+    static constexpr std::array all{std::pair{Transfer::synchronized, "sync"},
+                                    std::pair{Transfer::streaming, "stream"}};
 };
 template <>
 struct Tokens<Delivery> {
@@ -58,7 +59,8 @@ bool type_fits(std::string_view a, std::string_view b)
     const auto slash_a = a.find('/'), slash_b = b.find('/');
     if (slash_a == std::string_view::npos || slash_b == std::string_view::npos)
         return a == b;
-    return part_fits(a.substr(0, slash_a), b.substr(0, slash_b)) && part_fits(a.substr(slash_a + 1), b.substr(slash_b + 1));
+    return part_fits(a.substr(0, slash_a), b.substr(0, slash_b))
+           && part_fits(a.substr(slash_a + 1), b.substr(slash_b + 1));
 }
 
 }  // namespace
@@ -86,7 +88,8 @@ template ExceptionPolicy from_token<ExceptionPolicy>(std::string_view, std::stri
 
 Json to_json(const ConnectionOptions& options)
 {
-    Json object{{"transfer", token(options.transfer)}, {"delivery", token(options.delivery)}, {"window", options.window}};
+    Json object{
+        {"transfer", token(options.transfer)}, {"delivery", token(options.delivery)}, {"window", options.window}};
     if (!options.group.empty())
         object["group"] = options.group;
     if (options.first_frame)
@@ -111,11 +114,14 @@ ConnectionOptions connection_options(const Json& object)
         options.lease = std::chrono::milliseconds(fields.integer("lease_ms", 50, 86'400'000));
     options.encoding = fields.text_or("encoding", "");
     if (fields.has("encoding") && !is_encoding(options.encoding))
-        throw Error(Errc::malformed, "connection options: an encoding is a word, with a number if wanted (raw, jpeg:80), not " + in_quotes(options.encoding));
+        throw Error(Errc::malformed,
+                    "connection options: an encoding is a word, with a number if wanted (raw, jpeg:80), not "
+                        + in_quotes(options.encoding));
     if (!options.group.empty() && (options.transfer != Transfer::synchronized || options.delivery != Delivery::data))
         throw Error(Errc::malformed, "a group shares whole events by request: neither stream nor notify goes with it");
     if (!options.group.empty() && options.first_frame)
-        throw Error(Errc::malformed, "a group gives each event to one member: first_frame, which begins with an event that others may have had, does not go with it");
+        throw Error(Errc::malformed, "a group gives each event to one member: first_frame, which begins with an event "
+                                     "that others may have had, does not go with it");
     return options;
 }
 
@@ -130,7 +136,7 @@ bool is_encoding(std::string_view text)
     const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
     const auto digit = [](char c) { return c >= '0' && c <= '9'; };
     return all(word, longest_word, [&](char c) { return lower(c) || digit(c) || c == '-'; }) && lower(word.front())
-        && (colon == std::string_view::npos || all(text.substr(colon + 1), most_digits, digit));
+           && (colon == std::string_view::npos || all(text.substr(colon + 1), most_digits, digit));
 }
 
 bool types_fit(std::string_view output_types, std::string_view input_types)

@@ -2,9 +2,10 @@
 //
 //     bench_two_workers [--rounds N] [--seconds S] [--json] [--out FILE]
 //
-// Each round measures, one after the other: one bare loop (decode, detect, draw, encode), two bare loops at the same time,
-// one worker in a swarm, two workers in a swarm; all on the same clip of 640x480 JPEGs at scale 1.05, OpenCV's own threads
-// off. Results of the swarm are collected in order; a lost or doubled one ends the benchmark with exit code 1.
+// Each round measures, one after the other: one bare loop (decode, detect, draw, encode), two bare loops at the same
+// time, one worker in a swarm, two workers in a swarm; all on the same clip of 640x480 JPEGs at scale 1.05, OpenCV's
+// own threads off. Results of the swarm are collected in order; a lost or doubled one ends the benchmark with exit
+// code 1.
 #include "swarm.hpp"
 
 #include "scene.hpp"
@@ -87,7 +88,9 @@ double bare_rate(const fs::path& clip, int loops, double seconds)
     for (int i = 0; i < loops; ++i) {
         logs.push_back(clip.parent_path() / ("loop-" + std::to_string(i)));
         fs::remove(logs.back());  // a log is added to
-        children.emplace_back(std::vector<std::string>{"/proc/self/exe", "--loop", clip.string(), std::to_string(seconds)}, std::vector<std::string>{}, logs.back());
+        children.emplace_back(
+            std::vector<std::string>{"/proc/self/exe", "--loop", clip.string(), std::to_string(seconds)},
+            std::vector<std::string>{}, logs.back());
     }
     double sum = 0;
     for (int i = 0; i < loops; ++i) {
@@ -169,11 +172,16 @@ int run(int rounds, double seconds, bool json, const fs::path& out)
         hive1.push_back(swarm_rate(clip, 1, seconds));
         bare2.push_back(bare_rate(clip, 2, seconds));
         hive2.push_back(swarm_rate(clip, 2, seconds));
-        std::fprintf(stderr, "round %d: bare %.2f and %.2f, Hive %.2f and %.2f pictures/s\n", round + 1, bare1.back(), bare2.back(), hive1.back(), hive2.back());
+        std::fprintf(stderr, "round %d: bare %.2f and %.2f, Hive %.2f and %.2f pictures/s\n", round + 1, bare1.back(),
+                     bare2.back(), hive1.back(), hive2.back());
     }
     fs::remove_all(scratch);
-    const hive::Json figures{{"rounds", rounds}, {"bare_fps", {median(bare1), median(bare2)}}, {"hive_fps", {median(hive1), median(hive2)}},
-                             {"hive_to_bare", {ratio(hive1, bare1), ratio(hive2, bare2)}}, {"gain", ratio(hive2, hive1)}, {"bare_gain", ratio(bare2, bare1)}};
+    const hive::Json figures{{"rounds", rounds},
+                             {"bare_fps", {median(bare1), median(bare2)}},
+                             {"hive_fps", {median(hive1), median(hive2)}},
+                             {"hive_to_bare", {ratio(hive1, bare1), ratio(hive2, bare2)}},
+                             {"gain", ratio(hive2, hive1)},
+                             {"bare_gain", ratio(bare2, bare1)}};
     if (!out.empty() && !(std::ofstream(out, std::ios::app) << figures << '\n'))
         throw std::runtime_error("cannot write " + out.string());
     if (json) {
@@ -181,10 +189,14 @@ int run(int rounds, double seconds, bool json, const fs::path& out)
         return 0;
     }
     std::printf("%-24s %12s %12s %12s %14s\n", "", "bare OpenCV", "Hive", "Hive/bare", "the paper");
-    std::printf("%-24s %8.2f fps %8.2f fps %11.3f %10.1f fps\n", "one face worker", median(bare1), median(hive1), ratio(hive1, bare1), 2.3);
-    std::printf("%-24s %8.2f fps %8.2f fps %11.3f %10.1f fps\n", "two face workers", median(bare2), median(hive2), ratio(hive2, bare2), 4.4);
-    std::printf("%-24s %11.2fx %11.2fx %11s %13.2fx\n", "gain", ratio(bare2, bare1), ratio(hive2, hive1), "", 4.4 / 2.3);
-    std::printf("medians of %d rounds of %.0f s; 640x480, scale %.2f; results in order, none lost, none twice\n", rounds, seconds, scale);
+    std::printf("%-24s %8.2f fps %8.2f fps %11.3f %10.1f fps\n", "one face worker", median(bare1), median(hive1),
+                ratio(hive1, bare1), 2.3);
+    std::printf("%-24s %8.2f fps %8.2f fps %11.3f %10.1f fps\n", "two face workers", median(bare2), median(hive2),
+                ratio(hive2, bare2), 4.4);
+    std::printf("%-24s %11.2fx %11.2fx %11s %13.2fx\n", "gain", ratio(bare2, bare1), ratio(hive2, hive1), "",
+                4.4 / 2.3);
+    std::printf("medians of %d rounds of %.0f s; 640x480, scale %.2f; results in order, none lost, none twice\n",
+                rounds, seconds, scale);
     return 0;
 }
 

@@ -97,8 +97,9 @@ TEST_CASE("shared memory: bodies by reference and in packets keep their order, a
     constexpr int count = 200;
     const std::string long_header = "{\"fill\":\"" + std::string(4000, 'x') + "\"}";
     for (int i = 0; i < count; ++i)  // nothing is written before the loop runs; of references alone this is 400 KB
-        pair.dialing.connection->send(hive::protocol::make_packet(
-            PacketType::event, i % 2 ? long_header : "{}", 3, i % 2 ? pair.filled(i, 5000) : Body(std::string(5000, static_cast<char>(i)))));
+        pair.dialing.connection->send(
+            hive::protocol::make_packet(PacketType::event, i % 2 ? long_header : "{}", 3,
+                                        i % 2 ? pair.filled(i, 5000) : Body(std::string(5000, static_cast<char>(i)))));
     const auto bodies = pair.received(count);
     CHECK(pair.dialing.closed == 0);
     for (int i = 0; i < count; ++i) {
@@ -114,7 +115,9 @@ TEST_CASE("shared memory: two thousand pictures through eight slots, all intact 
     int sent = 0, arrived = 0, wrong = 0, shared = 0;
     pair.listening.on_packet = [&](const Packet& packet) {
         const auto* bytes = packet.body.data();
-        wrong += bytes[0] != arrived % 256 || bytes[picture / 2] != arrived % 256 || bytes[picture - 1] != arrived % 256 ? 1 : 0;
+        wrong += bytes[0] != arrived % 256 || bytes[picture / 2] != arrived % 256 || bytes[picture - 1] != arrived % 256
+                     ? 1
+                     : 0;
         ++arrived;
     };
     while (arrived < count) {
@@ -122,7 +125,8 @@ TEST_CASE("shared memory: two thousand pictures through eight slots, all intact 
             shared += pair.send(pair.filled(sent % 256)) == Carriage::reference ? 1 : 0;
             ++sent;
         }
-        REQUIRE(pair.loop.until([&] { return !pair.listening.packets.empty() || pair.pool->usage().slots_in_use < 4; }));
+        REQUIRE(
+            pair.loop.until([&] { return !pair.listening.packets.empty() || pair.pool->usage().slots_in_use < 4; }));
         pair.listening.packets.clear();
     }
     CHECK(wrong == 0);
@@ -130,7 +134,8 @@ TEST_CASE("shared memory: two thousand pictures through eight slots, all intact 
     CHECK(pair.until_in_use(0));
 }
 
-TEST_CASE("shared memory: a receiver that keeps every slot gets the rest through the socket, and leaves some for the others")
+TEST_CASE(
+    "shared memory: a receiver that keeps every slot gets the rest through the socket, and leaves some for the others")
 {
     SharingPair hoarder;
     std::vector<Body> hoard;

@@ -1,4 +1,5 @@
-// A hostile peer that shares memory (faults.md, row 20 in spirit): it loses its connection, and nothing of it is ever mapped that could hurt.
+// A hostile peer that shares memory (faults.md, row 20 in spirit): it loses its connection, and nothing of it is ever
+// mapped that could hurt.
 #include "transport_world.hpp"
 
 #include <hive/protocol/messages.hpp>
@@ -34,7 +35,8 @@ struct HostilePeer : RawPair {
     HostilePeer() : RawPair(Unix::address, patient)
     {
         raw = nullptr;
-        raw = hive::transport::make_descriptor_stream(hive::transport::adopt_socket(loop.context, AF_UNIX, connect_raw(listener->address())), "hostile");
+        raw = hive::transport::make_descriptor_stream(
+            hive::transport::adopt_socket(loop.context, AF_UNIX, connect_raw(listener->address())), "hostile");
         end = {};
         REQUIRE(loop.until([this] { return end.connection != nullptr; }));
         REQUIRE(write(hello()));
@@ -106,8 +108,10 @@ TEST_CASE("hostile shared memory: smaller than it says, without a descriptor, or
 
 TEST_CASE("hostile shared memory: references outside their slot or to nothing")
 {
-    for (const auto& reference : {Reference{{1, 0, 1}, 0, 10}, Reference{{0, 8, 1}, 0, 10}, Reference{{0, 7, 1}, 1, slot_size},
-                                  Reference{{0, 0, 1}, slot_size + 1, 0}, Reference{{0, 0, 1}, ~std::uint64_t{0}, 2}, Reference{{0, 0, 1}, 2, ~std::uint64_t{0}}}) {
+    for (const auto& reference :
+         {Reference{{1, 0, 1}, 0, 10}, Reference{{0, 8, 1}, 0, 10}, Reference{{0, 7, 1}, 1, slot_size},
+          Reference{{0, 0, 1}, slot_size + 1, 0}, Reference{{0, 0, 1}, ~std::uint64_t{0}, 2},
+          Reference{{0, 0, 1}, 2, ~std::uint64_t{0}}}) {
         HostilePeer peer;
         peer.offer({0, 8, slot_size}, memory(8 * slot_size, all_seals));
         peer.refer(reference);
@@ -160,7 +164,10 @@ TEST_CASE("hostile shared memory: slots given back that were never lent, or not 
 TEST_CASE("hostile shared memory: descriptors that nobody asked for end the connection and stay nowhere")
 {
     HostilePeer peer;
-    const auto open_descriptors = [] { return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator()); };
+    const auto open_descriptors = [] {
+        return std::distance(std::filesystem::directory_iterator("/proc/self/fd"),
+                             std::filesystem::directory_iterator());
+    };
     const auto before = open_descriptors();
     for (int i = 0; i < 20 && peer.end.closed == 0; ++i) {
         const auto packet = encoded(PacketType::get, "{}");
@@ -174,7 +181,8 @@ TEST_CASE("hostile shared memory: descriptors that nobody asked for end the conn
     CHECK(open_descriptors() <= before);
 }
 
-TEST_CASE_TEMPLATE("hostile shared memory: on a connection that cannot share there is no such thing", Place, Tcp, InProcess)
+TEST_CASE_TEMPLATE("hostile shared memory: on a connection that cannot share there is no such thing", Place, Tcp,
+                   InProcess)
 {
     RawPair pair(Place::address, patient);
     pair.write(hello());

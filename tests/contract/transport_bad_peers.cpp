@@ -21,20 +21,37 @@ std::string with_byte(std::string bytes, std::size_t at, int value)
 std::vector<Opening> wrong_openings()
 {
     std::vector<Opening> openings;
-    for (const std::string& text : {
-             std::string("GET / HTTP/1.1\r\nHost: a\r\n\r\n"), std::string("POST / HTTP/1.1\r\n\r\nHIVE"), std::string("G"), std::string("\n"),
-             std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11), std::string("\x80\x2e\x01\x00\x02", 5), std::string(1, '\0'),
-             std::string(4096, '\0'), std::string(16, '\xff'), std::string("SSH-2.0-OpenSSH_9.2\r\n"), std::string("hive"), std::string("HIVe"),
-             std::string("HI"  "E"), std::string("EVIH\x01\x01"), std::string("{\"name\":\"a\"}"), std::string("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"),
-             std::string("\xff\x00\x00\x00\x00\x00\x00\x00\x01\x7f", 10), std::string("\xef\xbb\xbfHIVE"), std::string(" HIVE"),
-             std::string("*1\r\n$4\r\nPING\r\n"), std::string("EHLO a\r\n"), std::string(100'000, 'A'), std::string("H\0I\0V\0E\0", 8)})
+    for (const std::string& text : {std::string("GET / HTTP/1.1\r\nHost: a\r\n\r\n"),
+                                    std::string("POST / HTTP/1.1\r\n\r\nHIVE"),
+                                    std::string("G"),
+                                    std::string("\n"),
+                                    std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11),
+                                    std::string("\x80\x2e\x01\x00\x02", 5),
+                                    std::string(1, '\0'),
+                                    std::string(4096, '\0'),
+                                    std::string(16, '\xff'),
+                                    std::string("SSH-2.0-OpenSSH_9.2\r\n"),
+                                    std::string("hive"),
+                                    std::string("HIVe"),
+                                    std::string("HI"
+                                                "E"),
+                                    std::string("EVIH\x01\x01"),
+                                    std::string("{\"name\":\"a\"}"),
+                                    std::string("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"),
+                                    std::string("\xff\x00\x00\x00\x00\x00\x00\x00\x01\x7f", 10),
+                                    std::string("\xef\xbb\xbfHIVE"),
+                                    std::string(" HIVE"),
+                                    std::string("*1\r\n$4\r\nPING\r\n"),
+                                    std::string("EHLO a\r\n"),
+                                    std::string(100'000, 'A'),
+                                    std::string("H\0I\0V\0E\0", 8)})
         openings.push_back({text, Errc::malformed});
     for (const int version : {0, 2, 3, 127, 255})
         openings.push_back({with_byte(hello(), 4, version), Errc::version_mismatch});
     for (const int number : {0, 4, 9, 15, 19, 60, 200, 255})  // types that do not exist
         openings.push_back({with_byte(hello(), 5, number), Errc::malformed});
-    for (const auto type : {PacketType::ping, PacketType::pong, PacketType::event, PacketType::get, PacketType::confirmation, PacketType::stop,
-                            PacketType::put, PacketType::request})
+    for (const auto type : {PacketType::ping, PacketType::pong, PacketType::event, PacketType::get,
+                            PacketType::confirmation, PacketType::stop, PacketType::put, PacketType::request})
         openings.push_back({prefix(type, 0, 0), Errc::malformed});
     for (const std::uint32_t size : {4081U, 65536U, 0x7fffffffU, 0xffffffffU})
         openings.push_back({prefix(PacketType::hello, size, 0), Errc::too_large});
@@ -77,7 +94,8 @@ TEST_CASE_TEMPLATE("bad peer: a second hello is malformed", Place, Unix, Tcp, In
     CHECK(pair.end.packets.size() == 1);
 }
 
-TEST_CASE_TEMPLATE("bad peer: sizes over the limit are refused from the prefix and cost no memory", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: sizes over the limit are refused from the prefix and cost no memory", Place, Unix, Tcp,
+                   InProcess)
 {
     RawPair warm(Place::address, patient);  // so that the first use of things is not counted
     warm.write(hello());
@@ -155,16 +173,18 @@ TEST_CASE_TEMPLATE("bad peer: a packet that trickles is cut off although bytes c
     CHECK(pair.end.packets.size() == 1);
 }
 
-TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers nothing of it", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers nothing of it", Place, Unix, Tcp,
+                   InProcess)
 {
     const auto packet = encoded(PacketType::event, std::string(100, 'h'), std::string(50'000, 'b'));
     struct Cut {
         std::size_t bytes;
         const char* text;
     };
-    for (const auto& cut : {Cut{0, "peer ended the connection"}, Cut{1, "after 1 of 16 bytes of its prefix"}, Cut{15, "15 of 16 bytes of its prefix"},
-                            Cut{16, "0 of 100 bytes of its header"}, Cut{66, "50 of 100 bytes of its header"},
-                            Cut{116, "0 of 50000 bytes of its body"}, Cut{50'115, "49999 of 50000 bytes of its body"}}) {
+    for (const auto& cut : {Cut{0, "peer ended the connection"}, Cut{1, "after 1 of 16 bytes of its prefix"},
+                            Cut{15, "15 of 16 bytes of its prefix"}, Cut{16, "0 of 100 bytes of its header"},
+                            Cut{66, "50 of 100 bytes of its header"}, Cut{116, "0 of 50000 bytes of its body"},
+                            Cut{50'115, "49999 of 50000 bytes of its body"}}) {
         CAPTURE(cut.bytes);
         RawPair pair(Place::address, patient);
         pair.write(hello() + packet.substr(0, cut.bytes));

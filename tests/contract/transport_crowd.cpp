@@ -33,7 +33,9 @@ std::chrono::microseconds processor_time()
 {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    const auto time = [](const timeval& t) { return std::chrono::seconds(t.tv_sec) + std::chrono::microseconds(t.tv_usec); };
+    const auto time = [](const timeval& t) {
+        return std::chrono::seconds(t.tv_sec) + std::chrono::microseconds(t.tv_usec);
+    };
     return time(usage.ru_utime) + time(usage.ru_stime);
 }
 
@@ -86,7 +88,9 @@ TEST_CASE_TEMPLATE("crowd: at most 64 peers without a hello are inside at once",
     const auto listener = hive::transport::listen(loop.context, Place::address(folder), on_connection, patient);
     std::vector<std::shared_ptr<Connection>> silent;
     for (int i = 0; i < 80; ++i)
-        hive::transport::dial(loop.context, listener->address(), 5s, [&](auto connection, std::exception_ptr) { silent.push_back(connection); }, patient);
+        hive::transport::dial(
+            loop.context, listener->address(), 5s,
+            [&](auto connection, std::exception_ptr) { silent.push_back(connection); }, patient);
     REQUIRE(loop.until([&] { return silent.size() == 80 && ends.size() == 64; }));
     loop.run_for(30ms);
     CHECK(ends.size() == 64);
@@ -131,7 +135,9 @@ TEST_CASE_TEMPLATE("crowd: a thousand silent peers cost little, and good ones be
     std::size_t most = 0;
     int asked = 0;
     int answered = 0;
-    pair.listening.on_packet = [&](const Packet&) { good->send(hive::protocol::make_packet(PacketType::confirmation, "{}")); };
+    pair.listening.on_packet = [&](const Packet&) {
+        good->send(hive::protocol::make_packet(PacketType::confirmation, "{}"));
+    };
     pair.dialing.on_packet = [&](const Packet&) { ++answered; };
     const auto ask_and_look = [&] {
         most = std::max(most, resident_bytes());

@@ -6,7 +6,8 @@
 
 using namespace world;
 
-TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their order both ways", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their order both ways", Place, Unix, Tcp,
+                   InProcess)
 {
     Pair pair(Place::address, patient);
     for (int i = 0; i < 50; ++i) {
@@ -22,7 +23,8 @@ TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their orde
     CHECK_FALSE(pair.dialing.connection->peer().empty());
 }
 
-TEST_CASE_TEMPLATE("connection: unix and in-process peers are on this machine, of a tcp peer nobody knows", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: unix and in-process peers are on this machine, of a tcp peer nobody knows", Place, Unix,
+                   Tcp, InProcess)
 {
     Pair pair(Place::address, patient);
     const bool local = Place::address(pair.folder).scheme != hive::transport::Address::Scheme::tcp;
@@ -30,27 +32,31 @@ TEST_CASE_TEMPLATE("connection: unix and in-process peers are on this machine, o
     CHECK(pair.listening.connection->local() == local);
 }
 
-TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole and in order", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole and in order", Place, Unix, Tcp,
+                   InProcess)
 {
     Pair pair(Place::address, patient);
     for (int i = 0; i < 1000; ++i)
-        pair.dialing.send(PacketType::event, std::to_string(i), std::string(static_cast<std::size_t>(i % 97), static_cast<char>(i)));
+        pair.dialing.send(PacketType::event, std::to_string(i),
+                          std::string(static_cast<std::size_t>(i % 97), static_cast<char>(i)));
     REQUIRE(pair.loop.until([&] { return pair.listening.has(1000); }));
     bool same = true;
     for (int i = 0; i < 1000; ++i) {
         const auto& packet = pair.listening.packets[i];
         const std::string body(static_cast<std::size_t>(i % 97), static_cast<char>(i));
         same = same && packet.header_text() == std::to_string(i) && packet.body.size() == body.size()
-            && std::equal(body.begin(), body.end(), reinterpret_cast<const char*>(packet.body.data()));
+               && std::equal(body.begin(), body.end(), reinterpret_cast<const char*>(packet.body.data()));
     }
     CHECK(same);
 }
 
-TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 MiB are identical", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 MiB are identical", Place, Unix, Tcp,
+                   InProcess)
 {
     Pair pair(Place::address, patient);
     std::vector<hive::Body> bodies;
-    for (const std::size_t size : {std::size_t{1}, std::size_t{16 * 1024 - 16}, std::size_t{16 * 1024}, std::size_t{100'001}, std::size_t{64} << 20}) {
+    for (const std::size_t size : {std::size_t{1}, std::size_t{16 * 1024 - 16}, std::size_t{16 * 1024},
+                                   std::size_t{100'001}, std::size_t{64} << 20}) {
         std::vector<unsigned char> bytes(size);
         for (std::size_t i = 0; i < size; ++i)
             bytes[i] = static_cast<unsigned char>(i * 2654435761U >> 13);
@@ -65,7 +71,8 @@ TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 Mi
     }
 }
 
-TEST_CASE_TEMPLATE("connection: closed is told once to either end, and written callbacks once each", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: closed is told once to either end, and written callbacks once each", Place, Unix, Tcp,
+                   InProcess)
 {
     Pair pair(Place::address, patient);
     int yes = 0;
@@ -92,8 +99,8 @@ TEST_CASE_TEMPLATE("connection: closed is told once to either end, and written c
     CHECK(no == 6);
 }
 
-TEST_CASE_TEMPLATE("connection: the last reference ends it, and whoever waited for a packet to be written is told", Place, Unix, Tcp,
-                   InProcess)
+TEST_CASE_TEMPLATE("connection: the last reference ends it, and whoever waited for a packet to be written is told",
+                   Place, Unix, Tcp, InProcess)
 {
     Pair pair(Place::address, patient);
     int told = 0;
@@ -117,16 +124,18 @@ TEST_CASE_TEMPLATE("connection: a handler may let go of the connection while it 
     CHECK(pair.listening.packets.size() == 1);
 }
 
-TEST_CASE_TEMPLATE("connection: handlers that own their connection go with it, or with the event loop", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: handlers that own their connection go with it, or with the event loop", Place, Unix,
+                   Tcp, InProcess)
 {
     std::weak_ptr<int> alive;
     {
         Pair pair(Place::address, patient);
         auto token = std::make_shared<int>(1);
         alive = token;
-        hive::transport::dial(pair.loop.context, pair.listener->address(), 5s, [token](auto connection, std::exception_ptr) {
-            connection->start({.packet = [connection, token](Packet&&) {}, .closed = {}});
-        });
+        hive::transport::dial(pair.loop.context, pair.listener->address(), 5s,
+                              [token](auto connection, std::exception_ptr) {
+                                  connection->start({.packet = [connection, token](Packet&&) {}, .closed = {}});
+                              });
         token.reset();
         auto& first = pair.listening.connection;
         REQUIRE(pair.loop.until([&, was = first] { return first != was; }));
@@ -146,7 +155,8 @@ TEST_CASE_TEMPLATE("connection: what follows the hello waits until open", Place,
     CHECK(pair.listening.packets[0].body.size() == 300'000);
 }
 
-TEST_CASE_TEMPLATE("connection: heartbeats keep an idle connection and are shown to nobody", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: heartbeats keep an idle connection and are shown to nobody", Place, Unix, Tcp,
+                   InProcess)
 {
     Pair pair(Place::address, {.heartbeat = 20ms, .silence = 400ms, .first_packet = 5s, .stall = 5s});
     pair.loop.run_for(900ms);
@@ -163,8 +173,11 @@ TEST_CASE_TEMPLATE("connection: the two ends may live on two threads", Place, Un
     End dialing;
     End listening;
     auto listener = hive::transport::listen(
-        there.context, Place::address(folder), [&](auto connection) { listening.start(std::move(connection)); }, patient);
-    listening.on_packet = [&](const Packet& packet) { listening.send(packet.type, std::string(packet.header_text()), packet.body); };
+        there.context, Place::address(folder), [&](auto connection) { listening.start(std::move(connection)); },
+        patient);
+    listening.on_packet = [&](const Packet& packet) {
+        listening.send(packet.type, std::string(packet.header_text()), packet.body);
+    };
     std::thread other([&] { there.until([&] { return listening.closed == 1; }, 20s); });
     hive::transport::dial(here.context, listener->address(), 5s, [&](auto connection, std::exception_ptr) {
         dialing.start(std::move(connection));

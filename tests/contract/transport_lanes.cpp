@@ -8,7 +8,8 @@ TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Pla
     Pair pair(Place::address, patient, false);  // the listening end does not read yet
     int written = 0;
     for (int i = 0; i < 6; ++i)
-        pair.dialing.send(PacketType::event, std::to_string(i), std::string(2 << 20, 'x'), [&](bool out) { written += out; });
+        pair.dialing.send(PacketType::event, std::to_string(i), std::string(2 << 20, 'x'),
+                          [&](bool out) { written += out; });
     pair.loop.run_for(50ms);
     pair.dialing.send(PacketType::get, "urgent");
     CHECK(written == 0);
@@ -21,8 +22,8 @@ TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Pla
     CHECK(pair.loop.until([&] { return written == 6; }));
 }
 
-TEST_CASE_TEMPLATE("lanes: a peer that never reads keeps events waiting and is cut off when control packets pile up", Place, Unix, Tcp,
-                   InProcess)
+TEST_CASE_TEMPLATE("lanes: a peer that never reads keeps events waiting and is cut off when control packets pile up",
+                   Place, Unix, Tcp, InProcess)
 {
     RawPair pair(Place::address, patient);
     pair.write(hello());

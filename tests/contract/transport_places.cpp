@@ -75,7 +75,8 @@ Address unix_at(const std::string& path) { return {Address::Scheme::unix_socket,
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("place: dialing where nobody listens is unreachable, with the address in the text", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("place: dialing where nobody listens is unreachable, with the address in the text", Place, Unix, Tcp,
+                   InProcess)
 {
     Loop loop;
     Folder folder;
@@ -85,7 +86,8 @@ TEST_CASE_TEMPLATE("place: dialing where nobody listens is unreachable, with the
     CHECK(answer.text.find(to_text(address)) != std::string::npos);
 }
 
-TEST_CASE_TEMPLATE("place: a second listener at one place is refused and the first goes on", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("place: a second listener at one place is refused and the first goes on", Place, Unix, Tcp,
+                   InProcess)
 {
     Loop loop;
     Folder folder;
@@ -96,7 +98,8 @@ TEST_CASE_TEMPLATE("place: a second listener at one place is refused and the fir
     CHECK(dial(loop, first->address(), 2s).connected);
 }
 
-TEST_CASE_TEMPLATE("place: a listener that is gone accepts nobody, and its place can be taken again", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("place: a listener that is gone accepts nobody, and its place can be taken again", Place, Unix, Tcp,
+                   InProcess)
 {
     Loop loop;
     Folder folder;
@@ -225,7 +228,8 @@ TEST_CASE("place: a peer of another user is closed by the listener and refused b
     Folder folder;
     Loop loop;
     int welcomed = 0;
-    const auto listener = hive::transport::listen(loop.context, unix_at(folder.path("open")), [&](auto) { ++welcomed; });
+    const auto listener =
+        hive::transport::listen(loop.context, unix_at(folder.path("open")), [&](auto) { ++welcomed; });
     std::filesystem::permissions(std::filesystem::path(folder.path("open")).parent_path(), std::filesystem::perms::all);
     std::filesystem::permissions(folder.path("open"), std::filesystem::perms::all);
     const pid_t child = ::fork();

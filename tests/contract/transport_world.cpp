@@ -101,7 +101,8 @@ RawPair::RawPair(Address (*address)(const Folder&), const Timing& timing)
         end.start(Connection::create(loop.context, std::move(there), timing));
         return;
     }
-    listener = hive::transport::listen(loop.context, place, [this](auto connection) { end.start(std::move(connection)); }, timing);
+    listener = hive::transport::listen(
+        loop.context, place, [this](auto connection) { end.start(std::move(connection)); }, timing);
     const int family = place.scheme == Address::Scheme::tcp ? AF_INET : AF_UNIX;
     raw = hive::transport::make_socket_stream(
         hive::transport::adopt_socket(loop.context, family, connect_raw(listener->address())), "raw");
@@ -139,7 +140,8 @@ std::string prefix(PacketType type, std::uint32_t header_size, std::uint32_t bod
 
 std::string encoded(PacketType type, const std::string& header, const std::string& body)
 {
-    return prefix(type, static_cast<std::uint32_t>(header.size()), static_cast<std::uint32_t>(body.size())) + header + body;
+    return prefix(type, static_cast<std::uint32_t>(header.size()), static_cast<std::uint32_t>(body.size())) + header
+           + body;
 }
 
 int connect_raw(const Address& address)

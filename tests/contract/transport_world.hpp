@@ -1,4 +1,5 @@
-// The small world of the transport tests: an event loop, places to meet, connection ends that remember, peers of raw bytes.
+// The small world of the transport tests: an event loop, places to meet, connection ends that remember, peers of raw
+// bytes.
 #pragma once
 
 #include "memory_pipe.hpp"
@@ -20,11 +21,11 @@ namespace world {
 
 using namespace std::chrono_literals;
 using hive::Errc;
+using hive::protocol::Packet;
+using hive::protocol::PacketType;
 using hive::transport::Address;
 using hive::transport::Connection;
 using hive::transport::Timing;
-using hive::protocol::Packet;
-using hive::protocol::PacketType;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool sanitized = true;  // memory and time are the sanitizer's, not ours

@@ -26,7 +26,10 @@ void put_one(hive::Application& application, const std::string& drone)
     application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
 }
 
-std::string state_of(hive::Application& application, const std::string& drone) { return application.status(drone).at("state"); }
+std::string state_of(hive::Application& application, const std::string& drone)
+{
+    return application.status(drone).at("state");
+}
 
 }  // namespace
 
@@ -77,7 +80,8 @@ TEST_CASE("set: when one of eight refuses, by its declaration or by its own code
     }
 }
 
-TEST_CASE("busy: get, describe and ps answer in less than 50 ms while user code is inside a callback of 10 s, and stop ends it within 3 s")
+TEST_CASE("busy: get, describe and ps answer in less than 50 ms while user code is inside a callback of 10 s, and stop "
+          "ends it within 3 s")
 {
     const Swarm swarm;
     auto drone = swarm.drone("sleeper", "face", {"work_ms=10000"});

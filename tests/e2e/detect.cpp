@@ -15,7 +15,8 @@
 using namespace hive::test;
 using hive::Json;
 
-TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture what a plain program with the same class finds")
+TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture what a plain program with the same "
+          "class finds")
 {
     const auto video = shared_data("media/pedestrians_0001-0400.avi");
     if (!video) {
@@ -57,7 +58,8 @@ TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture
     CHECK(found > 0);
 }
 
-TEST_CASE("detect: a model or a file of classes that cannot be used is refused in a sentence, by set and at the start, and people are found as before")
+TEST_CASE("detect: a model or a file of classes that cannot be used is refused in a sentence, by set and at the start, "
+          "and people are found as before")
 {
     const Swarm swarm;
     const auto garbage = (swarm.home() / "garbage.onnx").string();
@@ -85,11 +87,13 @@ TEST_CASE("detect: a model or a file of classes that cannot be used is refused i
     not_started("classes=/nowhere/names", "no file of class names at /nowhere/names");
 }
 
-TEST_CASE("detect: a model that is set while pictures come is used, with the names of its classes, and people again without it")
+TEST_CASE("detect: a model that is set while pictures come is used, with the names of its classes, and people again "
+          "without it")
 {
     const Swarm swarm;
     // One cup in the left half of what it is shown, always.
-    const onnx::File model(".onnx", onnx::bytes_of({.shape = {1, 1, 1, 7}, .constants = {0, 1, 0.75F, 0, 0, 0.5F, 1}, .wires = {}})),
+    const onnx::File model(
+        ".onnx", onnx::bytes_of({.shape = {1, 1, 1, 7}, .constants = {0, 1, 0.75F, 0, 0, 0.5F, 1}, .wires = {}})),
         names(".names", "background\ncup\n");
     const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "faces=0"});
     const auto detect = swarm.drone("detect", "detect");
@@ -97,13 +101,16 @@ TEST_CASE("detect: a model that is set while pictures come is used, with the nam
     const auto collector = application.collect({{"detect", "objects"}});
     application.connect({"camera", ""}, {"detect", ""});
     const auto comes = [&](const Json& objects) {
-        return eventually([&] {
-            const auto result = collector->next(Milliseconds(200));
-            return result && result->header.at("objects") == objects;
-        }, Milliseconds(10'000));
+        return eventually(
+            [&] {
+                const auto result = collector->next(Milliseconds(200));
+                return result && result->header.at("objects") == objects;
+            },
+            Milliseconds(10'000));
     };
     CHECK(comes(Json::array()));
-    swarm.hivectl_done({"set", "detect", "model=" + model.path(), "classes=" + names.path(), "input_width=8", "input_height=8", "fit=stretch"});
+    swarm.hivectl_done({"set", "detect", "model=" + model.path(), "classes=" + names.path(), "input_width=8",
+                        "input_height=8", "fit=stretch"});
     CHECK(comes({{{"x", 0}, {"y", 0}, {"w", 320}, {"h", 480}, {"class", "cup"}, {"score", 0.75}}}));
     swarm.hivectl_done({"set", "detect", "model="});
     CHECK(comes(Json::array()));

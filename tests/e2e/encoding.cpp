@@ -18,11 +18,17 @@ namespace {
 /// Receives one output over a way of the test's choice, as a module of its own.
 class Receiver {
 public:
-    Receiver(const std::string& name, const std::string& address, const std::string& output, const std::string& accepts = "*/*", const std::string& encoding = "")
+    Receiver(const std::string& name, const std::string& address, const std::string& output,
+             const std::string& accepts = "*/*", const std::string& encoding = "")
         : module_({.self = {.name = name, .kind = "application", .epoch = 1}, .limits = {}, .timing = {}})
     {
-        hive::event::IntakeSpec spec{.sender = "camera", .output = output, .address = hive::transport::parse_address(address), .input = output,
-                                     .receiver = name, .accepts = accepts, .options = {}};
+        hive::event::IntakeSpec spec{.sender = "camera",
+                                     .output = output,
+                                     .address = hive::transport::parse_address(address),
+                                     .input = output,
+                                     .receiver = name,
+                                     .accepts = accepts,
+                                     .options = {}};
         spec.options.encoding = encoding;
         module_.start();
         std::promise<hive::event::Outcome> registered;
@@ -52,7 +58,10 @@ private:
 
 constexpr std::size_t pixels = 640 * 480 * 3;
 
-std::string local_address(const Swarm& swarm, const std::string& drone) { return "unix:" + (swarm.home() / (drone + ".sock")).string(); }
+std::string local_address(const Swarm& swarm, const std::string& drone)
+{
+    return "unix:" + (swarm.home() / (drone + ".sock")).string();
+}
 
 /// The address that a drone says it listens at.
 std::string tcp_address(const Swarm& swarm, const std::string& drone)
@@ -77,7 +86,10 @@ Json encodings(const Swarm& swarm)
     return found;
 }
 
-bool is_jpeg(const hive::Event& event) { return event.body.size() > 1000 && event.body.data()[0] == 0xFF && event.body.data()[1] == 0xD8; }
+bool is_jpeg(const hive::Event& event)
+{
+    return event.body.size() > 1000 && event.body.data()[0] == 0xFF && event.body.data()[1] == 0xD8;
+}
 
 }  // namespace
 
@@ -139,7 +151,8 @@ TEST_CASE("encoding: in a lossless stream over TCP nothing is skipped and nothin
     }
 }
 
-TEST_CASE("encoding: a JPEG file travels byte for byte, on one machine and over TCP, unless another quality is asked for")
+TEST_CASE(
+    "encoding: a JPEG file travels byte for byte, on one machine and over TCP, unless another quality is asked for")
 {
     const Swarm swarm;
     const auto file = swarm.home() / "picture.jpg";
@@ -180,7 +193,8 @@ TEST_CASE("encoding: the shell asks for it, edges show it, and a wrong word is r
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});
-    const auto face = swarm.drone("face", "face"), one = swarm.drone("sleeper", "one"), two = swarm.drone("sleeper", "two");
+    const auto face = swarm.drone("face", "face"), one = swarm.drone("sleeper", "one"),
+               two = swarm.drone("sleeper", "two");
     swarm.hivectl_done({"connect", "camera", "face"});
     swarm.hivectl_done({"connect", "camera", "one", "--encoding", "jpeg:60"});
     swarm.hivectl_done({"connect", "camera", "two", "--encoding", "raw"});

@@ -21,7 +21,8 @@ std::int64_t produced(hive::Application& application, const std::string& drone)
 
 }  // namespace
 
-TEST_CASE("halt: after image 37 nothing is consumed, one exception tells which it was, and resume continues with the newest")
+TEST_CASE(
+    "halt: after image 37 nothing is consumed, one exception tells which it was, and resume continues with the newest")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=40"});
@@ -97,7 +98,8 @@ TEST_CASE("skip: 36 and 38 appear, 37 is counted as abandoned and reported")
     CHECK(shown.find("event 37 is not to my taste") != std::string::npos);
 }
 
-TEST_CASE("skip: an exception that nobody has subscribed to holds up no source on demand, and results that connect later come")
+TEST_CASE("skip: an exception that nobody has subscribed to holds up no source on demand, and results that connect "
+          "later come")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=10"});

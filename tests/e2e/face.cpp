@@ -15,7 +15,8 @@ double overlap(const Json& a, const Json& b)
 {
     const auto of = [](const Json& box, const char* key) { return box.at(key).get<double>(); };
     const auto common = [&](const char* place, const char* length) {
-        return std::max(0.0, std::min(of(a, place) + of(a, length), of(b, place) + of(b, length)) - std::max(of(a, place), of(b, place)));
+        return std::max(0.0, std::min(of(a, place) + of(a, length), of(b, place) + of(b, length))
+                                 - std::max(of(a, place), of(b, place)));
     };
     const double both = common("x", "w") * common("y", "h");
     return both / (of(a, "w") * of(a, "h") + of(b, "w") * of(b, "h") - both);
@@ -41,7 +42,8 @@ TEST_CASE("face swarm: every picture of a scene on demand has its faces where th
     const auto camera = swarm.drone("camera", "camera", {"source=scene", "faces=1", "pace=demand"});
     const auto face = swarm.drone("face", "face");
     auto application = swarm.application();
-    const auto images = application.collect({{"camera", "image"}}), boxes = application.collect({{"face", "faces"}}, {.ordered = true});
+    const auto images = application.collect({{"camera", "image"}}),
+               boxes = application.collect({{"face", "faces"}}, {.ordered = true});
     swarm.hivectl_done({"connect", "camera", "face"});
     // What was drawn before all three were connected went to those that were.
     std::map<std::int64_t, Json> truth;
@@ -65,7 +67,8 @@ TEST_CASE("face swarm: every picture of a scene on demand has its faces where th
         CHECK(result->header.at("width") == 640);
     }
     MESSAGE(correct, " of ", seen, " pictures exactly right");
-    // The detector errs in 4 of 1000 pictures of this scene, in the 21st first of all; which ones come is a matter of when all had connected.
+    // The detector errs in 4 of 1000 pictures of this scene, in the 21st first of all; which ones come is a matter of
+    // when all had connected.
     CHECK(correct >= seen - std::max(1, seen / 15));
 }
 
@@ -119,6 +122,8 @@ TEST_CASE("face swarm: a file is read to its end on demand, shared by two worker
     }
     CHECK_FALSE(collector->next(200ms));
     CHECK(eventually([&] { return application.status("camera").at("condition") == "end of source"; }));
-    application.set("camera", {{"hand", true}, {"walkers", 2}});  // of the scene: other swarms may ask for it, the file does not begin again
+    application.set(
+        "camera",
+        {{"hand", true}, {"walkers", 2}});  // of the scene: other swarms may ask for it, the file does not begin again
     CHECK(application.status("camera").at("condition") == "end of source");
 }

@@ -65,8 +65,8 @@ TEST_CASE("stall: a camera whose source is silent still answers, says that it is
     }
     const auto begin = Clock::now();
     CHECK(eventually([&] { return !application.status("camera").at("condition").get<std::string>().empty(); }, 6000ms));
-    MESSAGE("condition after ", std::chrono::duration_cast<Milliseconds>(Clock::now() - begin).count(), " ms: ",
-            application.status("camera").at("condition").get<std::string>());
+    MESSAGE("condition after ", std::chrono::duration_cast<Milliseconds>(Clock::now() - begin).count(),
+            " ms: ", application.status("camera").at("condition").get<std::string>());
     const auto collector = application.collect({{"camera", "image"}});
     const auto set = swarm.hivectl({"set", "camera", "source=scene"});
     CHECK(set.exit_code == 0);
@@ -84,9 +84,13 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
     auto application = swarm.application();
     application.halt("ticker");
     std::string condition;  // at first it is stalled only
-    REQUIRE(eventually([&] { return has(condition = application.status("camera").at("condition").get<std::string>(), server.url()); }, 6000ms));
+    REQUIRE(eventually(
+        [&] { return has(condition = application.status("camera").at("condition").get<std::string>(), server.url()); },
+        6000ms));
     const auto file = (swarm.home() / "run.hive").string();
-    for (const auto& words : {std::vector<std::string>{"results", "camera"}, {"collect", "camera", "ticker"}, {"record", "camera", "ticker", "-o", file}}) {
+    for (const auto& words : {std::vector<std::string>{"results", "camera"},
+                              {"collect", "camera", "ticker"},
+                              {"record", "camera", "ticker", "-o", file}}) {
         CAPTURE(words[0]);
         auto all = words;
         all.insert(all.end(), {"--timeout", "0.3"});
@@ -156,7 +160,8 @@ TEST_CASE("state: what a drone was told is not for one of another kind with its 
     CHECK(has(swarm.log("heir"), "sleeper"));
 }
 
-TEST_CASE("state: a saved value that is refused now is left out with a word, and the others are kept, and a file that is damaged is left out")
+TEST_CASE("state: a saved value that is refused now is left out with a word, and the others are kept, and a file that "
+          "is damaged is left out")
 {
     const Swarm swarm;
     const auto file = swarm.home() / "heir.state";
@@ -189,7 +194,9 @@ TEST_CASE("state: a drone that cannot write it does what it is told, and says on
     CHECK(swarm.hivectl_done({"connect", "source", "worker"}) == "source.tick -> worker.image\n");
     CHECK(swarm.hivectl_done({"set", "worker", "work_ms=6"}) == "6\n");
     auto application = swarm.application();
-    CHECK(eventually([&] { return application.status("worker").value("last_exception", Json::object()).value("code", "") == "io"; }));
+    CHECK(eventually([&] {
+        return application.status("worker").value("last_exception", Json::object()).value("code", "") == "io";
+    }));
     CHECK(application.status("worker").at("inputs").at(0).at("state") == "connected");
     CHECK(application.status("worker").at("pid") == worker.pid());
     CHECK(times(swarm.log("worker"), in_the_way) == 1);
@@ -199,7 +206,8 @@ TEST_CASE("start: a drone whose further address is taken ends with the reason, a
 {
     const Swarm swarm;
     const MuteServer server;
-    const auto ended = swarm.run({swarm.program("hive-sleeper").string(), "--name", "face", "--listen", "tcp://127.0.0.1:" + server.port(), "--insecure"});
+    const auto ended = swarm.run({swarm.program("hive-sleeper").string(), "--name", "face", "--listen",
+                                  "tcp://127.0.0.1:" + server.port(), "--insecure"});
     CHECK(ended.exit_code == 1);
     CHECK(has(ended.err, server.port()));
     CHECK_FALSE(std::filesystem::exists(swarm.home() / "face.sock"));
@@ -257,7 +265,8 @@ TEST_CASE("limits: a file or a value that no drone would take is refused here, a
     CHECK(swarm.hivectl_done({"ps"}).find("face") != std::string::npos);
 }
 
-TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a command no longer than its timeout, and goes on")
+TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a command no longer than its timeout, "
+          "and goes on")
 {
     const Swarm swarm;
     const auto drone = swarm.drone("ticker", "hung"), other = swarm.drone("ticker", "other");

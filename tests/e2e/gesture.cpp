@@ -19,8 +19,13 @@ Json expected(const gesture::Hand& hand)
     Json tips = Json::array();
     for (const auto& tip : hand.tips)
         tips.push_back({{"x", tip.x}, {"y", tip.y}});
-    Json json{{"x", hand.box.x}, {"y", hand.box.y}, {"w", hand.box.width}, {"h", hand.box.height}, {"pose", gesture::pose(hand)},
-              {"fingers", hand.tips.size()}, {"palm", {{"x", hand.palm.x}, {"y", hand.palm.y}, {"radius", tenths(hand.radius)}}}};
+    Json json{{"x", hand.box.x},
+              {"y", hand.box.y},
+              {"w", hand.box.width},
+              {"h", hand.box.height},
+              {"pose", gesture::pose(hand)},
+              {"fingers", hand.tips.size()},
+              {"palm", {{"x", hand.palm.x}, {"y", hand.palm.y}, {"radius", tenths(hand.radius)}}}};
     json["tips"] = tips;
     if (hand.angle)
         json["angle"] = tenths(*hand.angle);
@@ -49,7 +54,8 @@ camera::SceneSettings hand_before(camera::Background wall)
 
 }  // namespace
 
-TEST_CASE("gesture swarm: on demand, every picture of the scene is read as a plain program reads it, and as it was drawn")
+TEST_CASE(
+    "gesture swarm: on demand, every picture of the scene is read as a plain program reads it, and as it was drawn")
 {
     constexpr int pictures = sanitized() ? 40 : 210;  // 210: once through all gestures
     cv::setNumThreads(1);
@@ -73,7 +79,8 @@ TEST_CASE("gesture swarm: on demand, every picture of the scene is read as a pla
     }
 }
 
-TEST_CASE("gesture swarm: behind the background drone, on demand, the hands of every picture are those of one plain program")
+TEST_CASE(
+    "gesture swarm: behind the background drone, on demand, the hands of every picture are those of one plain program")
 {
     constexpr int pictures = sanitized() ? 45 : 210;  // as above; the first 30 are without the hand
     const Swarm swarm;
@@ -86,7 +93,9 @@ TEST_CASE("gesture swarm: behind the background drone, on demand, the hands of e
     application.connect({"camera", ""}, {"background", ""});
     const auto settings = hand_before(camera::Background::brick);
     const auto headers = checked_headers(*collector, "hands", pictures, [&](std::int64_t first) {
-        return plain_program(scene_pictures(settings), {}, first, pictures, [](std::int64_t, const background::Foreground& found) { return plain_hands(found.mask, "mask"); });
+        return plain_program(
+            scene_pictures(settings), {}, first, pictures,
+            [](std::int64_t, const background::Foreground& found) { return plain_hands(found.mask, "mask"); });
     });
     int shown = 0, read = 0;
     const camera::Scene scene(settings);
@@ -112,10 +121,12 @@ TEST_CASE("gesture swarm: live, the header is as the page shows it, and the pict
     application.connect({"camera", ""}, {"gesture", ""});
     const Json example = json_example("gesture");
     std::optional<hive::Event> shown;
-    REQUIRE(eventually([&] {  // the first second has no hand, a fist has no tips
-        shown = collector->next(Milliseconds(500));
-        return shown && !shown->header.at("hands").empty() && !shown->header["hands"][0].at("tips").empty();
-    }, Milliseconds(10'000)));
+    REQUIRE(eventually(
+        [&] {  // the first second has no hand, a fist has no tips
+            shown = collector->next(Milliseconds(500));
+            return shown && !shown->header.at("hands").empty() && !shown->header["hands"][0].at("tips").empty();
+        },
+        Milliseconds(10'000)));
     CHECK(keys(shown->header) == keys(example));
     CHECK(keys(shown->header["hands"][0]) == keys(example["hands"][0]));
     CHECK(keys(shown->header["hands"][0]["palm"]) == keys(example["hands"][0]["palm"]));

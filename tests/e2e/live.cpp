@@ -20,7 +20,8 @@ Json receiver_row(hive::Application& application, const std::string& sender, con
     throw std::runtime_error(sender + " knows no receiver " + receiver);
 }
 
-/// How old the event was when the worker began with it: its age when the work was done, less what it waited and took there.
+/// How old the event was when the worker began with it: its age when the work was done, less what it waited and took
+/// there.
 double age_at_arrival_ms(const hive::Event& result)
 {
     const auto& hop = result.identity.hops.back();
@@ -29,7 +30,8 @@ double age_at_arrival_ms(const hive::Event& result)
 
 }  // namespace
 
-TEST_CASE("sync: a camera of 30 fps sends a receiver of 100 ms at most 10.5 images a second, each the newest when it asked")
+TEST_CASE(
+    "sync: a camera of 30 fps sends a receiver of 100 ms at most 10.5 images a second, each the newest when it asked")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});
@@ -47,27 +49,33 @@ TEST_CASE("sync: a camera of 30 fps sends a receiver of 100 ms at most 10.5 imag
             ages.push_back(age_at_arrival_ms(*result));
     const auto after = receiver_row(application, "camera", "worker.image");
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    const auto grown = [&](const char* key) { return (after.at(key).get<double>() - before.at(key).get<double>()) / seconds; };
-    MESSAGE(grown("produced"), " images/s made, ", grown("delivered"), " sent, ", grown("skipped"), " skipped; median age at arrival ", median(ages), " ms");
+    const auto grown = [&](const char* key) {
+        return (after.at(key).get<double>() - before.at(key).get<double>()) / seconds;
+    };
+    MESSAGE(grown("produced"), " images/s made, ", grown("delivered"), " sent, ", grown("skipped"),
+            " skipped; median age at arrival ", median(ages), " ms");
     CHECK(grown("delivered") <= 10.5);
     CHECK(after.at("dropped") == 0);
     if (sanitized())
         return;
     CHECK(grown("produced") > 0.95 * 30);
     CHECK(grown("delivered") > 9);
-    // The newest is at most one period old, and what it takes to draw, encode and send it; the one before it is a period older.
+    // The newest is at most one period old, and what it takes to draw, encode and send it; the one before it is a
+    // period older.
     CHECK(median(ages) < 1000.0 / 30 + 10);
     std::ranges::sort(ages);
     CHECK(ages[ages.size() * 9 / 10] < 1000.0 / 30 + 20);
 }
 
-TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its own rate, and the camera at most two pictures for each")
+TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its own rate, and the camera at most two "
+          "pictures for each")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});
     constexpr std::size_t picture = 640 * 480 * 3;
     const auto fast = swarm.drone("sleeper", "fast"), slow = swarm.drone("sleeper", "slow", {"work_ms=100"}),
-               slowest = swarm.drone("sleeper", "slowest", {"work_ms=1000"}), stopped = swarm.drone("sleeper", "stopped", {"work_ms=100"});
+               slowest = swarm.drone("sleeper", "slowest", {"work_ms=1000"}),
+               stopped = swarm.drone("sleeper", "stopped", {"work_ms=100"});
     auto application = swarm.application();
     const auto collector = application.collect({{"fast", ""}, {"slow", ""}, {"slowest", ""}});
     for (const std::string receiver : {"fast", "slow", "slowest", "stopped"})
@@ -79,8 +87,9 @@ TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its o
     const auto now = resident_bytes(camera.pid());
     const std::size_t grown = std::max(now, before) - before;
     stopped.signal(SIGCONT);
-    MESSAGE("fast ", rate_of(came.at("fast")), ", slow ", rate_of(came.at("slow")), ", slowest ", rate_of(came.at("slowest")), " events/s; the camera grew by ",
-            grown / 1024, " KiB, a picture has ", picture / 1024);
+    MESSAGE("fast ", rate_of(came.at("fast")), ", slow ", rate_of(came.at("slow")), ", slowest ",
+            rate_of(came.at("slowest")), " events/s; the camera grew by ", grown / 1024, " KiB, a picture has ",
+            picture / 1024);
     if (!sanitized()) {
         CHECK(rate_of(came.at("fast")) == doctest::Approx(30).epsilon(0.05));
         CHECK(rate_of(came.at("slow")) == doctest::Approx(10).epsilon(0.05));
@@ -93,7 +102,8 @@ TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its o
     CHECK(eventually([&] { return done() > at_stop + 2; }));
 }
 
-TEST_CASE("watching: three hivectl top and three receivers of notifications change the rate of a swarm by less than 1 %")
+TEST_CASE(
+    "watching: three hivectl top and three receivers of notifications change the rate of a swarm by less than 1 %")
 {
     if (sanitized())
         return;  // a measurement
@@ -111,7 +121,8 @@ TEST_CASE("watching: three hivectl top and three receivers of notifications chan
         std::vector<Process> tops;
         for (const auto& name : names) {
             tops.push_back(swarm.hivectl_running({"top"}, "top-of-" + name));
-            application.connect({"source", "tick"}, {name, "image"}, {.delivery = hive::Delivery::notification, .group = {}, .lease = {}});
+            application.connect({"source", "tick"}, {name, "image"},
+                                {.delivery = hive::Delivery::notification, .group = {}, .lease = {}});
         }
         return tops;
     };
@@ -131,7 +142,8 @@ TEST_CASE("watching: three hivectl top and three receivers of notifications chan
         for (const auto& name : names)
             application.disconnect({"source", ""}, {name, ""});
     }
-    MESSAGE("alone ", median(alone), ", watched ", median(watched), " events/s, median of their ratios ", median(ratio), " (9 rounds)");
+    MESSAGE("alone ", median(alone), ", watched ", median(watched), " events/s, median of their ratios ", median(ratio),
+            " (9 rounds)");
     CHECK(median(ratio) > 0.99);
     for (const auto& name : names)
         CHECK(application.status(name).at("events").at("received") > 100);

@@ -20,12 +20,14 @@ Json matching(hive::Application& application) { return application.status("annot
 /// Is the box framed in green, at the middle of its left side?
 bool framed(const hive::Event& picture, const Json& box)
 {
-    const auto x = box.at("x").get<std::size_t>(), y = box.at("y").get<std::size_t>() + box.at("h").get<std::size_t>() / 2;
+    const auto x = box.at("x").get<std::size_t>(),
+               y = box.at("y").get<std::size_t>() + box.at("h").get<std::size_t>() / 2;
     const auto* pixel = picture.body.data() + y * picture.header.at("stride").get<std::size_t>() + 3 * x;
     return pixel[0] == 60 && pixel[1] == 220 && pixel[2] == 60;
 }
 
-/// A camera on demand that gives nothing before all is connected, faces found in its pictures, and both brought together.
+/// A camera on demand that gives nothing before all is connected, faces found in its pictures, and both brought
+/// together.
 class AnnotateSwarm {
 public:
     explicit AnnotateSwarm(int workers = 1, const std::vector<std::string>& camera = {"pace=demand", "width=320"})
@@ -39,7 +41,8 @@ public:
             application.connect({"face-" + std::to_string(i), "faces"}, {"annotate", "marks"});
         application.connect({"camera", "image"}, {"annotate", "image"}, {.window = 64, .group = {}, .lease = {}});
         for (int i = 1; i <= workers; ++i)
-            application.connect({"camera", "image"}, {"face-" + std::to_string(i), "image"}, {.group = workers > 1 ? "faces" : "", .lease = {}});
+            application.connect({"camera", "image"}, {"face-" + std::to_string(i), "image"},
+                                {.group = workers > 1 ? "faces" : "", .lease = {}});
     }
 
     Swarm swarm;
@@ -98,7 +101,8 @@ TEST_CASE("annotate: on demand with two workers that share, one of them killed, 
     CHECK(matching(swarm.application).at("missing") == Json{{"image", 0}, {"marks", 0}});
 }
 
-TEST_CASE("annotate: live, with a detector slower than the camera, all boxes find their pictures, and the other pictures are counted as without marks")
+TEST_CASE("annotate: live, with a detector slower than the camera, all boxes find their pictures, and the other "
+          "pictures are counted as without marks")
 {
     AnnotateSwarm swarm(1, {"fps=60", "width=320"});
     swarm.application.set("face-1", {{"scale", 1.05}});
@@ -112,7 +116,8 @@ TEST_CASE("annotate: live, with a detector slower than the camera, all boxes fin
         for (const auto& box : picture->header.at("marks").at("faces"))
             CHECK(framed(*picture, box));
     }
-    CHECK(eventually([&] { return matching(swarm.application).at("sets") >= 8; }));  // the last is counted after it was emitted
+    CHECK(eventually(
+        [&] { return matching(swarm.application).at("sets") >= 8; }));  // the last is counted after it was emitted
     const auto counts = matching(swarm.application);
     CHECK(counts.at("missing").at("image") == 0);
     CHECK(counts.at("missing").at("marks") > 0);
@@ -130,7 +135,8 @@ TEST_CASE("annotate: it remembers pictures, so it is refused as a member of a gr
     CHECK(refused.err.find("cannot share") != std::string::npos);
 }
 
-TEST_CASE("matched: an application gets sets of a source and a worker that leaves one out, none of the others missing, and nothing stands still")
+TEST_CASE("matched: an application gets sets of a source and a worker that leaves one out, none of the others missing, "
+          "and nothing stands still")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=60"});
@@ -139,7 +145,8 @@ TEST_CASE("matched: an application gets sets of a source and a worker that leave
     application.halt("source");
     hive::CollectOptions one_at_a_time;
     one_at_a_time.connection.window = 1;
-    const auto collector = application.collect_matched({{"source", ""}, {"worker", ""}}, hive::Match::exact(), one_at_a_time);
+    const auto collector =
+        application.collect_matched({{"source", ""}, {"worker", ""}}, hive::Match::exact(), one_at_a_time);
     application.connect({"source", ""}, {"worker", ""});
     application.resume("source");
     for (std::int64_t expected = 1; expected <= 60; ++expected) {
@@ -164,7 +171,8 @@ TEST_CASE("matched: live sources are brought together by the time of their captu
     const Swarm swarm;
     const auto fast = swarm.drone("ticker", "fast", {"fps=100"}), slow = swarm.drone("ticker", "slow", {"fps=20"});
     auto application = swarm.application();
-    const auto collector = application.collect_matched({{"slow", ""}, {"fast", ""}}, hive::Match::within(patient(40ms)));
+    const auto collector =
+        application.collect_matched({{"slow", ""}, {"fast", ""}}, hive::Match::within(patient(40ms)));
     std::int64_t last = 0;
     for (int i = 0; i < 20; ++i) {
         const auto set = collector->next(patient(5000ms));
@@ -184,7 +192,8 @@ TEST_CASE("matched: one output, or the same twice, makes no set")
     const auto source = swarm.drone("ticker", "source");
     auto application = swarm.application();
     CHECK_THROWS_WITH(application.collect_matched({{"source", "tick"}}), doctest::Contains("two outputs"));
-    CHECK_THROWS_WITH(application.collect_matched({{"source", "tick"}, {"source", ""}}), doctest::Contains("named twice"));
+    CHECK_THROWS_WITH(application.collect_matched({{"source", "tick"}, {"source", ""}}),
+                      doctest::Contains("named twice"));
     CHECK(swarm.hivectl({"collect", "source"}).exit_code == 2);
     CHECK(swarm.hivectl({"collect", "source", "nobody"}).exit_code == 3);
 }
@@ -211,7 +220,8 @@ TEST_CASE("hivectl collect: prints one JSON object for each set, and says on std
     CHECK(count == 5);
     CHECK(collected.err.find("5 sets, ") != std::string::npos);
     CHECK(collected.err.find(" without worker.result") != std::string::npos);
-    const auto within = swarm.hivectl({"collect", "source", "worker", "--within", "20", "-n", "2", "--notify", "--timeout", "10"});
+    const auto within =
+        swarm.hivectl({"collect", "source", "worker", "--within", "20", "-n", "2", "--notify", "--timeout", "10"});
     CHECK(within.exit_code == 0);
     CHECK(swarm.hivectl_done({"complete", "--", "collect", "wor"}) == "worker\n");
 }

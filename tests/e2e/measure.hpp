@@ -23,7 +23,8 @@ inline double median_ms(const Swarm& swarm, const std::vector<std::string>& word
     for (int i = 0; i < times; ++i) {
         const auto finished = swarm.hivectl(words);
         if (finished.exit_code != 0)
-            throw std::runtime_error("hivectl " + words[0] + " exited with " + std::to_string(finished.exit_code) + ": " + finished.err);
+            throw std::runtime_error("hivectl " + words[0] + " exited with " + std::to_string(finished.exit_code) + ": "
+                                     + finished.err);
         took.push_back(static_cast<double>(finished.took.count()) / 1000);
     }
     return median(std::move(took));

@@ -1,4 +1,5 @@
-// Shared memory between drones: bodies go by reference, shortage and hoarders cost speed but no event, the dead leave nothing.
+// Shared memory between drones: bodies go by reference, shortage and hoarders cost speed but no event, the dead leave
+// nothing.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -25,7 +26,8 @@ Json first_receiver(hive::Application& application, const std::string& sender)
 bool whole(const hive::Event& event)
 {
     const auto bytes = std::span(event.body.data(), event.body.size());
-    return bytes.size() == static_cast<std::size_t>(megabyte) && std::accumulate(bytes.begin(), bytes.end(), std::int64_t{0}) == event.header.at("sum");
+    return bytes.size() == static_cast<std::size_t>(megabyte)
+           && std::accumulate(bytes.begin(), bytes.end(), std::int64_t{0}) == event.header.at("sum");
 }
 
 std::size_t shared_mappings(pid_t pid)

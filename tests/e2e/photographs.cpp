@@ -1,4 +1,5 @@
-// Real photographs through a real swarm: the face drone finds what a plain OpenCV program with the same parameters finds.
+// Real photographs through a real swarm: the face drone finds what a plain OpenCV program with the same parameters
+// finds.
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -36,7 +37,8 @@ Boxes boxes_in(const hive::Json& header)
 {
     Boxes boxes;
     for (const auto& face : header.at("faces"))
-        boxes.insert(std::array{face.at("x").get<int>(), face.at("y").get<int>(), face.at("w").get<int>(), face.at("h").get<int>()});
+        boxes.insert(std::array{face.at("x").get<int>(), face.at("y").get<int>(), face.at("w").get<int>(),
+                                face.at("h").get<int>()});
     return boxes;
 }
 

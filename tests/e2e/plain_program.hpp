@@ -21,7 +21,8 @@ inline auto scene_pictures(const camera::SceneSettings& settings)
 
 /// By sequence: what `of(sequence, foreground)` makes of each of so many pictures.
 template <class Picture, class Of>
-std::map<std::int64_t, Json> plain_program(Picture picture, background::ForegroundFinder finder, std::int64_t first, int pictures, Of of)
+std::map<std::int64_t, Json> plain_program(Picture picture, background::ForegroundFinder finder, std::int64_t first,
+                                           int pictures, Of of)
 {
     cv::setNumThreads(1);  // as the drones
     std::map<std::int64_t, Json> result;
@@ -30,7 +31,8 @@ std::map<std::int64_t, Json> plain_program(Picture picture, background::Foregrou
     return result;
 }
 
-/// Checks that each of so many results has in `field` what the plain program has that begins with the first one's picture; returns their headers.
+/// Checks that each of so many results has in `field` what the plain program has that begins with the first one's
+/// picture; returns their headers.
 template <class Plain>
 std::vector<Json> checked_headers(Collector& collector, const char* field, int pictures, Plain plain)
 {

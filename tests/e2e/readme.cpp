@@ -1,5 +1,5 @@
-// The shell commands of the READMEs and the examples of --help, run as they stand there: of a README every fenced block marked `sh`, all of one
-// page in one swarm.
+// The shell commands of the READMEs and the examples of --help, run as they stand there: of a README every fenced block
+// marked `sh`, all of one page in one swarm.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -48,7 +48,8 @@ command -v jq > /dev/null || jq() { cat; }
 /// @param seconds  for commands that stream
 Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)
 {
-    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds) + "\ncd " + swarm.home().string() + "\n";
+    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds)
+                               + "\ncd " + swarm.home().string() + "\n";
     return swarm.run({"/bin/bash", "-c", values + reader + commands}, 60'000ms);
 }
 
@@ -74,7 +75,8 @@ void run_blocks(const std::string& name)
     const Swarm swarm;
     for (const auto& block : blocks) {
         const auto finished = run_as_reader(swarm, block, sanitized() ? 15 : 3);
-        CHECK_MESSAGE(finished.exit_code == 0, name, ": exit code ", finished.exit_code, " of\n", block, "\nit printed\n", finished.out, finished.err);
+        CHECK_MESSAGE(finished.exit_code == 0, name, ": exit code ", finished.exit_code, " of\n", block,
+                      "\nit printed\n", finished.out, finished.err);
     }
 }
 
@@ -133,7 +135,8 @@ TEST_CASE("README: the examples of --help work as they stand there")
         CHECK_MESSAGE(!commands.empty(), verb.name, " has no examples");
         for (const auto& command : commands) {
             const auto finished = run_as_reader(swarm, command, 1);
-            CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of ", command, "\nit printed\n", finished.out, finished.err);
+            CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of ", command, "\nit printed\n",
+                          finished.out, finished.err);
         }
     }
 }

@@ -26,7 +26,8 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 /// Everything that an event is, as bytes.
 std::string bytes_of(const hive::Event& event)
 {
-    return hive::event_text(event) + '\n' + std::string(reinterpret_cast<const char*>(event.body.data()), event.body.size());
+    return hive::event_text(event) + '\n'
+           + std::string(reinterpret_cast<const char*>(event.body.data()), event.body.size());
 }
 
 /// The same, but for who sent it.
@@ -42,7 +43,8 @@ std::vector<hive::Event> take(hive::Collector& collector, std::size_t count)
     while (events.size() < count) {
         auto event = collector.next(patient(5000ms));
         REQUIRE_MESSAGE(event, "only ", events.size(), " events of ", count, " came");
-        event->body = hive::Body(std::string(reinterpret_cast<const char*>(event->body.data()), event->body.size()));  // not kept in shared memory
+        event->body = hive::Body(std::string(reinterpret_cast<const char*>(event->body.data()),
+                                             event->body.size()));  // not kept in shared memory
         event->receipt.reset();
         events.push_back(std::move(*event));
     }
@@ -120,7 +122,8 @@ TEST_CASE("recording: ten thousand events on demand come back as they were, twic
     CHECK(hive::event_text(originals[0]).size() > 1024);
 }
 
-TEST_CASE("recording: the work of a replay that begins again and again can be shared, and no result is taken for a second answer")
+TEST_CASE("recording: the work of a replay that begins again and again can be shared, and no result is taken for a "
+          "second answer")
 {
     constexpr std::size_t count = 10;
     const Swarm swarm;
@@ -147,7 +150,9 @@ TEST_CASE("recording: a recorder that is killed leaves every event that it had t
     auto application = swarm.application();
     application.connect({"source", ""}, {"record", ""}, wide);
     std::int64_t taken = 0;
-    REQUIRE(eventually([&] { return (taken = application.status("record").at("events").at("processed").get<std::int64_t>()) >= 100; }));
+    REQUIRE(eventually([&] {
+        return (taken = application.status("record").at("events").at("processed").get<std::int64_t>()) >= 100;
+    }));
     recorder.kill();
     Reader reader(file);
     CHECK(has(reader.problem(), "no end"));
@@ -161,7 +166,9 @@ TEST_CASE("recording: a recorder that is killed leaves every event that it had t
     const auto replay = swarm.drone("replay", "replay", {"file=" + file.string(), "pace=demand"});
     const auto collector = application.collect({{"replay", "tick"}});
     take(*collector, static_cast<std::size_t>(reader.summary().events()));
-    CHECK(eventually([&] { return has(application.status("replay").at("condition"), "end of recording; the recording has no end"); }));
+    CHECK(eventually([&] {
+        return has(application.status("replay").at("condition"), "end of recording; the recording has no end");
+    }));
     CHECK(application.status("replay").at("last_exception").at("code") == "malformed");
 }
 
@@ -175,29 +182,40 @@ TEST_CASE("recording: a full disk is said within a second, costs others nothing,
     const auto disk = swarm.home() / "disk", copy = swarm.home() / "copy.hive";
     fs::create_directory(disk);
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});
-    const std::string script = "mount -t tmpfs -o size=8m small " + disk.string() + " && hive-record --set file=" + disk.string() + "/run.hive; cp " + disk.string()
-                             + "/run.hive " + copy.string() + ".part && mv " + copy.string() + ".part " + copy.string();
+    const std::string script = "mount -t tmpfs -o size=8m small " + disk.string() + " && hive-record --set file="
+                               + disk.string() + "/run.hive; cp " + disk.string() + "/run.hive " + copy.string()
+                               + ".part && mv " + copy.string() + ".part " + copy.string();
     const char* path = std::getenv("PATH");
-    const std::vector<std::string> environment{"HIVE_HOME=" + swarm.home().string(), "PATH=" + swarm.program("").string() + ":" + (path ? path : "/bin")};
-    const Process recorder({"/usr/bin/unshare", "-Urm", "/bin/sh", "-c", script}, environment, swarm.home() / "record.log");
+    const std::vector<std::string> environment{"HIVE_HOME=" + swarm.home().string(),
+                                               "PATH=" + swarm.program("").string() + ":" + (path ? path : "/bin")};
+    const Process recorder({"/usr/bin/unshare", "-Urm", "/bin/sh", "-c", script}, environment,
+                           swarm.home() / "record.log");
     auto application = swarm.application();
-    REQUIRE_MESSAGE(eventually([&] { return fs::exists(swarm.home() / "record.sock") && !application.status(std::vector<std::string>{"record"}).at(0).error; }, 10'000ms), swarm.log("record"));
+    REQUIRE_MESSAGE(eventually(
+                        [&] {
+                            return fs::exists(swarm.home() / "record.sock")
+                                   && !application.status(std::vector<std::string>{"record"}).at(0).error;
+                        },
+                        10'000ms),
+                    swarm.log("record"));
 
     const auto exceptions = application.exceptions({"record"});
     const auto other = application.collect({{"camera", "image"}});
     application.connect({"camera", ""}, {"record", ""}, wide);
     std::optional<hive::Event> exception;
     std::int64_t last = 0, gaps = 0, seen = 0;
-    REQUIRE(eventually([&] {
-        if (const auto event = other->next(0ms)) {
-            gaps += last > 0 && event->identity.sequence != last + 1 ? 1 : 0;
-            last = event->identity.sequence;
-            ++seen;
-        }
-        if (!exception)
-            exception = exceptions->next(0ms);
-        return exception && seen > 60;
-    }, 10'000ms));
+    REQUIRE(eventually(
+        [&] {
+            if (const auto event = other->next(0ms)) {
+                gaps += last > 0 && event->identity.sequence != last + 1 ? 1 : 0;
+                last = event->identity.sequence;
+                ++seen;
+            }
+            if (!exception)
+                exception = exceptions->next(0ms);
+            return exception && seen > 60;
+        },
+        10'000ms));
     CHECK(has(exception->header.at("text"), "disk full"));
     CHECK(application.status("record").at("condition") == "disk full");
     CHECK(application.status("record").at("state") != "halted");
@@ -207,7 +225,8 @@ TEST_CASE("recording: a full disk is said within a second, costs others nothing,
     Reader reader(copy);
     const auto& summary = reader.summary();
     const auto said_after = exception->identity.captured_us - (summary.begun_us + summary.duration_us);
-    MESSAGE(summary.events(), " events, ", lost_in(reader), " lost; said ", said_after / 1000, " ms after the last one that went in");
+    MESSAGE(summary.events(), " events, ", lost_in(reader), " lost; said ", said_after / 1000,
+            " ms after the last one that went in");
     CHECK(said_after < 1'000'000);
     CHECK(summary.ended == "disk full");
     CHECK(lost_in(reader) > 0);
@@ -253,7 +272,8 @@ TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its
     CHECK(swarm.hivectl({"record", "left", "-o", file, "-n", "1"}).exit_code == 1);  // it is there
     CHECK(Reader(file).summary().events() == 50);
     CHECK(has(swarm.hivectl_done({"replay", file, "--info"}), "left-tick"));
-    CHECK(has(swarm.hivectl_done({"record", "left", "-o", (swarm.home() / "one.hive").string(), "-n", "1"}), ": 1 event of 1 output in "));
+    CHECK(has(swarm.hivectl_done({"record", "left", "-o", (swarm.home() / "one.hive").string(), "-n", "1"}),
+              ": 1 event of 1 output in "));
 
     CHECK(swarm.hivectl_done({"replay", file, "--pace", "demand", "--halted"}) == "replay\n");
     auto application = swarm.application();
@@ -288,16 +308,24 @@ TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are repla
     for (const std::string pace : {"pace=real", "pace=demand"}) {
         CAPTURE(pace);
         const auto alone = swarm.drone("replay", "alone", {"file=" + file.string(), pace});
-        const auto watching = application.collect({{"alone", "tick"}}, {.connection = {.delivery = hive::Delivery::notification, .group = {}, .lease = {}}});
+        const auto watching = application.collect(
+            {{"alone", "tick"}}, {.connection = {.delivery = hive::Delivery::notification, .group = {}, .lease = {}}});
         CHECK(watching->next(patient(2000ms)));
     }
     const auto replay = swarm.drone("replay", "replay", {"file=" + file.string(), "speed=1000"});
     application.halt("replay");
-    const auto watching = application.collect({{"replay", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming, .delivery = hive::Delivery::notification, .group = {}, .lease = {}}});
+    const auto watching =
+        application.collect({{"replay", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming,
+                                                                  .delivery = hive::Delivery::notification,
+                                                                  .group = {},
+                                                                  .lease = {}}});
     const auto receiving = application.collect({{"replay", "tick"}});
     application.resume("replay");
     const auto events = take(*watching, static_cast<std::size_t>(reader.summary().events()));
     CHECK(events.front().size == 1000);
-    CHECK(eventually([&] { return has(application.status("replay").at("condition"), "end of recording; without a body, so for no receiver of bodies: "); }));
+    CHECK(eventually([&] {
+        return has(application.status("replay").at("condition"),
+                   "end of recording; without a body, so for no receiver of bodies: ");
+    }));
     CHECK_FALSE(receiving->next(0ms));
 }

@@ -1,4 +1,5 @@
-// Many workers share one source: the rate grows with their number, and no event is lost or answered twice, whoever is killed.
+// Many workers share one source: the rate grows with their number, and no event is lost or answered twice, whoever is
+// killed.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -98,7 +99,8 @@ TEST_CASE("sharing: 1, 2, 4, 8, 16 workers that sleep 50 ms get done at least 0.
     }
 }
 
-TEST_CASE("kill: every event of a source on demand gives exactly one result, in order, while a sharing worker is killed every 500 ms")
+TEST_CASE("kill: every event of a source on demand gives exactly one result, in order, while a sharing worker is "
+          "killed every 500 ms")
 {
     KilledWorkers swarm(killed_events, {});
     const auto collector = swarm.application().collect(results_of(4), {.ordered = true});
@@ -112,7 +114,8 @@ TEST_CASE("kill: every event of a source on demand gives exactly one result, in 
     }
     CHECK_FALSE(collector->next(500ms));
     const auto counts = collector->counts();
-    MESSAGE(killed_events, " results in order, ", swarm.kills(), " kills, ", counts.duplicates, " second answers refused");
+    MESSAGE(killed_events, " results in order, ", swarm.kills(), " kills, ", counts.duplicates,
+            " second answers refused");
     CHECK(swarm.kills() >= 5);
     CHECK(counts.received == killed_events);
     CHECK(counts.missing == 0);
@@ -124,7 +127,8 @@ TEST_CASE("kill: results of a live source stay in order when all workers that sh
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=100"});
-    auto fast = swarm.drone("sleeper", worker_name(1), {"work_ms=4"}), slow = swarm.drone("sleeper", worker_name(2), {"work_ms=43"});
+    auto fast = swarm.drone("sleeper", worker_name(1), {"work_ms=4"}),
+         slow = swarm.drone("sleeper", worker_name(2), {"work_ms=43"});
     auto application = swarm.application();
     const auto collector = application.collect(results_of(2), {.ordered = true});
     swarm.hivectl_done({"connect", "source", "worker-*", "--share"});

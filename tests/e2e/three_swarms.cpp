@@ -1,4 +1,5 @@
-// One camera for three swarms at once, as in the paper: face; background and gesture; background and track. Each has its own rate.
+// One camera for three swarms at once, as in the paper: face; background and gesture; background and track. Each has
+// its own rate.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -19,8 +20,8 @@ struct Own {
     std::vector<std::string> settings;
 };
 
-// The pictures are small, and the cascade is set to be slower than the camera: it fills one core, and the others leave most of a second one.
-// Without room for all one would measure how the machine divides its cores, not Hive.
+// The pictures are small, and the cascade is set to be slower than the camera: it fills one core, and the others leave
+// most of a second one. Without room for all one would measure how the machine divides its cores, not Hive.
 const std::vector<std::string> small{"width=320", "height=240"};
 const std::vector<Own> owns{{"face", "faces", "camera.image", {"scale=1.025", "min_size=25"}},
                             {"gesture", "gesture", "background.mask", {}},
@@ -70,9 +71,10 @@ public:
     }
     void disconnect(const Own& own) { application.disconnect(application.endpoint(own.from), {own.drone, ""}); }
     void connect(const Own& own) { application.connect(application.endpoint(own.from), {own.drone, ""}); }
-    /// For 0.8 s from when what was before has settled, and until there are results enough of all but one. The clock of face goes on by 100 ms
-    /// for each result, and while the drone sleeps. How long it works, and waits for a core, is left out: that is OpenCV's and the machine's,
-    /// and differs from picture to picture. What is left is how soon it has the next picture.
+    /// For 0.8 s from when what was before has settled, and until there are results enough of all but one. The clock of
+    /// face goes on by 100 ms for each result, and while the drone sleeps. How long it works, and waits for a core, is
+    /// left out: that is OpenCV's and the machine's, and differs from picture to picture. What is left is how soon it
+    /// has the next picture.
     [[nodiscard]] Arrivals watch(const std::string& without = {})
     {
         arrivals(*collector, 200ms);
@@ -100,13 +102,15 @@ private:
     {
         const auto done = script(swarm, joined({name}, settings));
         if (done.exit_code != 0)
-            throw std::runtime_error(name + " exited with " + std::to_string(done.exit_code) + "\n" + done.out + done.err);
+            throw std::runtime_error(name + " exited with " + std::to_string(done.exit_code) + "\n" + done.out
+                                     + done.err);
     }
 };
 
 }  // namespace
 
-TEST_CASE("three swarms: the scripts, one after the other, share one camera and one background, and their results are of the same captures")
+TEST_CASE("three swarms: the scripts, one after the other, share one camera and one background, and their results are "
+          "of the same captures")
 {
     const ThreeSwarms swarms({});
     const auto running = Json::parse(swarms.swarm.hivectl_done({"ps", "--json"}));
@@ -120,23 +124,30 @@ TEST_CASE("three swarms: the scripts, one after the other, share one camera and 
         std::set<std::string> seen_by;
     };
     std::map<std::pair<std::int64_t, std::int64_t>, Capture> captures;
-    const auto by_all = [&] { return std::ranges::count_if(captures, [](const auto& one) { return one.second.seen_by.size() == owns.size(); }); };
-    CHECK(eventually([&] {
-        const auto result = swarms.collector->next(100ms);
-        if (!result)
-            return false;
-        const auto& identity = result->identity;
-        CHECK(identity.source == "camera");
-        auto& capture = captures[{identity.epoch, identity.sequence}];
-        CHECK(capture.seen_by.insert(result->sender).second);
-        CHECK((capture.captured_us == 0 || capture.captured_us == identity.captured_us));
-        capture.captured_us = identity.captured_us;
-        CHECK(identity.hops.size() == (result->sender == "face" ? 1 : 2));
-        return by_all() >= 10;
-    }, 15'000ms));
-    CHECK(captures.begin()->first.first == captures.rbegin()->first.first);  // one epoch: one camera, never started again
+    const auto by_all = [&] {
+        return std::ranges::count_if(captures,
+                                     [](const auto& one) { return one.second.seen_by.size() == owns.size(); });
+    };
+    CHECK(eventually(
+        [&] {
+            const auto result = swarms.collector->next(100ms);
+            if (!result)
+                return false;
+            const auto& identity = result->identity;
+            CHECK(identity.source == "camera");
+            auto& capture = captures[{identity.epoch, identity.sequence}];
+            CHECK(capture.seen_by.insert(result->sender).second);
+            CHECK((capture.captured_us == 0 || capture.captured_us == identity.captured_us));
+            capture.captured_us = identity.captured_us;
+            CHECK(identity.hops.size() == (result->sender == "face" ? 1 : 2));
+            return by_all() >= 10;
+        },
+        15'000ms));
+    CHECK(captures.begin()->first.first
+          == captures.rbegin()->first.first);  // one epoch: one camera, never started again
 
-    const auto lines = swarms.swarm.hivectl_done({"collect", "face.faces", "gesture.gesture", "track.tracks", "-n", "3"});
+    const auto lines =
+        swarms.swarm.hivectl_done({"collect", "face.faces", "gesture.gesture", "track.tracks", "-n", "3"});
     CHECK(std::ranges::count(lines, '\n') == 3);
     const auto set = Json::parse(lines.substr(0, lines.find('\n')));
     for (const auto& event : set.at("events"))
@@ -146,8 +157,10 @@ TEST_CASE("three swarms: the scripts, one after the other, share one camera and 
 TEST_CASE("swarm scripts: wrong arguments are answered with the usage before anything is started")
 {
     const Swarm swarm;
-    const std::vector<std::vector<std::string>> wrong{{"shared-face.sh"}, {"shared-face.sh", "abc"}, {"shared-face.sh", "0"}, {"shared-face.sh", "2", "fast"}, {"axis.sh"},
-                                                      {"axis.sh", "fps=5"}, {"face.sh", "--help"}, {"gesture.sh", "abc"}, {"tracking.sh", "=3"}};
+    const std::vector<std::vector<std::string>> wrong{
+        {"shared-face.sh"},   {"shared-face.sh", "abc"}, {"shared-face.sh", "0"}, {"shared-face.sh", "2", "fast"},
+        {"axis.sh"},          {"axis.sh", "fps=5"},      {"face.sh", "--help"},   {"gesture.sh", "abc"},
+        {"tracking.sh", "=3"}};
     for (const auto& words : wrong) {
         CAPTURE(words[0]);
         const auto done = script(swarm, words);
@@ -160,27 +173,31 @@ TEST_CASE("swarm scripts: wrong arguments are answered with the usage before any
 TEST_CASE("swarm scripts: a second run goes on with the drones that run, and a drone of another swarm is left alone")
 {
     const Swarm swarm;
-    for (const auto& words : std::vector<std::vector<std::string>>{{"face.sh", "fps=5"}, {"gesture.sh"}, {"tracking.sh"}, {"shared-face.sh", "1"}}) {
+    for (const auto& words : std::vector<std::vector<std::string>>{
+             {"face.sh", "fps=5"}, {"gesture.sh"}, {"tracking.sh"}, {"shared-face.sh", "1"}}) {
         CAPTURE(words[0]);
         const auto first = script(swarm, words);
         REQUIRE_MESSAGE(first.exit_code == 0, first.err);
         const auto second = script(swarm, words);
         CHECK_MESSAGE(second.exit_code == 0, second.err);
     }
-    CHECK(swarm.application().drones() == std::vector<std::string>{"background", "camera", "face", "face-1", "gesture", "track"});
+    CHECK(swarm.application().drones()
+          == std::vector<std::string>{"background", "camera", "face", "face-1", "gesture", "track"});
     const auto other = script(swarm, {"axis.sh", "http://192.0.2.10"});
     CHECK(other.exit_code == 1);
     CHECK(other.err.find("for another swarm") != std::string::npos);
 }
 
-TEST_CASE("three swarms: each has its own rate, and stopping one changes those of gesture and track, and how soon face has its next picture, by less than 2 %")
+TEST_CASE("three swarms: each has its own rate, and stopping one changes those of gesture and track, and how soon face "
+          "has its next picture, by less than 2 %")
 {
     if (sanitized())
         return;  // a measurement
     ThreeSwarms swarms({"fps=30"});
     std::map<std::string, std::vector<double>> ratios;
-    // With and without take turns, and each without is compared with what is before and after it, so that what else the machine does meets
-    // both alike. The first round ends and starts processes, the others cut and join connections, which is quicker.
+    // With and without take turns, and each without is compared with what is before and after it, so that what else the
+    // machine does meets both alike. The first round ends and starts processes, the others cut and join connections,
+    // which is quicker.
     auto before = swarms.watch();
     for (int round = 0; round < 5; ++round)
         for (const auto& own : owns) {
@@ -193,10 +210,12 @@ TEST_CASE("three swarms: each has its own rate, and stopping one changes those o
             for (const auto& other : owns)
                 if (other.drone != own.drone)
                     ratios[other.drone + " without " + own.drone].push_back(
-                        2 * rate_of(without.at(other.drone)) / (rate_of(before.at(other.drone)) + rate_of(after.at(other.drone))));
+                        2 * rate_of(without.at(other.drone))
+                        / (rate_of(before.at(other.drone)) + rate_of(after.at(other.drone))));
             before = after;
         }
-    MESSAGE("results in the last 0.8 s: face ", before["face"].size(), ", gesture ", before["gesture"].size(), ", track ", before["track"].size());
+    MESSAGE("results in the last 0.8 s: face ", before["face"].size(), ", gesture ", before["gesture"].size(),
+            ", track ", before["track"].size());
     for (const auto& [what, ratio] : ratios) {
         MESSAGE(what, ": ", median(ratio), " times its rate (median of ", ratio.size(), ")");
         CHECK(std::abs(median(ratio) - 1) < 0.02);

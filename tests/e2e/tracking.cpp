@@ -39,14 +39,16 @@ std::map<std::int64_t, Json> plain_tracks(Picture picture, cv::Size size, std::i
     track::Tracker tracker;
     tracker.width = size.width;
     tracker.height = size.height;
-    return plain_program(std::move(picture), finder, first, pictures, [&](std::int64_t sequence, const background::Foreground& found) {
-        return track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
-    });
+    return plain_program(std::move(picture), finder, first, pictures,
+                         [&](std::int64_t sequence, const background::Foreground& found) {
+                             return track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
+                         });
 }
 
 std::size_t confirmed(const Json& tracks)
 {
-    return static_cast<std::size_t>(std::ranges::count_if(tracks, [](const Json& one) { return one.at("confirmed") == true; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(tracks, [](const Json& one) { return one.at("confirmed") == true; }));
 }
 
 }  // namespace
@@ -56,13 +58,16 @@ TEST_CASE("tracking swarm: the tracks of every picture on demand are those of on
     const Swarm swarm;
     const auto track = swarm.drone("track", "track", {"fps=" + std::to_string(fps)});
     const auto background = swarm.drone("background", "background", {"min_area=75"});
-    const auto camera = swarm.drone("camera", "camera", {"width=320", "height=240", "faces=0", "walkers=3", "pace=demand"});
+    const auto camera =
+        swarm.drone("camera", "camera", {"width=320", "height=240", "faces=0", "walkers=3", "pace=demand"});
     auto application = swarm.application();
     const auto collector = application.collect({{"track", "tracks"}});
     swarm.hivectl_done({"connect", "background", "track"});
     swarm.hivectl_done({"connect", "camera", "background"});
     std::size_t most = 0;
-    for (const auto& header : checked_headers(*collector, "tracks", pictures, [](auto first) { return plain_tracks(scene_pictures(settings()), settings().size, first); })) {
+    for (const auto& header : checked_headers(*collector, "tracks", pictures, [](auto first) {
+             return plain_tracks(scene_pictures(settings()), settings().size, first);
+         })) {
         CHECK(header.at("width") == 320);
         most = std::max(most, confirmed(header.at("tracks")));
     }
@@ -85,7 +90,8 @@ TEST_CASE("tracking swarm: so are those of filmed walkers")
     swarm.hivectl_done({"connect", "background", "track"});
     swarm.hivectl_done({"connect", "camera", "background"});
     cv::VideoCapture film(video->string(), cv::CAP_FFMPEG);
-    const cv::Size size(static_cast<int>(film.get(cv::CAP_PROP_FRAME_WIDTH)), static_cast<int>(film.get(cv::CAP_PROP_FRAME_HEIGHT)));
+    const cv::Size size(static_cast<int>(film.get(cv::CAP_PROP_FRAME_WIDTH)),
+                        static_cast<int>(film.get(cv::CAP_PROP_FRAME_HEIGHT)));
     std::int64_t read = 0;
     const auto picture = [&](std::int64_t sequence) {
         cv::Mat result;
@@ -94,7 +100,8 @@ TEST_CASE("tracking swarm: so are those of filmed walkers")
         return result;
     };
     std::size_t most = 0;
-    for (const auto& header : checked_headers(*collector, "tracks", pictures, [&](auto first) { return plain_tracks(picture, size, first); }))
+    for (const auto& header : checked_headers(*collector, "tracks", pictures,
+                                              [&](auto first) { return plain_tracks(picture, size, first); }))
         most = std::max(most, confirmed(header.at("tracks")));
     CHECK(most >= (sanitized() ? 1 : 3));
 }
@@ -108,7 +115,8 @@ TEST_CASE("tracking swarm: the script starts it, live, and tracks come to the sh
     CAPTURE(started.err);
     REQUIRE(started.exit_code == 0);
     auto application = swarm.application();
-    const auto collector = application.collect({{"track", "tracks"}}), masks = application.collect({{"background", "mask"}});
+    const auto collector = application.collect({{"track", "tracks"}}),
+               masks = application.collect({{"background", "mask"}});
     const auto followed = [&] {
         const auto event = collector->next(patient(1000ms));
         return event && confirmed(event->header.at("tracks")) > 0;

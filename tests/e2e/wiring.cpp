@@ -1,4 +1,5 @@
-// Connections: refused with a reason when they cannot be, repaired without a word when an end is killed, forgotten by stop.
+// Connections: refused with a reason when they cannot be, repaired without a word when an end is killed, forgotten by
+// stop.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -11,7 +12,10 @@ namespace {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-std::int64_t processed(hive::Application& application, const std::string& drone) { return application.status(drone).at("events").at("processed"); }
+std::int64_t processed(hive::Application& application, const std::string& drone)
+{
+    return application.status(drone).at("events").at("processed");
+}
 
 /// From the start of a program until the drone behind the connection has worked on events again.
 Milliseconds back_after(Clock::time_point begin, hive::Application& application)
@@ -77,21 +81,26 @@ TEST_CASE("connect: a group with --first-frame is refused, and nothing is connec
         CHECK(has(refused.err, "--first-frame"));
     }
     auto application = swarm.application();
-    CHECK_THROWS_AS(application.connect({"source", ""}, {"worker", ""}, {.group = "workers", .first_frame = true, .lease = {}}), hive::Error);
+    CHECK_THROWS_AS(
+        application.connect({"source", ""}, {"worker", ""}, {.group = "workers", .first_frame = true, .lease = {}}),
+        hive::Error);
     CHECK(application.status("worker").at("inputs").empty());
 }
 
-TEST_CASE("collect: every event of a stream is received or counted as dropped by the collector that did not take it in time")
+TEST_CASE(
+    "collect: every event of a stream is received or counted as dropped by the collector that did not take it in time")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=0.1", "count=3000", "bytes=10"});
     auto application = swarm.application();
-    const auto collector = application.collect({{"source", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming, .group = {}, .lease = {}}});
+    const auto collector = application.collect(
+        {{"source", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming, .group = {}, .lease = {}}});
     application.set("source", {{"fps", 5000}});
     REQUIRE(eventually([&] { return application.status("source").at("condition") == "end of source"; }, 10'000ms));
     while (collector->next(300ms)) {
     }
-    const auto delivered = application.status("source").at("outputs").at(0).at("receivers").at(0).at("delivered").get<std::int64_t>();
+    const auto delivered =
+        application.status("source").at("outputs").at(0).at("receivers").at(0).at("delivered").get<std::int64_t>();
     const auto counts = collector->counts();
     MESSAGE(delivered, " delivered, ", counts.received, " received, ", counts.dropped, " dropped");
     CHECK(counts.received < delivered);
@@ -118,7 +127,8 @@ TEST_CASE("restart: a source that was killed and started again gives events agai
     CHECK(application.get("source", {"bytes", "fps"}) == Json{{"bytes", 77}, {"fps", 100.0}});
 }
 
-TEST_CASE("restart: a receiver that was killed and started again has its connections and parameters again within 1 s, and stop forgets them")
+TEST_CASE("restart: a receiver that was killed and started again has its connections and parameters again within 1 s, "
+          "and stop forgets them")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=100"});
@@ -145,14 +155,17 @@ TEST_CASE("restart: a receiver that was killed and started again has its connect
     CHECK(swarm.hivectl_done({"edges", "--json"}) == "[]\n");
 }
 
-TEST_CASE("stop: a drone that crashed is forgotten, by its name, a glob or --all, and one that was never there is exit code 3")
+TEST_CASE("stop: a drone that crashed is forgotten, by its name, a glob or --all, and one that was never there is exit "
+          "code 3")
 {
     const Swarm swarm;
     const auto crash = [&](const std::string& name) {
         auto drone = swarm.drone("ticker", name, {"bytes=77"});
         drone.kill();
     };
-    const auto remembers = [&](const std::string& name) { return std::filesystem::exists(swarm.home() / (name + ".state")); };
+    const auto remembers = [&](const std::string& name) {
+        return std::filesystem::exists(swarm.home() / (name + ".state"));
+    };
     for (const auto& words : {std::vector<std::string>{"stop", "left-1"}, {"stop", "left-*"}, {"stop", "--all"}}) {
         CAPTURE(words.back());
         crash("left-1");
@@ -192,7 +205,8 @@ TEST_CASE("restart: a source killed while nobody starts it is waited for, and sa
     CHECK_FALSE(edges[0].at("error").get<std::string>().empty());
 }
 
-TEST_CASE("chain of custody: what a source on demand gave while nobody collected is not lost, and the results begin with the first")
+TEST_CASE("chain of custody: what a source on demand gave while nobody collected is not lost, and the results begin "
+          "with the first")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=200"});
@@ -211,7 +225,8 @@ TEST_CASE("chain of custody: what a source on demand gave while nobody collected
     CHECK(collector->counts().duplicates == 0);
 }
 
-TEST_CASE("notify: a watcher whose results nobody collects goes on being told of a source on demand, and holds up nobody")
+TEST_CASE(
+    "notify: a watcher whose results nobody collects goes on being told of a source on demand, and holds up nobody")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=200"});

@@ -50,7 +50,8 @@ void check_ports(const hive::Interface& interface)
     for (const auto& output : interface.outputs) {
         require(hive::is_name(output.name), "a port has a name");
         for (const auto& input : interface.inputs)
-            require(hive::types_fit(output.type, input.type) == hive::types_fit(input.type, output.type), "fitting is symmetric");
+            require(hive::types_fit(output.type, input.type) == hive::types_fit(input.type, output.type),
+                    "fitting is symmetric");
     }
 }
 
@@ -63,7 +64,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         const hive::Fields fields(input, "input");
         const auto interface = hive::interface_from_json(fields.object("interface"));
         const Json written = to_json(interface);
-        require(to_json(hive::interface_from_json(hive::parse_json(hive::to_text(written), {.bytes = 1 << 20}))) == written,
+        require(to_json(hive::interface_from_json(hive::parse_json(hive::to_text(written), {.bytes = 1 << 20})))
+                    == written,
                 "an interface survives the way");
         check_ports(interface);
         for (const auto& parameter : interface.parameters)

@@ -45,7 +45,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
         const Json header = hive::parse_json(text);
         require(Json::accept(text), "what is accepted is JSON");
         require(depth(header) <= hive::JsonLimits{}.depth, "the depth is limited");
-        require(hive::parse_json(hive::to_text(header), {.bytes = 1 << 22, .string_bytes = 1 << 20}) == header, "a value survives the way");
+        require(hive::parse_json(hive::to_text(header), {.bytes = 1 << 22, .string_bytes = 1 << 20}) == header,
+                "a value survives the way");
         const Json value = reread(bytes[0], header);
         require(reread(bytes[0], value) == value, "a message survives the way");
         require(hive::parse_json(hive::to_text(value), {.bytes = 1 << 22}) == value, "a message survives as text");

@@ -1,5 +1,5 @@
-// A stream of packets: fed whole and in slices it gives the same packets and the same end, and what was read is written back.
-// Input: one byte for the slicing and whether the stream begins here, then the stream.
+// A stream of packets: fed whole and in slices it gives the same packets and the same end, and what was read is written
+// back. Input: one byte for the slicing and whether the stream begins here, then the stream.
 #include "packet_reader.hpp"
 #include "require.hpp"
 
@@ -24,8 +24,9 @@ PacketReader in_slices(std::string_view stream, bool first, unsigned seed)
 
 bool same(const hive::protocol::Packet& a, const hive::protocol::Packet& b)
 {
-    return a.type == b.type && a.channel == b.channel && a.header_text() == b.header_text() && a.body.size() == b.body.size()
-        && (a.body.empty() || std::memcmp(a.body.data(), b.body.data(), a.body.size()) == 0);
+    return a.type == b.type && a.channel == b.channel && a.header_text() == b.header_text()
+           && a.body.size() == b.body.size()
+           && (a.body.empty() || std::memcmp(a.body.data(), b.body.data(), a.body.size()) == 0);
 }
 
 void require_written_back(std::string_view stream, const PacketReader& reader)

@@ -39,7 +39,8 @@ private:
 
 }  // namespace
 
-TEST_CASE("hostile crowd: 64 silent and 64 garbage peers beside a good receiver cost it no event, the drone no memory, and control no time")
+TEST_CASE("hostile crowd: 64 silent and 64 garbage peers beside a good receiver cost it no event, the drone no memory, "
+          "and control no time")
 {
     const Prey prey = Prey::camera();
     const Witness witness(prey);
@@ -67,7 +68,8 @@ TEST_CASE("hostile crowd: 64 silent and 64 garbage peers beside a good receiver 
     }
     const auto seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     const int during = witness.received() - received;
-    MESSAGE(during << " events in " << seconds << " s, " << witness.lost() << " lost, slowest answer " << slowest.count() << " ms");
+    MESSAGE(during << " events in " << seconds << " s, " << witness.lost() << " lost, slowest answer "
+                   << slowest.count() << " ms");
     CHECK(witness.lost() * 100 <= during);
     CHECK_FALSE(witness.cut_off());
     if (!hive::test::sanitized()) {
@@ -75,10 +77,12 @@ TEST_CASE("hostile crowd: 64 silent and 64 garbage peers beside a good receiver 
         CHECK(slowest < Milliseconds(100));
         CHECK(hive::test::resident_bytes(prey.pid()) < memory + (5u << 20));
     }
-    CHECK(hive::test::eventually([&] { return hive::test::open_descriptors(prey.pid()) <= descriptors + 1; }, within(3000)));
+    CHECK(hive::test::eventually([&] { return hive::test::open_descriptors(prey.pid()) <= descriptors + 1; },
+                                 within(3000)));
 }
 
-TEST_CASE("hostile crowd: peers over the limit of 256 are turned away, those inside are served, and places become free again")
+TEST_CASE(
+    "hostile crowd: peers over the limit of 256 are turned away, those inside are served, and places become free again")
 {
     const Prey prey = Prey::camera();
     const Witness witness(prey);
@@ -174,8 +178,12 @@ TEST_CASE("hostile crowd: one peer may register 64 times; a status with too many
     for (int i = 0; i < 6; ++i) {
         peers.push_back(prey.meet("peer-" + std::to_string(i)));
         for (int channel = 1; channel <= 64; ++channel)
-            REQUIRE(raw::error_of(peers.back().ask(raw::register_, registration(1, "exceptions", {{"transfer", "stream"}}), channel)) == "");
-        CHECK(raw::error_of(peers.back().ask(raw::register_, registration(1, "exceptions", {{"transfer", "stream"}}), 65)) == "refused");
+            REQUIRE(raw::error_of(peers.back().ask(raw::register_,
+                                                   registration(1, "exceptions", {{"transfer", "stream"}}), channel))
+                    == "");
+        CHECK(
+            raw::error_of(peers.back().ask(raw::register_, registration(1, "exceptions", {{"transfer", "stream"}}), 65))
+            == "refused");
         for (auto& peer : peers)
             peer.send(raw::packet(raw::ping, 0, ""));
     }

@@ -1,4 +1,5 @@
-// Headers that are malformed in every way, on packets that are otherwise right: each is refused or ends its own connection.
+// Headers that are malformed in every way, on packets that are otherwise right: each is refused or ends its own
+// connection.
 #include "prey.hpp"
 
 #include <doctest/doctest.h>
@@ -30,16 +31,61 @@ std::vector<std::string> headers_that_close()
 {
     const std::string nul("\0", 1);
     return {
-        "", " ", "null", "1", "\"id\"", "[]", "[1]", "{", "}", "{}", "{\"id\":1", "{\"id\":1}}", "{\"id\":1}x", "{\"id\":1,}", "{id:1}", "{'id':1}",
-        "{\"id\":1}" + nul, nul, "{\"id\":1,\"a\":\"" + nul + "\"}", "\xEF\xBB\xBF{\"id\":1}",
-        "{\"id\":1,\"id\":2}", "{\"id\":1,\"i\\u0064\":2}", "{\"id\":1,\"a\":{\"b\":1,\"b\":1}}",
-        "{\"id\":1,\"a\":\"\xFF\"}", "{\"id\":1,\"a\":\"\xC0\x80\"}", "{\"id\":1,\"a\":\"\xED\xA0\x80\"}", "{\"id\":1,\"a\":\"\xF4\x90\x80\x80\"}", "{\"id\":1,\"\xC3\":1}",
-        "{\"id\":1,\"a\":\"\\ud800\"}", "{\"id\":1,\"a\":\"\\udc00\"}", "{\"id\":1,\"a\":\"\\ud800\\ud800\"}", "{\"id\":1,\"a\":\"\\x41\"}",
-        "{\"id\":1,\"a\":1e400}", "{\"id\":1,\"a\":-1e400}", "{\"id\":1,\"a\":18446744073709551616}", "{\"id\":1,\"a\":-9223372036854775809}",
-        "{\"id\":1,\"a\":01}", "{\"id\":1,\"a\":+1}", "{\"id\":1,\"a\":.5}", "{\"id\":1,\"a\":NaN}", "{\"id\":1,\"a\":Infinity}",
-        "{\"id\":1,\"a\":" + nested(16, "[", "]") + "}", "{\"id\":1,\"a\":" + nested(30000, "[", "]") + "}", nested(10000, "{\"a\":", "}"),
-        "{\"id\":1" + many_keys(256) + "}", "{\"id\":1,\"a\":\"" + std::string(16385, 'x') + "\"}", "{\"id\":1,\"" + std::string(16385, 'k') + "\":1}",
-        "{\"id\":-1}", "{\"id\":1.0}", "{\"id\":1e3}", "{\"id\":\"1\"}", "{\"id\":null}", "{\"id\":true}", "{\"id\":[1]}", "{\"id\":9007199254740993}",
+        "",
+        " ",
+        "null",
+        "1",
+        "\"id\"",
+        "[]",
+        "[1]",
+        "{",
+        "}",
+        "{}",
+        "{\"id\":1",
+        "{\"id\":1}}",
+        "{\"id\":1}x",
+        "{\"id\":1,}",
+        "{id:1}",
+        "{'id':1}",
+        "{\"id\":1}" + nul,
+        nul,
+        "{\"id\":1,\"a\":\"" + nul + "\"}",
+        "\xEF\xBB\xBF{\"id\":1}",
+        "{\"id\":1,\"id\":2}",
+        "{\"id\":1,\"i\\u0064\":2}",
+        "{\"id\":1,\"a\":{\"b\":1,\"b\":1}}",
+        "{\"id\":1,\"a\":\"\xFF\"}",
+        "{\"id\":1,\"a\":\"\xC0\x80\"}",
+        "{\"id\":1,\"a\":\"\xED\xA0\x80\"}",
+        "{\"id\":1,\"a\":\"\xF4\x90\x80\x80\"}",
+        "{\"id\":1,\"\xC3\":1}",
+        "{\"id\":1,\"a\":\"\\ud800\"}",
+        "{\"id\":1,\"a\":\"\\udc00\"}",
+        "{\"id\":1,\"a\":\"\\ud800\\ud800\"}",
+        "{\"id\":1,\"a\":\"\\x41\"}",
+        "{\"id\":1,\"a\":1e400}",
+        "{\"id\":1,\"a\":-1e400}",
+        "{\"id\":1,\"a\":18446744073709551616}",
+        "{\"id\":1,\"a\":-9223372036854775809}",
+        "{\"id\":1,\"a\":01}",
+        "{\"id\":1,\"a\":+1}",
+        "{\"id\":1,\"a\":.5}",
+        "{\"id\":1,\"a\":NaN}",
+        "{\"id\":1,\"a\":Infinity}",
+        "{\"id\":1,\"a\":" + nested(16, "[", "]") + "}",
+        "{\"id\":1,\"a\":" + nested(30000, "[", "]") + "}",
+        nested(10000, "{\"a\":", "}"),
+        "{\"id\":1" + many_keys(256) + "}",
+        "{\"id\":1,\"a\":\"" + std::string(16385, 'x') + "\"}",
+        "{\"id\":1,\"" + std::string(16385, 'k') + "\":1}",
+        "{\"id\":-1}",
+        "{\"id\":1.0}",
+        "{\"id\":1e3}",
+        "{\"id\":\"1\"}",
+        "{\"id\":null}",
+        "{\"id\":true}",
+        "{\"id\":[1]}",
+        "{\"id\":9007199254740993}",
     };
 }
 
@@ -47,9 +93,15 @@ std::vector<std::string> headers_that_close()
 std::vector<std::string> headers_that_are_answered()
 {
     return {
-        R"({"id":1})", R"( {"id" : 1} )", R"({"id":1,"unknown":{"deep":[1,{"er":null}]}})", "{\"id\":1" + many_keys(255) + "}",
-        "{\"id\":1,\"a\":" + nested(15, "[", "]") + "}", "{\"id\":1,\"a\":\"" + std::string(16384, 'x') + "\"}", R"({"id":1,"a":"\u0000"})",
-        R"({"id":1,"a":"\ud83d\ude00"})", R"({"id":1,"a":18446744073709551615,"b":1e308,"c":-0.0})",
+        R"({"id":1})",
+        R"( {"id" : 1} )",
+        R"({"id":1,"unknown":{"deep":[1,{"er":null}]}})",
+        "{\"id\":1" + many_keys(255) + "}",
+        "{\"id\":1,\"a\":" + nested(15, "[", "]") + "}",
+        "{\"id\":1,\"a\":\"" + std::string(16384, 'x') + "\"}",
+        R"({"id":1,"a":"\u0000"})",
+        R"({"id":1,"a":"\ud83d\ude00"})",
+        R"({"id":1,"a":18446744073709551615,"b":1e308,"c":-0.0})",
     };
 }
 
@@ -96,11 +148,27 @@ TEST_CASE("hostile header: a registration with a wrong field is answered and reg
 {
     const Prey prey = Prey::camera();
     auto peer = prey.meet();
-    const std::vector<Json> wrong{
-        {{"epoch", -1}}, {{"epoch", 1.5}}, {{"epoch", "1"}}, {{"output", ""}}, {{"output", "../image"}}, {{"output", 1}}, {{"receiver", "a b"}}, {{"receiver", "a.b/c"}},
-        {{"accepts", 1}}, {{"stateful", "no"}}, {{"options", 1}}, {{"options", {{"window", -1}}}}, {{"options", {{"window", 1000000000}}}}, {{"options", {{"window", "1"}}}},
-        {{"options", {{"transfer", "SYNC"}}}}, {{"options", {{"transfer", 1}}}}, {{"options", {{"delivery", "all"}}}}, {{"options", {{"group", "../g"}}}},
-        {{"options", {{"first_frame", 1}}}}, {{"options", {{"lease_ms", 49}}}}, {{"options", {{"lease_ms", 1e18}}}}};
+    const std::vector<Json> wrong{{{"epoch", -1}},
+                                  {{"epoch", 1.5}},
+                                  {{"epoch", "1"}},
+                                  {{"output", ""}},
+                                  {{"output", "../image"}},
+                                  {{"output", 1}},
+                                  {{"receiver", "a b"}},
+                                  {{"receiver", "a.b/c"}},
+                                  {{"accepts", 1}},
+                                  {{"stateful", "no"}},
+                                  {{"options", 1}},
+                                  {{"options", {{"window", -1}}}},
+                                  {{"options", {{"window", 1000000000}}}},
+                                  {{"options", {{"window", "1"}}}},
+                                  {{"options", {{"transfer", "SYNC"}}}},
+                                  {{"options", {{"transfer", 1}}}},
+                                  {{"options", {{"delivery", "all"}}}},
+                                  {{"options", {{"group", "../g"}}}},
+                                  {{"options", {{"first_frame", 1}}}},
+                                  {{"options", {{"lease_ms", 49}}}},
+                                  {{"options", {{"lease_ms", 1e18}}}}};
     for (const auto& each : wrong) {
         CAPTURE(each);
         CHECK(raw::error_of(peer.ask(raw::register_, registration(each), 1)) == "malformed");
@@ -110,13 +178,15 @@ TEST_CASE("hostile header: a registration with a wrong field is answered and reg
     CHECK(raw::error_of(peer.ask(raw::register_, registration(Json::object()), 1)) == "");
 }
 
-TEST_CASE("hostile header: a request for a billion gets one event at a time, and requests of old epochs and unknown channels nothing")
+TEST_CASE("hostile header: a request for a billion gets one event at a time, and requests of old epochs and unknown "
+          "channels nothing")
 {
     const Prey prey = Prey::camera();
     auto peer = prey.meet();
     REQUIRE(raw::error_of(peer.ask(raw::register_, registration({{"epoch", 5}}), 3)) == "");
     REQUIRE(peer.next_of(raw::event, within(2000)));
-    for (const char* ignored : {R"({"epoch":4,"id":1000000000})", R"({"epoch":6,"id":1000000000,"done":1000000000})", R"({"epoch":5,"id":0,"done":0})"})
+    for (const char* ignored : {R"({"epoch":4,"id":1000000000})", R"({"epoch":6,"id":1000000000,"done":1000000000})",
+                                R"({"epoch":5,"id":0,"done":0})"})
         REQUIRE(peer.send(raw::packet(raw::request, 3, ignored)));
     REQUIRE(peer.send(raw::packet(raw::request, 4, R"({"epoch":5,"id":1000000000})")));
     REQUIRE(peer.send(raw::packet(raw::request, 0, R"({"epoch":5,"id":1000000000})")));
@@ -132,7 +202,9 @@ TEST_CASE("hostile header: a request for a billion gets one event at a time, and
 TEST_CASE("hostile header: a request with a wrong field ends the connection")
 {
     const Prey prey = Prey::camera();
-    for (const char* header : {R"({"epoch":1})", R"({"id":2})", R"({"epoch":1,"id":-2})", R"({"epoch":1,"id":2,"done":-1})", R"({"epoch":1,"id":2.5})", R"({"epoch":"1","id":2})"}) {
+    for (const char* header :
+         {R"({"epoch":1})", R"({"id":2})", R"({"epoch":1,"id":-2})", R"({"epoch":1,"id":2,"done":-1})",
+          R"({"epoch":1,"id":2.5})", R"({"epoch":"1","id":2})"}) {
         auto peer = prey.meet();
         REQUIRE(raw::error_of(peer.ask(raw::register_, registration(Json::object()), 1)) == "");
         peer.send(raw::packet(raw::request, 1, header));

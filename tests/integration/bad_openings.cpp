@@ -59,8 +59,12 @@ std::vector<Opening> wrong_openings()
 std::vector<Opening> unfinished_openings()
 {
     const std::string hello = raw::hello_packet();
-    return {{"silence", ""}, {"one byte", "H"}, {"half a prefix", hello.substr(0, 8)}, {"a prefix alone", hello.substr(0, 16)},
-            {"half a hello", hello.substr(0, 40)}, {"all but a byte", hello.substr(0, hello.size() - 1)}};
+    return {{"silence", ""},
+            {"one byte", "H"},
+            {"half a prefix", hello.substr(0, 8)},
+            {"a prefix alone", hello.substr(0, 16)},
+            {"half a hello", hello.substr(0, 40)},
+            {"all but a byte", hello.substr(0, hello.size() - 1)}};
 }
 
 }  // namespace
@@ -69,7 +73,8 @@ TEST_CASE("hostile client: whatever opens a connection wrongly is closed at once
 {
     const Prey prey = Prey::camera();
     const Witness witness(prey);
-    REQUIRE(hive::test::eventually([&] { return witness.received() > 3; }, within(5000)));  // the first picture takes memory for good
+    REQUIRE(hive::test::eventually([&] { return witness.received() > 3; },
+                                   within(5000)));  // the first picture takes memory for good
     REQUIRE(prey.well());
     const auto memory = hive::test::resident_bytes(prey.pid());
     const auto descriptors = hive::test::open_descriptors(prey.pid());
@@ -80,7 +85,8 @@ TEST_CASE("hostile client: whatever opens a connection wrongly is closed at once
         CHECK(peer.closed_within(within(500)));
     }
     CHECK(prey.well());
-    CHECK(hive::test::eventually([&] { return hive::test::open_descriptors(prey.pid()) <= descriptors; }, within(2000)));
+    CHECK(
+        hive::test::eventually([&] { return hive::test::open_descriptors(prey.pid()) <= descriptors; }, within(2000)));
     if (!hive::test::sanitized())
         CHECK(hive::test::resident_bytes(prey.pid()) < memory + (2u << 20));
     CHECK(witness.lost() == 0);
@@ -105,7 +111,8 @@ TEST_CASE("hostile client: one that says nothing, or not all of its hello, is cl
     CHECK(prey.well());
 }
 
-TEST_CASE("hostile client: one that sends its hello byte by byte is served if it ends in time, and closed if it does not")
+TEST_CASE(
+    "hostile client: one that sends its hello byte by byte is served if it ends in time, and closed if it does not")
 {
     const Prey prey = Prey::face();
     const std::string hello = raw::hello_packet();
@@ -132,11 +139,15 @@ TEST_CASE("hostile client: a packet cut anywhere by the end of the stream is nev
     auto peer = prey.meet();
     CHECK(peer.ask(raw::get, {{"names", {"min_size"}}}).at("result").at("parameters").at("min_size") == 24);
     REQUIRE(peer.send(set));  // the twin: whole, it is
-    CHECK(hive::test::eventually([&] { return peer.ask(raw::get, {{"names", {"min_size"}}}).at("result").at("parameters").at("min_size") == 33; },
-                                 within(1000)));
+    CHECK(hive::test::eventually(
+        [&] {
+            return peer.ask(raw::get, {{"names", {"min_size"}}}).at("result").at("parameters").at("min_size") == 33;
+        },
+        within(1000)));
 }
 
-TEST_CASE("hostile client: a body that stops, or trickles, is cut off though the peer answers pings; the memory follows the bytes that came")
+TEST_CASE("hostile client: a body that stops, or trickles, is cut off though the peer answers pings; the memory "
+          "follows the bytes that came")
 {
     const Prey prey = Prey::face();
     REQUIRE(prey.well());
@@ -145,7 +156,8 @@ TEST_CASE("hostile client: a body that stops, or trickles, is cut off though the
     std::vector<raw::Peer> peers;
     for (int i = 0; i < 8; ++i) {
         peers.push_back(prey.meet("staller-" + std::to_string(i)));
-        REQUIRE(peers.back().send(raw::prefix(raw::put, 0, static_cast<std::uint32_t>(header.size()), 64u << 20) + header + std::string(1000, 'b')));
+        REQUIRE(peers.back().send(raw::prefix(raw::put, 0, static_cast<std::uint32_t>(header.size()), 64u << 20)
+                                  + header + std::string(1000, 'b')));
     }
     if (!hive::test::sanitized())
         CHECK(hive::test::resident_bytes(prey.pid()) < memory + 8 * (1u << 20) + (4u << 20));

@@ -26,7 +26,8 @@ std::string jpeg(cv::Size size, bool progressive = false)
 std::size_t marker(const std::string& bytes, unsigned char first, unsigned char last, std::size_t from = 2)
 {
     for (std::size_t at = from; at + 1 < bytes.size(); ++at)
-        if (bytes[at] == '\xFF' && static_cast<unsigned char>(bytes[at + 1]) >= first && static_cast<unsigned char>(bytes[at + 1]) <= last)
+        if (bytes[at] == '\xFF' && static_cast<unsigned char>(bytes[at + 1]) >= first
+            && static_cast<unsigned char>(bytes[at + 1]) <= last)
             return at;
     return bytes.size();
 }
@@ -64,7 +65,8 @@ public:
     Sitting()
     {
         const auto listen = [&](const char* output, int channel) {
-            const Json registration{{"epoch", 1}, {"output", output}, {"receiver", "raw"}, {"options", {{"transfer", "stream"}}}};
+            const Json registration{
+                {"epoch", 1}, {"output", output}, {"receiver", "raw"}, {"options", {{"transfer", "stream"}}}};
             REQUIRE(raw::error_of(peer_.ask(raw::register_, registration, channel)) == "");
         };
         listen("annotated", 1);
@@ -106,8 +108,12 @@ TEST_CASE("hostile picture: bombs are refused as too large within 200 ms, at no 
     REQUIRE(sitting.result_of("image/jpeg", plain) == "annotated");
     const auto memory = hive::test::resident_bytes(sitting.prey.pid());
     std::vector<std::pair<std::string, std::string>> bombs{
-        {"65500 x 65500", claiming(plain, 65500, 65500)}, {"32000 x 32000", claiming(plain, 32000, 32000)}, {"65535 x 641", claiming(plain, 65535, 641)},
-        {"progressive 32000 x 32000", claiming(progressive, 32000, 32000)}, {"1000 scans", with_scans(progressive, 1000)}, {"101 scans", with_scans(progressive, 101)}};
+        {"65500 x 65500", claiming(plain, 65500, 65500)},
+        {"32000 x 32000", claiming(plain, 32000, 32000)},
+        {"65535 x 641", claiming(plain, 65535, 641)},
+        {"progressive 32000 x 32000", claiming(progressive, 32000, 32000)},
+        {"1000 scans", with_scans(progressive, 1000)},
+        {"101 scans", with_scans(progressive, 101)}};
     if (const auto folder = hive::test::shared_data("hostile"))
         for (const char* name : {"pixels-1gp.jpg", "scans-1000.jpg"})
             bombs.emplace_back(name, file(*folder / name));
@@ -135,7 +141,8 @@ TEST_CASE("hostile picture: a JPEG cut anywhere is malformed and never gives an 
             CHECK(sitting.result_of("image/jpeg", whole.substr(0, size) + "\xFF\xD9") == "malformed");
         }
         std::string half = whole.substr(0, whole.size() * 3 / 4) + "\xFF\xD9";
-        CHECK_FALSE(cv::imdecode(std::vector<unsigned char>(half.begin(), half.end()), cv::IMREAD_COLOR).empty());  // the twin: OpenCV alone takes three quarters for a picture
+        CHECK_FALSE(cv::imdecode(std::vector<unsigned char>(half.begin(), half.end()), cv::IMREAD_COLOR)
+                        .empty());  // the twin: OpenCV alone takes three quarters for a picture
         CHECK(sitting.result_of("image/jpeg", whole) == "annotated");
     }
     CHECK(sitting.prey.well());
@@ -147,9 +154,21 @@ TEST_CASE("hostile picture: a raw picture whose header does not fit its body is 
     const std::string body(64 * 48 * 3, 'p');
     const Json right{{"width", 64}, {"height", 48}, {"pixel_format", "bgr8"}, {"stride", 192}};
     REQUIRE(sitting.result_of("image/raw", body, right) == "annotated");
-    const std::vector<std::pair<const char*, Json>> lies{
-        {"width", 65}, {"width", 0}, {"width", -64}, {"width", 4294967296}, {"width", "64"}, {"width", 1.5}, {"height", 49}, {"height", 0}, {"height", 9007199254740992},
-        {"stride", 191}, {"stride", 0}, {"stride", -192}, {"stride", 9007199254740992}, {"pixel_format", "rgba16"}, {"pixel_format", 3}};
+    const std::vector<std::pair<const char*, Json>> lies{{"width", 65},
+                                                         {"width", 0},
+                                                         {"width", -64},
+                                                         {"width", 4294967296},
+                                                         {"width", "64"},
+                                                         {"width", 1.5},
+                                                         {"height", 49},
+                                                         {"height", 0},
+                                                         {"height", 9007199254740992},
+                                                         {"stride", 191},
+                                                         {"stride", 0},
+                                                         {"stride", -192},
+                                                         {"stride", 9007199254740992},
+                                                         {"pixel_format", "rgba16"},
+                                                         {"pixel_format", 3}};
     for (const auto& [field, value] : lies) {
         Json header = right;
         header[field] = value;

@@ -16,7 +16,8 @@ namespace {
 
 Json event_header(Json changed = Json::object())
 {
-    Json json{{"sender", "liar"}, {"kind", "camera"}, {"output", "image"}, {"type", "image/jpeg"}, {"source", "liar"}, {"epoch", 1}, {"seq", 1}};
+    Json json{{"sender", "liar"}, {"kind", "camera"}, {"output", "image"}, {"type", "image/jpeg"},
+              {"source", "liar"}, {"epoch", 1},       {"seq", 1}};
     json.update(changed);
     return json;
 }
@@ -24,9 +25,10 @@ Json event_header(Json changed = Json::object())
 /// Holds the name of a drone as a living drone does, so that hivectl looks for it.
 class Claim {
 public:
-    explicit Claim(const std::filesystem::path& lock) : descriptor_(::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600))
+    explicit Claim(const std::filesystem::path& lock)
+        : descriptor_(::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600))
     {
-        struct flock whole{};
+        struct flock whole {};
         whole.l_type = F_WRLCK;
         REQUIRE(::fcntl(descriptor_, F_OFD_SETLK, &whole) == 0);
     }
@@ -41,7 +43,9 @@ private:
 /// A TCP socket that takes no connection: its queue is full.
 class FullSocket {
 public:
-    FullSocket() : listening_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)), filling_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
+    FullSocket()
+        : listening_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)),
+          filling_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
     {
         at_.sin_family = AF_INET;
         at_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -71,7 +75,9 @@ class Pair {
 public:
     explicit Pair(const Json& options = Json::object())
     {
-        tell({{"from", {{"drone", "cam"}, {"output", "image"}}}, {"input", "image"}, {"options", {{"transfer", "stream"}}}});
+        tell({{"from", {{"drone", "cam"}, {"output", "image"}}},
+              {"input", "image"},
+              {"options", {{"transfer", "stream"}}}});
         REQUIRE(raw::error_of(asker_.next_of(raw::confirmation, within(3000)).value().json()) == "");
         tell({{"from", {{"drone", "liar"}, {"output", "image"}}}, {"input", "image"}, {"options", options}});
         (void)serve();
@@ -91,12 +97,16 @@ public:
         channel = registration->channel;
         epoch = registration->json().at("epoch");
         const Json result{{"type", "image/jpeg"}, {"kind", "camera"}, {"epoch", 1}};
-        peer->send(raw::packet(raw::confirmation, 0, Json{{"id", registration->json().at("id")}, {"result", result}}.dump()));
+        peer->send(
+            raw::packet(raw::confirmation, 0, Json{{"id", registration->json().at("id")}, {"result", result}}.dump()));
         peer_.emplace(std::move(*peer));
         return *peer_;
     }
 
-    std::string event(const Json& header, const std::string& body = "x", int type = raw::event) const { return raw::packet(type, channel, header.dump(), body); }
+    std::string event(const Json& header, const std::string& body = "x", int type = raw::event) const
+    {
+        return raw::packet(type, channel, header.dump(), body);
+    }
 
     /// What face says of its connection to the camera.
     Json from_camera() const
@@ -146,16 +156,25 @@ private:
 
 }  // namespace
 
-TEST_CASE("hostile sender: an event that breaks the rules ends its connection, which is made again; the other connection loses nothing")
+TEST_CASE("hostile sender: an event that breaks the rules ends its connection, which is made again; the other "
+          "connection loses nothing")
 {
     Pair pair;
     Json hops = Json::array();
     for (int i = 0; i < 17; ++i)
         hops.push_back({{"drone", "d"}, {"wait_us", 1}, {"work_us", 1}});
-    std::vector<Json> wrong{
-        {{"sender", "../x"}}, {{"sender", 1}}, {{"kind", ""}}, {{"output", nullptr}}, {{"type", 1}}, {{"source", "a b"}}, {{"epoch", -1}}, {{"seq", -1}}, {{"seq", 1.5}},
-        {{"seq", 9007199254740993}}, {{"time_us", "now"}}, {{"lossless", 1}}, {{"attempt", 1001}}, {{"attempt", -1}}, {{"part", -1}}, {{"hops", 1}}, {{"hops", hops}},
-        {{"hops", {{{"drone", "/"}, {"wait_us", 0}}}}}, {{"hops", {1}}}, {{"hops", {{{"drone", "d"}, {"wait_us", -1}}}}}, {{"size", -1}}, {{"header", "text"}}, {{"header", nullptr}}};
+    std::vector<Json> wrong{{{"sender", "../x"}}, {{"sender", 1}},
+                            {{"kind", ""}},       {{"output", nullptr}},
+                            {{"type", 1}},        {{"source", "a b"}},
+                            {{"epoch", -1}},      {{"seq", -1}},
+                            {{"seq", 1.5}},       {{"seq", 9007199254740993}},
+                            {{"time_us", "now"}}, {{"lossless", 1}},
+                            {{"attempt", 1001}},  {{"attempt", -1}},
+                            {{"part", -1}},       {{"hops", 1}},
+                            {{"hops", hops}},     {{"hops", {{{"drone", "/"}, {"wait_us", 0}}}}},
+                            {{"hops", {1}}},      {{"hops", {{{"drone", "d"}, {"wait_us", -1}}}}},
+                            {{"size", -1}},       {{"header", "text"}},
+                            {{"header", nullptr}}};
     for (const auto& each : wrong) {
         CAPTURE(each);
         auto& liar = pair.serve();
@@ -178,7 +197,10 @@ TEST_CASE("hostile sender: an event that breaks the rules ends its connection, w
         {"a body over the limit", [&] { return raw::prefix(raw::event, pair.channel, 2, 67108865); }},
         {"an unknown packet type", [] { return raw::packet(77, 0, "{}"); }},
         {"a second hello", [] { return raw::hello_packet("liar", "camera"); }},
-        {"more events than were asked for", [&] { return pair.event(event_header({{"seq", 2}})) + pair.event(event_header({{"seq", 3}})); }},
+        {"more events than were asked for",
+         [&] {
+             return pair.event(event_header({{"seq", 2}})) + pair.event(event_header({{"seq", 3}}));
+         }},
         {"garbage", [] { return std::string(100, 'g'); }}};
     for (const auto& [what, bytes] : packets) {
         CAPTURE(what);
@@ -195,7 +217,11 @@ TEST_CASE("hostile sender: one that does not even take the connection holds up n
     const Prey face = Prey::face();
     const FullSocket full;
     auto asker = face.meet();
-    REQUIRE(asker.send(raw::packet(raw::connect, 0, Json{{"id", 1}, {"from", {{"drone", "liar"}, {"output", "image"}, {"address", full.address()}}}, {"input", "image"}}.dump())));
+    REQUIRE(asker.send(raw::packet(raw::connect, 0,
+                                   Json{{"id", 1},
+                                        {"from", {{"drone", "liar"}, {"output", "image"}, {"address", full.address()}}},
+                                        {"input", "image"}}
+                                       .dump())));
     CHECK_FALSE(asker.next(Milliseconds(100)));  // it is dialing
     REQUIRE(raw::error_of(asker.ask(raw::stop)) == "");
     CHECK(hive::test::eventually([&] { return face.log().find(": ended") != std::string::npos; }, within(1000)));
@@ -207,11 +233,16 @@ TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connect
     auto& liar = pair.serve();
     const int wrong_channel = pair.channel + 1;
     const std::vector<std::string> odd{
-        raw::packet(raw::event, wrong_channel, event_header().dump(), "x"), raw::packet(raw::event, 0, event_header().dump(), "x"),
-        raw::packet(raw::event, wrong_channel, "not JSON, and nobody looks", "x"), raw::packet(raw::notification, wrong_channel, "{}"),
-        raw::packet(raw::exception, wrong_channel, "{}"), raw::packet(raw::confirmation, 0, R"({"id":123456,"result":{}})"),
-        raw::packet(raw::confirmation, 0, R"({"id":123457,"error":{"code":"no-such-code"}})"), raw::packet(raw::request, pair.channel, R"({"epoch":1,"id":2})"),
-        raw::packet(raw::ping, 7, ""), raw::packet(raw::pong, 0, "")};
+        raw::packet(raw::event, wrong_channel, event_header().dump(), "x"),
+        raw::packet(raw::event, 0, event_header().dump(), "x"),
+        raw::packet(raw::event, wrong_channel, "not JSON, and nobody looks", "x"),
+        raw::packet(raw::notification, wrong_channel, "{}"),
+        raw::packet(raw::exception, wrong_channel, "{}"),
+        raw::packet(raw::confirmation, 0, R"({"id":123456,"result":{}})"),
+        raw::packet(raw::confirmation, 0, R"({"id":123457,"error":{"code":"no-such-code"}})"),
+        raw::packet(raw::request, pair.channel, R"({"epoch":1,"id":2})"),
+        raw::packet(raw::ping, 7, ""),
+        raw::packet(raw::pong, 0, "")};
     for (const auto& bytes : odd)
         REQUIRE(liar.send(bytes));
     CHECK(raw::error_of(liar.ask(raw::deregister, Json::object(), pair.channel)) == "not_found");
@@ -223,16 +254,19 @@ TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connect
         return -1;
     };
     CHECK(received() == 0);
-    REQUIRE(liar.send(pair.event(event_header({{"colour", "red"}, {"size", 999}}))));  // the twin: on its channel it is taken
+    REQUIRE(liar.send(
+        pair.event(event_header({{"colour", "red"}, {"size", 999}}))));  // the twin: on its channel it is taken
     CHECK(hive::test::eventually([&] { return received() == 1; }, within(1000)));
-    const auto request = liar.next_of(raw::request, within(2000));  // dealt with (as an exception), and the next one asked for
+    const auto request =
+        liar.next_of(raw::request, within(2000));  // dealt with (as an exception), and the next one asked for
     REQUIRE(request);
     CHECK(request->json().at("id") == 2);
     CHECK(request->json().at("epoch") == pair.epoch);
     pair.check_camera();
 }
 
-TEST_CASE("hostile sender: a storm of events that may not be lost costs no memory: beyond its credit the sender is cut off")
+TEST_CASE(
+    "hostile sender: a storm of events that may not be lost costs no memory: beyond its credit the sender is cut off")
 {
     Pair pair;
     REQUIRE(pair.prey.well());
@@ -244,7 +278,8 @@ TEST_CASE("hostile sender: a storm of events that may not be lost costs no memor
         storm += event;
     liar.send(storm, within(1000));
     CHECK(liar.closed_within(within(1000)));
-    CHECK(hive::test::eventually([&] { return pair.prey.log().find("more events than it was asked for") != std::string::npos; }, within(1000)));
+    CHECK(hive::test::eventually(
+        [&] { return pair.prey.log().find("more events than it was asked for") != std::string::npos; }, within(1000)));
     if (!hive::test::sanitized())
         CHECK(hive::test::resident_bytes(pair.prey.pid()) < memory + (12u << 20));
     CHECK(pair.prey.well());
@@ -277,8 +312,13 @@ TEST_CASE("hostile sender: hivectl lives through a drone that answers nonsense, 
     const Prey prey = Prey::face();
     raw::Listener listener(prey.swarm().home() / "liar.sock");
     const Claim claim(prey.swarm().home() / "liar.lock");
-    const std::vector<std::string> answers{R"({"id":ID,"result":{"parameters":7}})", R"({"id":ID,"result":{}})", R"({"id":ID,"result":7})", R"({"id":ID})",
-                                           R"({"id":ID,"error":{"code":"\u001b[31mno","text":"\u001b[2Jbad\u0007"}})", R"({"id":ID,"error":7})", "nonsense"};
+    const std::vector<std::string> answers{R"({"id":ID,"result":{"parameters":7}})",
+                                           R"({"id":ID,"result":{}})",
+                                           R"({"id":ID,"result":7})",
+                                           R"({"id":ID})",
+                                           R"({"id":ID,"error":{"code":"\u001b[31mno","text":"\u001b[2Jbad\u0007"}})",
+                                           R"({"id":ID,"error":7})",
+                                           "nonsense"};
     std::atomic<bool> over = false;
     std::string to_application;
     std::thread liar([&] {

@@ -5,7 +5,10 @@
 
 namespace hostile {
 
-Prey::Prey(const std::string& kind, const std::vector<std::string>& settings) : process_(swarm_->drone(kind, "prey", settings)) {}
+Prey::Prey(const std::string& kind, const std::vector<std::string>& settings)
+    : process_(swarm_->drone(kind, "prey", settings))
+{
+}
 
 bool Prey::well() const
 {
@@ -13,7 +16,8 @@ bool Prey::well() const
         auto peer = meet("doctor");
         const auto begin = Clock::now();
         const Json answer = peer.ask(raw::status);
-        return raw::error_of(answer).empty() && answer.at("result").at("pid") == pid() && Clock::now() - begin < within(100);
+        return raw::error_of(answer).empty() && answer.at("result").at("pid") == pid()
+               && Clock::now() - begin < within(100);
     } catch (const std::runtime_error&) {
         return false;
     }
@@ -21,7 +25,8 @@ bool Prey::well() const
 
 Witness::Witness(const Prey& prey) : peer_(prey.meet("witness"))
 {
-    const Json registration{{"epoch", 1}, {"output", "image"}, {"receiver", "witness"}, {"options", {{"transfer", "stream"}}}};
+    const Json registration{
+        {"epoch", 1}, {"output", "image"}, {"receiver", "witness"}, {"options", {{"transfer", "stream"}}}};
     if (const Json answer = peer_.ask(raw::register_, registration, 1); !raw::error_of(answer).empty())
         throw std::runtime_error("the witness is refused: " + answer.dump());
     thread_ = std::thread([this] { receive(); });

@@ -65,12 +65,14 @@ int open_log(const fs::path& file)
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const fs::path& log)
+Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+                 const fs::path& log)
     : Process(words, environment, log, log)
 {
 }
 
-Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const fs::path& out, const fs::path& err)
+Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+                 const fs::path& out, const fs::path& err)
 {
     const auto variables = environment_with(environment);
     const auto word_pointers = pointers(words), variable_pointers = pointers(variables);
@@ -93,7 +95,9 @@ Process::~Process()
 }
 
 Process::Process(Process&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), watch_(std::exchange(other.watch_, -1)), exit_code_(std::exchange(other.exit_code_, std::nullopt))
+    : pid_(std::exchange(other.pid_, -1)),
+      watch_(std::exchange(other.watch_, -1)),
+      exit_code_(std::exchange(other.exit_code_, std::nullopt))
 {
 }
 

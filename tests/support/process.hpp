@@ -17,10 +17,11 @@ namespace hive::test {
 class Process {
 public:
     /// Starts `words` with extra environment `NAME=value`; stdout and stderr are appended to `log`.
-    Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const std::filesystem::path& log);
+    Process(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+            const std::filesystem::path& log);
     /// As above with stderr in a file of its own.
-    Process(const std::vector<std::string>& words, const std::vector<std::string>& environment, const std::filesystem::path& out,
-            const std::filesystem::path& err);
+    Process(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+            const std::filesystem::path& out, const std::filesystem::path& err);
     ~Process();
     Process(Process&& other) noexcept;
     Process& operator=(Process&& other) noexcept;

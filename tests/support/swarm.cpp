@@ -26,7 +26,7 @@ std::optional<pid_t> holder(const fs::path& lock)
     const int descriptor = ::open(lock.c_str(), O_RDWR | O_CLOEXEC);
     if (descriptor < 0)
         return std::nullopt;
-    struct flock whole{};
+    struct flock whole {};
     whole.l_type = F_WRLCK;
     const bool held = ::fcntl(descriptor, F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
     ::close(descriptor);
@@ -96,7 +96,8 @@ std::string Swarm::hivectl_done(const std::vector<std::string>& words, Milliseco
     for (const auto& word : words)
         line += " " + word;
     if (finished.exit_code != 0)
-        throw std::runtime_error(line + " exited with " + std::to_string(finished.exit_code) + "\n" + finished.out + finished.err);
+        throw std::runtime_error(line + " exited with " + std::to_string(finished.exit_code) + "\n" + finished.out
+                                 + finished.err);
     return std::move(finished.out);
 }
 
@@ -107,8 +108,8 @@ Process Swarm::hivectl_running(const std::vector<std::string>& words, const std:
     return {all, environment(), home_ / (name + ".log")};
 }
 
-Process Swarm::drone(const std::string& kind, const std::string& name, const std::vector<std::string>& settings, const std::vector<std::string>& more,
-                     const std::vector<std::string>& extra) const
+Process Swarm::drone(const std::string& kind, const std::string& name, const std::vector<std::string>& settings,
+                     const std::vector<std::string>& more, const std::vector<std::string>& extra) const
 {
     std::vector<std::string> words{program("hive-" + kind).string(), "--name", name};
     for (const auto& setting : settings)
@@ -118,14 +119,17 @@ Process Swarm::drone(const std::string& kind, const std::string& name, const std
     variables.insert(variables.end(), extra.begin(), extra.end());
     Process process(words, variables, home_ / (name + ".log"));
     Application asking = application(Milliseconds(500));
-    const bool answers = eventually([&] {
-        if (process.wait(Milliseconds(0)))
-            return true;
-        if (!fs::exists(home_ / (name + ".sock")))
-            return false;
-        const auto answer = asking.status(std::vector{name}).at(0);
-        return !answer.error && answer.result.value("pid", 0) == process.pid() && answer.result.value("state", "starting") != "starting";
-    }, Milliseconds(10'000));
+    const bool answers = eventually(
+        [&] {
+            if (process.wait(Milliseconds(0)))
+                return true;
+            if (!fs::exists(home_ / (name + ".sock")))
+                return false;
+            const auto answer = asking.status(std::vector{name}).at(0);
+            return !answer.error && answer.result.value("pid", 0) == process.pid()
+                   && answer.result.value("state", "starting") != "starting";
+        },
+        Milliseconds(10'000));
     if (!answers || process.wait(Milliseconds(0)))
         throw std::runtime_error("hive-" + kind + " as " + name + " did not start:\n" + log(name));
     return process;
@@ -133,7 +137,10 @@ Process Swarm::drone(const std::string& kind, const std::string& name, const std
 
 std::string Swarm::log(const std::string& name) const { return text_of(home_ / (name + ".log")); }
 
-Application Swarm::application(Milliseconds timeout) const { return Application({.name = {}, .home = home_, .timeout = patient(timeout)}); }
+Application Swarm::application(Milliseconds timeout) const
+{
+    return Application({.name = {}, .home = home_, .timeout = patient(timeout)});
+}
 
 std::optional<fs::path> shared_data(const std::string& relative)
 {

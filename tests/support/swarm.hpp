@@ -1,4 +1,5 @@
-// Real processes in a home directory of their own: what the end-to-end tests, the contract suite and the benchmarks stand on.
+// Real processes in a home directory of their own: what the end-to-end tests, the contract suite and the benchmarks
+// stand on.
 #pragma once
 
 #include "eventually.hpp"
@@ -43,8 +44,10 @@ public:
     /// @param settings     "key=value"
     /// @param more         further words of its command line
     /// @param environment  "NAME=value"
-    [[nodiscard]] Process drone(const std::string& kind, const std::string& name, const std::vector<std::string>& settings = {},
-                                const std::vector<std::string>& more = {}, const std::vector<std::string>& environment = {}) const;
+    [[nodiscard]] Process drone(const std::string& kind, const std::string& name,
+                                const std::vector<std::string>& settings = {},
+                                const std::vector<std::string>& more = {},
+                                const std::vector<std::string>& environment = {}) const;
     [[nodiscard]] std::string log(const std::string& name) const;
     /// An application in this swarm.
     [[nodiscard]] Application application(Milliseconds timeout = Milliseconds(5000)) const;

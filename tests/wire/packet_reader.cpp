@@ -29,8 +29,9 @@ bool PacketReader::take_packet()
     const std::size_t size = protocol::prefix_size + prefix.header_size + prefix.body_size;
     if (pending_.size() < size)
         return false;
-    auto packet = protocol::make_packet(prefix.type, pending_.substr(protocol::prefix_size, prefix.header_size), prefix.channel,
-                                        Body(pending_.substr(protocol::prefix_size + prefix.header_size, prefix.body_size)));
+    auto packet =
+        protocol::make_packet(prefix.type, pending_.substr(protocol::prefix_size, prefix.header_size), prefix.channel,
+                              Body(pending_.substr(protocol::prefix_size + prefix.header_size, prefix.body_size)));
     check(packet);
     pending_.erase(0, size);
     packets_.push_back(std::move(packet));

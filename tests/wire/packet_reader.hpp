@@ -1,4 +1,5 @@
-// Packets out of a stream of bytes, as SPEC.md says it and as simply as can be: what real connections are compared with.
+// Packets out of a stream of bytes, as SPEC.md says it and as simply as can be: what real connections are compared
+// with.
 #pragma once
 
 #include <hive/error.hpp>

@@ -117,7 +117,8 @@ TEST_CASE("SPEC: the words of section 1 are the code's")
     CHECK(words("delivery") == all(Delivery::data, Delivery::notification));
     CHECK(words("state") == all(State::starting, State::idle, State::busy, State::halted, State::stopping));
     CHECK(words("policy") == all(ExceptionPolicy::skip, ExceptionPolicy::halt));
-    CHECK(words("parameter type") == all(ParameterType::integer, ParameterType::number, ParameterType::text, ParameterType::flag));
+    CHECK(words("parameter type")
+          == all(ParameterType::integer, ParameterType::number, ParameterType::text, ParameterType::flag));
 }
 
 TEST_CASE("SPEC: the limits of section 3 are the code's")
@@ -156,8 +157,10 @@ TEST_CASE("SPEC: the request written out in hex is what the code writes")
 
 TEST_CASE("SPEC: the reference written out in hex is what the code writes and reads")
 {
-    const protocol::Reference reference{.slot = {.segment = 0, .index = 3, .generation = 17}, .offset = 0, .size = 6220800};
-    const auto packet = protocol::make_packet(protocol::PacketType::reference, R"({"output":"pixel"})", 1, protocol::to_body(reference));
+    const protocol::Reference reference{
+        .slot = {.segment = 0, .index = 3, .generation = 17}, .offset = 0, .size = 6220800};
+    const auto packet = protocol::make_packet(protocol::PacketType::reference, R"({"output":"pixel"})", 1,
+                                              protocol::to_body(reference));
     const auto prefix = protocol::encode(packet.prefix());
     const std::string body(reinterpret_cast<const char*>(packet.body.data()), packet.body.size());
     CHECK(hex_blocks().at(3) == std::string(prefix.begin(), prefix.end()) + std::string(packet.header_text()) + body);

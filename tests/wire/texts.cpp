@@ -28,7 +28,8 @@ TEST_CASE("name vectors: the grammar of names")
         const std::string text = input_of(row);
         const bool ok = row.at("ok").get<bool>();
         CHECK_EQ(is_name(text), ok);
-        CHECK_EQ(error_of([&] { require_name(text, "drone"); }), ok ? std::nullopt : std::optional(Errc::invalid_argument));
+        CHECK_EQ(error_of([&] { require_name(text, "drone"); }),
+                 ok ? std::nullopt : std::optional(Errc::invalid_argument));
     }
 }
 
@@ -36,7 +37,8 @@ TEST_CASE("glob vectors: star and question mark, nothing else")
 {
     for (const auto& row : read_vectors("globs.jsonl", 30)) {
         CAPTURE(row.at("name"));
-        CHECK_EQ(matches_glob(row.at("pattern").get<std::string>(), row.at("text").get<std::string>()), row.at("match").get<bool>());
+        CHECK_EQ(matches_glob(row.at("pattern").get<std::string>(), row.at("text").get<std::string>()),
+                 row.at("match").get<bool>());
     }
 }
 
@@ -54,7 +56,10 @@ TEST_CASE("parameter vectors: the value a parameter takes, or the refusal")
 {
     for (const auto& row : read_vectors("parameters.jsonl", 130)) {
         CAPTURE(row.at("name"));
-        const Json description{{"kind", "k"}, {"inputs", Json::array()}, {"outputs", Json::array()}, {"parameters", {row.at("parameter")}}};
+        const Json description{{"kind", "k"},
+                               {"inputs", Json::array()},
+                               {"outputs", Json::array()},
+                               {"parameters", {row.at("parameter")}}};
         const auto parameter = interface_from_json(description).parameters.at(0);
         Json value;
         check_outcome(row, error_of([&] { value = checked_value(parameter, row.at("value")); }));

@@ -21,14 +21,32 @@ struct Word {
 const std::vector<Word>& words()
 {
     using B = Behaviour;
-    static const std::vector<Word> table{
-        {"fps", &B::fps}, {"step", &B::step}, {"auth", &B::auth, {"none", "basic", "digest", "basic_digest"}}, {"qop", &B::qop},
-        {"nonce_uses", &B::nonce_uses}, {"old_firmware", &B::old_firmware}, {"boundary", &B::boundary, {"plain", "dashed", "quoted", "tight"}},
-        {"length", &B::length, {"right", "missing", "short", "long", "text", "huge"}}, {"line_end", &B::line_end, {"crlf", "lf"}},
-        {"down", &B::down}, {"mute", &B::mute}, {"stall", &B::stall}, {"unauthorised", &B::unauthorised}, {"html", &B::html}, {"foreign", &B::foreign},
-        {"garbage", &B::garbage}, {"truncated", &B::truncated}, {"endless_head", &B::endless_head}, {"endless_part", &B::endless_part}, {"huge_head", &B::huge_head},
-        {"status", &B::status}, {"stall_after", &B::stall_after}, {"close_after", &B::close_after}, {"cut_after", &B::cut_after},
-        {"bytes_per_s", &B::bytes_per_s}, {"redirect", &B::redirect}};
+    static const std::vector<Word> table{{"fps", &B::fps},
+                                         {"step", &B::step},
+                                         {"auth", &B::auth, {"none", "basic", "digest", "basic_digest"}},
+                                         {"qop", &B::qop},
+                                         {"nonce_uses", &B::nonce_uses},
+                                         {"old_firmware", &B::old_firmware},
+                                         {"boundary", &B::boundary, {"plain", "dashed", "quoted", "tight"}},
+                                         {"length", &B::length, {"right", "missing", "short", "long", "text", "huge"}},
+                                         {"line_end", &B::line_end, {"crlf", "lf"}},
+                                         {"down", &B::down},
+                                         {"mute", &B::mute},
+                                         {"stall", &B::stall},
+                                         {"unauthorised", &B::unauthorised},
+                                         {"html", &B::html},
+                                         {"foreign", &B::foreign},
+                                         {"garbage", &B::garbage},
+                                         {"truncated", &B::truncated},
+                                         {"endless_head", &B::endless_head},
+                                         {"endless_part", &B::endless_part},
+                                         {"huge_head", &B::huge_head},
+                                         {"status", &B::status},
+                                         {"stall_after", &B::stall_after},
+                                         {"close_after", &B::close_after},
+                                         {"cut_after", &B::cut_after},
+                                         {"bytes_per_s", &B::bytes_per_s},
+                                         {"redirect", &B::redirect}};
     return table;
 }
 
@@ -75,9 +93,9 @@ void Behaviour::set(const std::string& name, const std::string& value)
 {
     const Word& one = word(name);
     if (const auto* integer = std::get_if<int Behaviour::*>(&one.member))
-        this->**integer = number(name, value);
+        this->** integer = number(name, value);
     else if (const auto* yes = std::get_if<bool Behaviour::*>(&one.member))
-        this->**yes = flag(name, value);
+        this->** yes = flag(name, value);
     else
         this->*std::get<std::string Behaviour::*>(one.member) = choice(one, value);
 }
@@ -100,7 +118,10 @@ std::string Behaviour::text() const
 
 LoginRules Behaviour::login() const
 {
-    const Policy policy = auth == "basic" ? Policy::basic : auth == "digest" ? Policy::digest : auth == "basic_digest" ? Policy::basic_digest : Policy::none;
+    const Policy policy = auth == "basic"          ? Policy::basic
+                          : auth == "digest"       ? Policy::digest
+                          : auth == "basic_digest" ? Policy::basic_digest
+                                                   : Policy::none;
     return {policy, qop, nonce_uses};
 }
 

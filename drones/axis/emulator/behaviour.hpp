@@ -10,31 +10,31 @@ namespace axis::emulator {
 
 struct Behaviour {
     // what it is
-    int fps = 25;                   ///< when its parameter Stream.FPS is 0
-    int step = 1;                   ///< sensor values are rounded down to multiples of it
-    std::string auth = "none";      ///< none, basic, digest, basic_digest
+    int fps = 25;               ///< when its parameter Stream.FPS is 0
+    int step = 1;               ///< sensor values are rounded down to multiples of it
+    std::string auth = "none";  ///< none, basic, digest, basic_digest
     bool qop = true;
-    int nonce_uses = 0;             ///< 0: a nonce is never stale
-    bool old_firmware = false;      ///< takes updates at /axis-cgi/admin/param.cgi alone
-    std::string boundary = "plain"; ///< plain, dashed, quoted, tight
-    std::string length = "right";   ///< right, missing, short, long, text, huge
-    std::string line_end = "crlf";  ///< crlf, lf
+    int nonce_uses = 0;              ///< 0: a nonce is never stale
+    bool old_firmware = false;       ///< takes updates at /axis-cgi/admin/param.cgi alone
+    std::string boundary = "plain";  ///< plain, dashed, quoted, tight
+    std::string length = "right";    ///< right, missing, short, long, text, huge
+    std::string line_end = "crlf";   ///< crlf, lf
 
     // what it does wrong
-    bool down = false;         ///< nobody listens, all connections end
-    bool mute = false;         ///< takes connections and says nothing
-    bool stall = false;        ///< streams pause
-    bool unauthorised = false; ///< every login is refused
-    bool html = false;         ///< a web page instead of pictures
-    bool foreign = false;      ///< a web server that is no camera
-    bool garbage = false;      ///< bytes between the parts, fields in their heads that nobody knows
-    bool truncated = false;    ///< half pictures in whole parts
+    bool down = false;          ///< nobody listens, all connections end
+    bool mute = false;          ///< takes connections and says nothing
+    bool stall = false;         ///< streams pause
+    bool unauthorised = false;  ///< every login is refused
+    bool html = false;          ///< a web page instead of pictures
+    bool foreign = false;       ///< a web server that is no camera
+    bool garbage = false;       ///< bytes between the parts, fields in their heads that nobody knows
+    bool truncated = false;     ///< half pictures in whole parts
     bool endless_head = false, endless_part = false;
-    bool huge_head = false;    ///< 100 KiB of fields before every answer
-    int status = 200;          ///< of the pictures
+    bool huge_head = false;                                  ///< 100 KiB of fields before every answer
+    int status = 200;                                        ///< of the pictures
     int stall_after = -1, close_after = -1, cut_after = -1;  ///< pictures of a stream; -1: never
-    int bytes_per_s = 0;       ///< 0: as fast as it goes
-    std::string redirect;      ///< where everything is said to be
+    int bytes_per_s = 0;                                     ///< 0: as fast as it goes
+    std::string redirect;                                    ///< where everything is said to be
 
     /// @throws std::invalid_argument  naming what there is
     void set(const std::string& name, const std::string& value);

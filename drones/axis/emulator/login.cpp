@@ -50,8 +50,9 @@ bool takes_digest(Policy policy) { return policy == Policy::digest || policy == 
 
 }  // namespace
 
-std::string digest_response(const Credentials& who, std::string_view realm, std::string_view nonce, std::string_view method, std::string_view uri,
-                            std::string_view nc, std::string_view cnonce, std::string_view qop)
+std::string digest_response(const Credentials& who, std::string_view realm, std::string_view nonce,
+                            std::string_view method, std::string_view uri, std::string_view nc, std::string_view cnonce,
+                            std::string_view qop)
 {
     const auto joined = [](auto... parts) {
         std::string text;
@@ -62,22 +63,27 @@ std::string digest_response(const Credentials& who, std::string_view realm, std:
     return md5(qop.empty() ? joined(secret, nonce, request) : joined(secret, nonce, nc, cnonce, qop, request));
 }
 
-Login::Verdict Login::check(const LoginRules& rules, std::string_view method, std::string_view uri, std::string_view authorization)
+Login::Verdict Login::check(const LoginRules& rules, std::string_view method, std::string_view uri,
+                            std::string_view authorization)
 {
     if (rules.policy == Policy::none)
         return Verdict::welcome;
     if (takes_basic(rules.policy) && authorization.starts_with("Basic "))
-        return authorization.substr(6) == base64(owner_.user + ":" + owner_.password) ? Verdict::welcome : Verdict::wrong;
+        return authorization.substr(6) == base64(owner_.user + ":" + owner_.password) ? Verdict::welcome
+                                                                                      : Verdict::wrong;
     if (takes_digest(rules.policy) && authorization.starts_with("Digest "))
         return check_digest(rules, method, uri, authorization.substr(7));
     return Verdict::unknown;
 }
 
-Login::Verdict Login::check_digest(const LoginRules& rules, std::string_view method, std::string_view uri, std::string_view text)
+Login::Verdict Login::check_digest(const LoginRules& rules, std::string_view method, std::string_view uri,
+                                   std::string_view text)
 {
     auto fields = fields_of(text);
-    const bool right = fields["username"] == owner_.user && fields["realm"] == realm_ && fields["uri"] == uri &&
-                       fields["response"] == digest_response(owner_, realm_, fields["nonce"], method, uri, fields["nc"], fields["cnonce"], fields["qop"]);
+    const bool right = fields["username"] == owner_.user && fields["realm"] == realm_ && fields["uri"] == uri
+                       && fields["response"]
+                              == digest_response(owner_, realm_, fields["nonce"], method, uri, fields["nc"],
+                                                 fields["cnonce"], fields["qop"]);
     if (!right)
         return Verdict::wrong;
     if (fields["nonce"] != nonce_ || (rules.nonce_uses > 0 && uses_ >= rules.nonce_uses))
@@ -92,8 +98,8 @@ std::vector<std::string> Login::challenges(const LoginRules& rules, Verdict verd
     if (takes_digest(rules.policy)) {
         if (nonce_.empty() || verdict == Verdict::stale)
             renew_nonce();
-        result.push_back("Digest realm=\"" + realm_ + "\", nonce=\"" + nonce_ + "\", stale=" + (verdict == Verdict::stale ? "TRUE" : "FALSE") +
-                         (rules.qop ? ", qop=\"auth\"" : ""));
+        result.push_back("Digest realm=\"" + realm_ + "\", nonce=\"" + nonce_ + "\", stale="
+                         + (verdict == Verdict::stale ? "TRUE" : "FALSE") + (rules.qop ? ", qop=\"auth\"" : ""));
     }
     if (takes_basic(rules.policy))
         result.push_back("Basic realm=\"" + realm_ + "\"");

@@ -20,8 +20,9 @@ struct LoginRules {
 };
 
 /// The hexadecimal response of a digest. @param qop  with nc and cnonce; empty: the form without
-std::string digest_response(const Credentials& who, std::string_view realm, std::string_view nonce, std::string_view method, std::string_view uri,
-                            std::string_view nc = {}, std::string_view cnonce = {}, std::string_view qop = {});
+std::string digest_response(const Credentials& who, std::string_view realm, std::string_view nonce,
+                            std::string_view method, std::string_view uri, std::string_view nc = {},
+                            std::string_view cnonce = {}, std::string_view qop = {});
 
 class Login {
 public:
@@ -30,12 +31,14 @@ public:
     enum class Verdict { welcome, unknown, wrong, stale };
 
     /// @param authorization  the header field; empty if there is none
-    Verdict check(const LoginRules& rules, std::string_view method, std::string_view uri, std::string_view authorization);
+    Verdict check(const LoginRules& rules, std::string_view method, std::string_view uri,
+                  std::string_view authorization);
     /// The WWW-Authenticate fields that a 401 carries.
     std::vector<std::string> challenges(const LoginRules& rules, Verdict verdict);
 
 private:
-    Verdict check_digest(const LoginRules& rules, std::string_view method, std::string_view uri, std::string_view fields);
+    Verdict check_digest(const LoginRules& rules, std::string_view method, std::string_view uri,
+                         std::string_view fields);
     void renew_nonce();
 
     Credentials owner_;

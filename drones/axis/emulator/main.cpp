@@ -61,7 +61,8 @@ int main(int argc, char** argv)
             take(settings, argv[i]);
         }
         axis::emulator::Server server(settings);
-        std::cout << "camera at http://" << settings.address << ":" << server.port() << "\ncontrol at http://127.0.0.1:" << server.control_port() << std::endl;
+        std::cout << "camera at http://" << settings.address << ":" << server.port()
+                  << "\ncontrol at http://127.0.0.1:" << server.control_port() << std::endl;
         server.run();
         return 0;
     } catch (const std::invalid_argument& problem) {

@@ -15,7 +15,8 @@ std::array<std::uint32_t, 64> sines()
 {
     std::array<std::uint32_t, 64> table{};
     for (std::size_t i = 0; i < table.size(); ++i)
-        table[i] = static_cast<std::uint32_t>(std::floor(std::abs(std::sin(static_cast<double>(i + 1))) * 4294967296.0));
+        table[i] =
+            static_cast<std::uint32_t>(std::floor(std::abs(std::sin(static_cast<double>(i + 1))) * 4294967296.0));
     return table;
 }
 

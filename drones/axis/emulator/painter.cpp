@@ -22,7 +22,8 @@ cv::Size size_of(const std::string& resolution)
 Painter::Painter() = default;
 Painter::~Painter() = default;
 
-std::string Painter::jpeg(const ParameterStore& parameters, const std::string& resolution, int compression, std::int64_t index)
+std::string Painter::jpeg(const ParameterStore& parameters, const std::string& resolution, int compression,
+                          std::int64_t index)
 {
     auto& scene = scenes_[resolution];
     if (!scene)

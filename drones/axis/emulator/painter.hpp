@@ -20,7 +20,8 @@ public:
     ~Painter();
 
     /// A JPEG. @param resolution  WIDTHxHEIGHT, one that the store has. @param compression  0 to 100, more is smaller
-    std::string jpeg(const ParameterStore& parameters, const std::string& resolution, int compression, std::int64_t index);
+    std::string jpeg(const ParameterStore& parameters, const std::string& resolution, int compression,
+                     std::int64_t index);
 
 private:
     std::map<std::string, std::unique_ptr<camera::Scene>> scenes_;  ///< by resolution

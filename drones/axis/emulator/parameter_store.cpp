@@ -18,7 +18,10 @@ std::optional<int> whole_number(const std::string& text)
 
 std::string without_root(const std::string& name) { return name.starts_with("root.") ? name.substr(5) : name; }
 
-bool in_group(const std::string& name, const std::string& group) { return group.empty() || name == group || name.starts_with(group + "."); }
+bool in_group(const std::string& name, const std::string& group)
+{
+    return group.empty() || name == group || name.starts_with(group + ".");
+}
 
 const std::vector<std::string> resolutions{"1280x720", "640x480", "320x240", "160x120"};
 
@@ -26,8 +29,12 @@ const std::vector<std::string> resolutions{"1280x720", "640x480", "320x240", "16
 
 ParameterStore::ParameterStore(const std::string& serial)
 {
-    const auto fixed = [&](const char* name, const std::string& value) { parameters_.push_back({name, value, 0, 0, {}, true}); };
-    const auto number = [&](const char* name, int value, int least, int most) { parameters_.push_back({name, std::to_string(value), least, most, {}, false}); };
+    const auto fixed = [&](const char* name, const std::string& value) {
+        parameters_.push_back({name, value, 0, 0, {}, true});
+    };
+    const auto number = [&](const char* name, int value, int least, int most) {
+        parameters_.push_back({name, std::to_string(value), least, most, {}, false});
+    };
     const auto choice = [&](const char* name, const char* value, std::vector<std::string> choices) {
         parameters_.push_back({name, value, 0, 0, std::move(choices), false});
     };
@@ -57,7 +64,10 @@ const ParameterStore::Parameter* ParameterStore::find(const std::string& name) c
 
 const std::string& ParameterStore::value(const std::string& name) const { return find(name)->value; }
 int ParameterStore::number(const std::string& name) const { return whole_number(value(name)).value_or(0); }
-bool ParameterStore::has_resolution(const std::string& resolution) const { return std::ranges::find(resolutions, resolution) != resolutions.end(); }
+bool ParameterStore::has_resolution(const std::string& resolution) const
+{
+    return std::ranges::find(resolutions, resolution) != resolutions.end();
+}
 
 std::string ParameterStore::list(const std::string& groups) const
 {

@@ -35,8 +35,9 @@ std::string_view next_line(std::string_view& text)
 /// The value of a field, if the line has it. @param name  in lower case, with the colon
 std::optional<std::string> field(std::string_view line, std::string_view name)
 {
-    const bool is = line.size() >= name.size() &&
-                    std::ranges::equal(line.substr(0, name.size()), name, {}, [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const bool is = line.size() >= name.size()
+                    && std::ranges::equal(line.substr(0, name.size()), name, {},
+                                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (!is)
         return std::nullopt;
     line.remove_prefix(name.size());

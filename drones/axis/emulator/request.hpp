@@ -10,8 +10,8 @@
 namespace axis::emulator {
 
 struct Request {
-    std::string method, target;  ///< as they came
-    std::string path;            ///< without the query
+    std::string method, target;                              ///< as they came
+    std::string path;                                        ///< without the query
     std::vector<std::pair<std::string, std::string>> query;  ///< decoded, in order
     std::string authorization;
     std::size_t body_size = 0;

@@ -1,5 +1,5 @@
-// Coroutines on one io_context; what they share needs no lock. No co_await has temporaries with destructors in its expression:
-// g++ 12 destroys some of them twice.
+// Coroutines on one io_context; what they share needs no lock. No co_await has temporaries with destructors in its
+// expression: g++ 12 destroys some of them twice.
 #include "server.hpp"
 
 #include "painter.hpp"
@@ -29,13 +29,17 @@ awaitable<void> wait_until(Clock::time_point when)
     co_await timer.async_wait(use_awaitable);
 }
 
-std::string answer_text(const std::string& status, const std::string& type, const std::string& body, const std::string& fields = "")
+std::string answer_text(const std::string& status, const std::string& type, const std::string& body,
+                        const std::string& fields = "")
 {
-    return "HTTP/1.0 " + status + "\r\nCache-Control: no-cache\r\nConnection: close\r\n" + fields + "Content-Type: " + type +
-           "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+    return "HTTP/1.0 " + status + "\r\nCache-Control: no-cache\r\nConnection: close\r\n" + fields
+           + "Content-Type: " + type + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
 }
 
-bool is_stream(const Request& request) { return request.path == "/axis-cgi/mjpg/video.cgi" || request.path == "/mjpg/video.mjpg"; }
+bool is_stream(const Request& request)
+{
+    return request.path == "/axis-cgi/mjpg/video.cgi" || request.path == "/mjpg/video.mjpg";
+}
 
 std::string plain(const std::string& body) { return answer_text("200 OK", "text/plain; charset=iso-8859-1", body); }
 std::string page(const std::string& status, const std::string& fields = "")
@@ -65,8 +69,13 @@ std::string repeated(const std::string& text, int times)
 class Server::World {
 public:
     explicit World(const ServerSettings& settings)
-        : behaviour_(settings.behaviour), parameters_(serial), login_(settings.owner, serial),
-          place_(address_of(settings.address), settings.port), camera_(context_), control_(context_), signals_(context_, SIGTERM, SIGINT)
+        : behaviour_(settings.behaviour),
+          parameters_(serial),
+          login_(settings.owner, serial),
+          place_(address_of(settings.address), settings.port),
+          camera_(context_),
+          control_(context_),
+          signals_(context_, SIGTERM, SIGINT)
     {
         open_camera();
         place_ = camera_.local_endpoint();
@@ -89,7 +98,8 @@ private:
         acceptor.listen();
     } catch (const std::system_error& problem) {
         acceptor.close();
-        throw std::runtime_error("cannot listen at " + place.address().to_string() + ", " + word + "=" + std::to_string(place.port()) + ": " + problem.code().message());
+        throw std::runtime_error("cannot listen at " + place.address().to_string() + ", " + word + "="
+                                 + std::to_string(place.port()) + ": " + problem.code().message());
     }
 
     void open_camera()
@@ -114,7 +124,8 @@ private:
     {
         while (camera_.is_open()) {
             tcp::socket socket = co_await camera_.async_accept(use_awaitable);
-            asio::co_spawn(context_, serve(std::move(socket)), [](std::exception_ptr) {});  // a client that goes is normal
+            asio::co_spawn(context_, serve(std::move(socket)),
+                           [](std::exception_ptr) {});  // a client that goes is normal
         }
     }
 
@@ -129,12 +140,14 @@ private:
     static awaitable<std::optional<Request>> read_request(tcp::socket& socket)
     {
         std::string buffer;
-        const auto size = co_await asio::async_read_until(socket, asio::dynamic_buffer(buffer, most_request), "\r\n\r\n", use_awaitable);
+        const auto size = co_await asio::async_read_until(socket, asio::dynamic_buffer(buffer, most_request),
+                                                          "\r\n\r\n", use_awaitable);
         auto request = parse_request(std::string_view(buffer).substr(0, size));
         buffer.erase(0, size);
         if (request && request->body_size > 0 && request->body_size < most_request) {
             if (buffer.size() < request->body_size)
-                co_await asio::async_read(socket, asio::dynamic_buffer(buffer), asio::transfer_exactly(request->body_size - buffer.size()), use_awaitable);
+                co_await asio::async_read(socket, asio::dynamic_buffer(buffer),
+                                          asio::transfer_exactly(request->body_size - buffer.size()), use_awaitable);
             const auto more = parse_query(buffer);
             request->query.insert(request->query.end(), more.begin(), more.end());
         }
@@ -157,8 +170,9 @@ private:
         } catch (const std::exception& problem) {
             return std::string("# Error: ") + problem.what() + "\n";
         }
-        return behaviour_.text() + "connections=" + std::to_string(connections_) + "\nwrong_logins=" + std::to_string(wrong_logins_) +
-               "\nupdates=" + std::to_string(updates_) + "\npictures=" + std::to_string(pictures_) + "\n";
+        return behaviour_.text() + "connections=" + std::to_string(connections_)
+               + "\nwrong_logins=" + std::to_string(wrong_logins_) + "\nupdates=" + std::to_string(updates_)
+               + "\npictures=" + std::to_string(pictures_) + "\n";
     }
 
     awaitable<void> serve(tcp::socket socket)
@@ -180,7 +194,8 @@ private:
     awaitable<void> answer(tcp::socket& socket, const Request& request)
     {
         const auto refusal = refuse(request);
-        if (!refusal && is_stream(request) && parameters_.has_resolution(resolution(request)) && behaviour_.status == 200 && !behaviour_.html) {
+        if (!refusal && is_stream(request) && parameters_.has_resolution(resolution(request))
+            && behaviour_.status == 200 && !behaviour_.html) {
             co_await stream(socket, request);
         } else {
             const std::string text = refusal ? *refusal : simple_answer(request);
@@ -222,7 +237,8 @@ private:
             return image_answer(request);
         if (request.path == "/axis-cgi/imagesize.cgi") {
             const std::string size = resolution(request);
-            return plain("image width = " + size.substr(0, size.find('x')) + "\r\nimage height = " + size.substr(size.find('x') + 1) + "\r\n");
+            return plain("image width = " + size.substr(0, size.find('x'))
+                         + "\r\nimage height = " + size.substr(size.find('x') + 1) + "\r\n");
         }
         return page("404 Not Found");
     }
@@ -254,7 +270,8 @@ private:
     {
         ++pictures_;
         const std::string asked = request.word("compression");
-        const int compression = asked.empty() ? parameters_.number("Image.I0.Appearance.Compression") : std::clamp(std::atoi(asked.c_str()), 0, 100);
+        const int compression = asked.empty() ? parameters_.number("Image.I0.Appearance.Compression")
+                                              : std::clamp(std::atoi(asked.c_str()), 0, 100);
         const auto index = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begun_).count() / 40;
         return painter_.jpeg(parameters_, resolution(request), compression, index);
     }
@@ -277,10 +294,12 @@ private:
 
     awaitable<void> stream(tcp::socket& socket, const Request& request)
     {
-        const std::string head = "HTTP/1.0 200 OK\r\nCache-Control: no-cache\r\nConnection: close\r\nContent-Type: " + stream_type(behaviour_) + "\r\n\r\n";
+        const std::string head = "HTTP/1.0 200 OK\r\nCache-Control: no-cache\r\nConnection: close\r\nContent-Type: "
+                                 + stream_type(behaviour_) + "\r\n\r\n";
         co_await send(socket, head);
         const int most = std::atoi(request.word("nbrofframes").c_str());
-        const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate(request)));
+        const auto period =
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate(request)));
         const auto reached = [](int count, int limit) { return limit >= 0 && count >= limit; };
         auto due = Clock::now();
         for (int count = 0; (most == 0 || count < most) && !reached(count, behaviour_.close_after); ++count) {

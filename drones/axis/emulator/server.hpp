@@ -1,4 +1,5 @@
-// The emulated camera on the network: one thread, a coroutine for each connection, and a second port that changes its behaviour.
+// The emulated camera on the network: one thread, a coroutine for each connection, and a second port that changes its
+// behaviour.
 #pragma once
 
 #include "behaviour.hpp"
@@ -18,7 +19,8 @@ struct ServerSettings {
 class Server {
 public:
     /// Listens at once.
-    /// @throws std::invalid_argument  when the address is none; std::runtime_error  saying where it cannot listen and why
+    /// @throws std::invalid_argument  when the address is none; std::runtime_error  saying where it cannot listen and
+    /// why
     explicit Server(const ServerSettings& settings);
     ~Server();
     [[nodiscard]] unsigned short port() const;

@@ -8,7 +8,7 @@ std::string length_field(const std::string& variant, std::size_t size)
 {
     if (variant == "missing")
         return "";
-    const std::string value = variant == "short" ? std::to_string(size / 2)
+    const std::string value = variant == "short"  ? std::to_string(size / 2)
                               : variant == "long" ? std::to_string(size + 500)
                               : variant == "text" ? "many"
                               : variant == "huge" ? "99999999999"
@@ -21,8 +21,10 @@ std::string length_field(const std::string& variant, std::size_t size)
 std::string stream_type(const Behaviour& behaviour)
 {
     const std::string& boundary = behaviour.boundary;
-    return std::string("multipart/x-mixed-replace;") + (boundary == "tight" ? "" : " ") + "boundary=" +
-           (boundary == "dashed" ? "--myboundary" : boundary == "quoted" ? "\"myboundary\"" : "myboundary");
+    return std::string("multipart/x-mixed-replace;") + (boundary == "tight" ? "" : " ") + "boundary="
+           + (boundary == "dashed"   ? "--myboundary"
+              : boundary == "quoted" ? "\"myboundary\""
+                                     : "myboundary");
 }
 
 std::string stream_part(const Behaviour& behaviour, const std::string& jpeg)

@@ -13,7 +13,8 @@ EmissionPtr encoded(const Encoder& encoder, const Event& event, const std::strin
     result.receipt.reset();
     result.size = result.body.size();
     if (result.size > protocol::Limits{}.body)
-        throw Error(Errc::too_large, "a body of " + std::to_string(result.size) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+        throw Error(Errc::too_large, "a body of " + std::to_string(result.size) + " bytes, limit "
+                                         + std::to_string(protocol::Limits{}.body));
     return std::make_shared<const Emission>(std::move(result));
 }
 

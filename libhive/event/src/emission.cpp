@@ -51,7 +51,8 @@ Event event_from_json(const Json& json, std::size_t body_size)
     event.kind = fields.name("kind");
     event.output = fields.name("output");
     event.type = fields.text("type");
-    event.size = static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(body_size)));
+    event.size =
+        static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(body_size)));
     if (fields.has("header"))
         event.header = fields.object("header");
     return event;
@@ -60,13 +61,17 @@ Event event_from_json(const Json& json, std::size_t body_size)
 }  // namespace
 
 Emission::Emission(Event event, bool complete)
-    : event_(std::move(event)), complete_(complete), header_(std::make_shared<const std::string>(header_text(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt})))
+    : event_(std::move(event)),
+      complete_(complete),
+      header_(std::make_shared<const std::string>(
+          header_text(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt})))
 {
     require_within(event_.header, {}, 1);
     constexpr std::size_t share_bytes = 128;  // what sharing adds
     if (header_->size() + share_bytes > protocol::Limits{}.header)
         throw Error(Errc::too_large, "the header of an event is " + std::to_string(header_->size()) + " bytes, limit "
-                        + std::to_string(protocol::Limits{}.header) + ": put large data into the body");
+                                         + std::to_string(protocol::Limits{}.header)
+                                         + ": put large data into the body");
 }
 
 std::shared_ptr<const Emission> Emission::without_receipt() const
@@ -106,7 +111,10 @@ Event event_from_packet(const protocol::Packet& packet)
 
 namespace hive {
 
-std::string event_text(const Event& event) { return event::header_text(event, {event.identity.group, event.identity.turn, event.identity.attempt}); }
+std::string event_text(const Event& event)
+{
+    return event::header_text(event, {event.identity.group, event.identity.turn, event.identity.attempt});
+}
 
 Event event_from_text(std::string_view text, Body body)
 {

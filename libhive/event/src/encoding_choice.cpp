@@ -18,14 +18,17 @@ EncodingChoice::EncodingChoice(const Encoder& encoder, const protocol::Registrat
 void EncodingChoice::require_known(const protocol::Registration& registration) const
 {
     if (!encoder_)
-        throw Error(Errc::invalid_argument, "output " + registration.output + " knows no encodings; its events travel as they are");
+        throw Error(Errc::invalid_argument,
+                    "output " + registration.output + " knows no encodings; its events travel as they are");
     if (const auto type = encoder_.type(always_); !types_fit(type, accepts_))
-        throw Error(Errc::type_mismatch, "output " + registration.output + " as " + always_ + " is " + type + ", but " + registration.receiver + " takes " + accepts_);
+        throw Error(Errc::type_mismatch, "output " + registration.output + " as " + always_ + " is " + type + ", but "
+                                             + registration.receiver + " takes " + accepts_);
 }
 
 std::string EncodingChoice::preferred() const
 {
-    const auto found = std::ranges::find_if(encoder_.encodings, [&](const std::string& word) { return types_fit(encoder_.type(word), accepts_); });
+    const auto found = std::ranges::find_if(
+        encoder_.encodings, [&](const std::string& word) { return types_fit(encoder_.type(word), accepts_); });
     return found == encoder_.encodings.end() ? std::string() : *found;
 }
 

@@ -106,8 +106,8 @@ public:
             return false;
         do {
             Hop& hop = hops.emplace_back();
-            if (!skip("{\"drone\":") || !name(hop.drone) || !skip(",\"wait_us\":") || !integer(hop.wait_us) || !skip(",\"work_us\":") || !integer(hop.work_us)
-                || !skip("}"))
+            if (!skip("{\"drone\":") || !name(hop.drone) || !skip(",\"wait_us\":") || !integer(hop.wait_us)
+                || !skip(",\"work_us\":") || !integer(hop.work_us) || !skip("}"))
                 return false;
         } while (skip(","));
         return skip("]") && hops.size() <= most_hops;

@@ -1,4 +1,5 @@
-// The header of an event as text, without a JSON value in between: each event has one, written once and read at every receiver.
+// The header of an event as text, without a JSON value in between: each event has one, written once and read at every
+// receiver.
 #pragma once
 
 #include <hive/event.hpp>
@@ -13,9 +14,9 @@ inline constexpr std::size_t most_hops = 16;
 
 [[nodiscard]] std::string header_text(const Event& event, const Share& share);
 
-/// Reads a header that is written as header_text writes: fields that it knows, each once, no white space between them and nothing escaped
-/// in their strings (the author's own header may be anything). False for every other text, right or wrong: then `event` is half filled
-/// and the reader of all JSON has to say what the text is.
+/// Reads a header that is written as header_text writes: fields that it knows, each once, no white space between them
+/// and nothing escaped in their strings (the author's own header may be anything). False for every other text, right or
+/// wrong: then `event` is half filled and the reader of all JSON has to say what the text is.
 [[nodiscard]] bool read_plain_header(std::string_view text, Event& event);
 
 }  // namespace hive::event

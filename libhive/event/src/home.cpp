@@ -15,10 +15,7 @@ namespace hive::event {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void fail(Errc code, const std::string& what)
-{
-    throw Error(code, what + ": " + std::strerror(errno));
-}
+[[noreturn]] void fail(Errc code, const std::string& what) { throw Error(code, what + ": " + std::strerror(errno)); }
 
 void make_private(const fs::path& directory)
 {
@@ -27,19 +24,21 @@ void make_private(const fs::path& directory)
         fs::create_directories(directory.parent_path(), ignored);
     if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST)
         fail(Errc::io, "cannot make " + directory.string());
-    struct stat info{};
+    struct stat info {};
     if (::lstat(directory.c_str(), &info) != 0)
         fail(Errc::io, "cannot look at " + directory.string());
     if (!S_ISDIR(info.st_mode) || info.st_uid != ::getuid())
-        throw Error(Errc::not_permitted, directory.string() + " is not a directory of this user; set HIVE_HOME to one that is");
+        throw Error(Errc::not_permitted,
+                    directory.string() + " is not a directory of this user; set HIVE_HOME to one that is");
     if ((info.st_mode & 077) != 0)
-        throw Error(Errc::not_permitted, "others may enter " + directory.string() + "; close it: chmod 700 " + directory.string());
+        throw Error(Errc::not_permitted,
+                    "others may enter " + directory.string() + "; close it: chmod 700 " + directory.string());
 }
 
 /// Open-file-description locks: they end with the process, and can be looked at without being taken.
 struct flock whole_file(short type)
 {
-    struct flock lock{};
+    struct flock lock {};
     lock.l_type = type;
     lock.l_whence = SEEK_SET;
     return lock;
@@ -132,7 +131,8 @@ NameClaim::NameClaim(const Home& home, const std::string& name)
         char holder[32] = {};
         const auto length = ::pread(descriptor_, holder, sizeof holder - 1, 0);
         ::close(descriptor_);
-        throw Error(Errc::name_taken, name + " runs already" + (length > 0 ? ", as process " + std::string(holder) : ""));
+        throw Error(Errc::name_taken,
+                    name + " runs already" + (length > 0 ? ", as process " + std::string(holder) : ""));
     }
     const auto pid = std::to_string(::getpid());
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0)

@@ -25,7 +25,11 @@ transport::Backoff backoff_for(const transport::Address& address)
 }  // namespace
 
 Intake::Intake(Module& module, IntakeSpec spec, Sink sink)
-    : module_(module), spec_(std::move(spec)), sink_(std::move(sink)), backoff_(backoff_for(spec_.address)), timer_(module.context())
+    : module_(module),
+      spec_(std::move(spec)),
+      sink_(std::move(sink)),
+      backoff_(backoff_for(spec_.address)),
+      timer_(module.context())
 {
 }
 
@@ -38,31 +42,33 @@ void Intake::start(OnOutcome first)
 void Intake::attempt()
 {
     const auto deadline = Clock::now() + patience;
-    module_.with_link(spec_.address, deadline, [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
-        if (self->stopped_)
-            return;
-        if (!link)
-            return self->failed(error);
-        self->link_ = link;
-        self->epoch_ = std::max(self->epoch_ + 1, wall_us());
-        self->arrived_ = self->finished_ = self->acknowledged_ = 0;
-        self->asked_ = self->spec_.options.window;
-        self->outstanding_.clear();
-        self->channel_ = link->claim_channel([weak = std::weak_ptr(self)](const protocol::Packet& packet) {
-            if (const auto intake = weak.lock())
-                intake->on_packet(packet);
+    module_.with_link(
+        spec_.address, deadline, [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
+            if (self->stopped_)
+                return;
+            if (!link)
+                return self->failed(error);
+            self->link_ = link;
+            self->epoch_ = std::max(self->epoch_ + 1, wall_us());
+            self->arrived_ = self->finished_ = self->acknowledged_ = 0;
+            self->asked_ = self->spec_.options.window;
+            self->outstanding_.clear();
+            self->channel_ = link->claim_channel([weak = std::weak_ptr(self)](const protocol::Packet& packet) {
+                if (const auto intake = weak.lock())
+                    intake->on_packet(packet);
+            });
+            const protocol::Registration registration{.id = 0,
+                                                      .epoch = self->epoch_,
+                                                      .output = self->spec_.output,
+                                                      .receiver = self->spec_.receiver,
+                                                      .accepts = self->spec_.accepts,
+                                                      .stateful = self->spec_.stateful,
+                                                      .options = self->spec_.options};
+            link->request(
+                PacketType::register_receiver, to_json(registration), {}, deadline,
+                [self, link](const Outcome& outcome) { self->registered(link, outcome); }, self->channel_);
+            self->module_.arm();
         });
-        const protocol::Registration registration{.id = 0,
-                                                  .epoch = self->epoch_,
-                                                  .output = self->spec_.output,
-                                                  .receiver = self->spec_.receiver,
-                                                  .accepts = self->spec_.accepts,
-                                                  .stateful = self->spec_.stateful,
-                                                  .options = self->spec_.options};
-        link->request(PacketType::register_receiver, to_json(registration), {}, deadline,
-                      [self, link](const Outcome& outcome) { self->registered(link, outcome); }, self->channel_);
-        self->module_.arm();
-    });
 }
 
 void Intake::registered(const LinkPtr& link, const Outcome& outcome)
@@ -109,7 +115,9 @@ void Intake::stop(std::function<void()> left)
     if (!link || !link->open())
         return left();
     link->release_channel(channel_);
-    link->request(PacketType::deregister, Json::object(), {}, Clock::now() + patience, [left](const Outcome&) { left(); }, channel_);
+    link->request(
+        PacketType::deregister, Json::object(), {}, Clock::now() + patience, [left](const Outcome&) { left(); },
+        channel_);
     module_.arm();
 }
 
@@ -174,7 +182,8 @@ void Intake::flush()
         return;
     asked_ = ask;
     acknowledged_ = acknowledge;
-    link_->connection().send(protocol::make_packet(PacketType::request, protocol::to_text({epoch_, ask, acknowledge}), channel_));
+    link_->connection().send(
+        protocol::make_packet(PacketType::request, protocol::to_text({epoch_, ask, acknowledge}), channel_));
 }
 
 Json Intake::status() const

@@ -14,9 +14,11 @@ void require_acceptable(const Json& header, const std::string& text, const Body&
     constexpr protocol::Limits limits;
     require_within(header);
     if (text.size() > limits.header)
-        throw Error(Errc::too_large, "a header of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.header));
+        throw Error(Errc::too_large,
+                    "a header of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.header));
     if (body.size() > limits.body)
-        throw Error(Errc::too_large, "a body of " + std::to_string(body.size()) + " bytes, limit " + std::to_string(limits.body));
+        throw Error(Errc::too_large,
+                    "a body of " + std::to_string(body.size()) + " bytes, limit " + std::to_string(limits.body));
 }
 
 }  // namespace
@@ -42,7 +44,8 @@ void Link::on_packet(const Packet& packet)
     try {
         if (!open_)
             return on_hello(packet);
-        if (packet.type == PacketType::event || packet.type == PacketType::notification || packet.type == PacketType::exception) {
+        if (packet.type == PacketType::event || packet.type == PacketType::notification
+            || packet.type == PacketType::exception) {
             if (const auto sink = channels_.find(packet.channel); sink != channels_.end())
                 ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
             return;
@@ -93,7 +96,8 @@ void Link::on_closed(const Error& reason)
         events.closed(*this, reason);
 }
 
-void Link::request(PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel)
+void Link::request(PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
+                   std::uint16_t channel)
 {
     const auto id = ++next_id_;
     header["id"] = id;
@@ -120,7 +124,8 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
     }
     auto text = to_text(protocol::to_json(confirmation));
     if (const auto most = protocol::Limits{}.header; text.size() > most)
-        return answer(id, Error(Errc::too_large, "the answer has " + std::to_string(text.size()) + " bytes, " + std::to_string(most) + " is the most"));
+        return answer(id, Error(Errc::too_large, "the answer has " + std::to_string(text.size()) + " bytes, "
+                                                     + std::to_string(most) + " is the most"));
     connection_->send(protocol::make_packet(PacketType::confirmation, std::move(text)));
 }
 

@@ -133,7 +133,8 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
     }
     if (!ran)
         run_ready();
-    short_wait_ = Clock::now() - begin < patience / 10;  // then a look now and then is cheaper than two system calls for each wait
+    short_wait_ = Clock::now() - begin
+                  < patience / 10;  // then a look now and then is cheaper than two system calls for each wait
     leave();
 }
 
@@ -195,7 +196,10 @@ void Loop::disarm()
     ::timerfd_settime(timer_, 0, &never, nullptr);
 }
 
-void Loop::interrupt() { asio::post(context_, [] {}); }
+void Loop::interrupt()
+{
+    asio::post(context_, [] {});
+}
 
 void Loop::run(const Task& task) noexcept { task(); }
 

@@ -10,7 +10,10 @@ namespace {
 
 constexpr auto never = Clock::time_point::max();
 
-std::int64_t apart(const Event& one, const Event& other) { return std::abs(one.identity.captured_us - other.identity.captured_us); }
+std::int64_t apart(const Event& one, const Event& other)
+{
+    return std::abs(one.identity.captured_us - other.identity.captured_us);
+}
 
 }  // namespace
 
@@ -99,7 +102,10 @@ MatchCounts Matcher::counts() const
 }
 
 /// Are these two inputs compared? By time, each is compared with the first.
-bool Matcher::compared(std::size_t one, std::size_t other) const { return one != other && (!match_.tolerance || one == 0 || other == 0); }
+bool Matcher::compared(std::size_t one, std::size_t other) const
+{
+    return one != other && (!match_.tolerance || one == 0 || other == 0);
+}
 
 std::optional<std::size_t> Matcher::partner(const Waiting& waiting, std::size_t other) const
 {
@@ -107,7 +113,8 @@ std::optional<std::size_t> Matcher::partner(const Waiting& waiting, std::size_t 
     if (!match_.tolerance)
         return line.find(waiting.event.identity);
     const auto place = line.nearest(waiting.event.identity.captured_us);
-    return place && apart(line.events()[*place].event, waiting.event) <= match_.tolerance->count() ? place : std::nullopt;
+    return place && apart(line.events()[*place].event, waiting.event) <= match_.tolerance->count() ? place
+                                                                                                   : std::nullopt;
 }
 
 std::optional<Matcher::Places> Matcher::exact_set(const Waiting& newest) const
@@ -119,7 +126,8 @@ std::optional<Matcher::Places> Matcher::exact_set(const Waiting& newest) const
     return places.size() == lines_.size() ? std::optional(places) : std::nullopt;
 }
 
-/// The event of another input that is nearest to one of the first, and has none nearer itself; when nothing can change that any more.
+/// The event of another input that is nearest to one of the first, and has none nearer itself; when nothing can change
+/// that any more.
 std::optional<std::size_t> Matcher::nearest_partner(std::size_t first, std::size_t other, TimePoint now) const
 {
     const Waiting& here = lines_[0].events()[first];
@@ -129,7 +137,8 @@ std::optional<std::size_t> Matcher::nearest_partner(std::size_t first, std::size
     const Waiting& there = lines_[other].events()[*place];
     if (lines_[0].nearest(there.event.identity.captured_us) != first)
         return std::nullopt;
-    const bool decided = lines_[other].heard_until() >= here.event.identity.captured_us && lines_[0].heard_until() >= there.event.identity.captured_us;
+    const bool decided = lines_[other].heard_until() >= here.event.identity.captured_us
+                         && lines_[0].heard_until() >= there.event.identity.captured_us;
     return decided || here.due <= now || there.due <= now ? place : std::nullopt;
 }
 

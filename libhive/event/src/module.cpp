@@ -116,16 +116,18 @@ void Module::halt(bool halted)
 Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
 {
     if (encoder.encode)
-        encoder.encode = [pool = pool_, encode = std::move(encoder.encode)](const Event& event, const std::string& encoding) {
+        encoder.encode = [pool = pool_, encode = std::move(encoder.encode)](const Event& event,
+                                                                            const std::string& encoding) {
             Event encoded = encode(event, encoding);
             encoded.body = pool->copied_in(encoded.body);
             return encoded;
         };
-    Outlet::Hooks hooks{.changed = [this] { demand_changed(); },
-                        .failed = [this](const EmissionPtr& event) { on_failed(event); },
-                        .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
-                        .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
-                        .on_network_side = [this](std::function<void()> task) { post(std::move(task)); }};
+    Outlet::Hooks hooks{
+        .changed = [this] { demand_changed(); },
+        .failed = [this](const EmissionPtr& event) { on_failed(event); },
+        .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
+        .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
+        .on_network_side = [this](std::function<void()> task) { post(std::move(task)); }};
     return outlets_.emplace_back(std::move(port), carrier, std::move(encoder), std::move(hooks));
 }
 
@@ -135,7 +137,8 @@ transport::Address Module::listen(const transport::Address& address)
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
             if (links_.size() >= most_peers) {
-                log("refused " + connection->peer() + ": " + std::to_string(most_peers) + " peers are connected already");
+                log("refused " + connection->peer() + ": " + std::to_string(most_peers)
+                    + " peers are connected already");
                 return;
             }
             adopt(make_link(std::move(connection)), [](const LinkPtr&, const Error&) {});
@@ -158,8 +161,10 @@ void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<
 void Module::emit(Outlet& outlet, EmissionPtr event)
 {
     const auto gives_events = [](const Outlet& each) { return each.carrier() == PacketType::event; };
-    const bool nobody = std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.wanted(); });
-    outlet.offer(std::move(event), gives_events(outlet) && nobody);  // an exception is told to whoever listens, and waits for nobody
+    const bool nobody =
+        std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.wanted(); });
+    outlet.offer(std::move(event),
+                 gives_events(outlet) && nobody);  // an exception is told to whoever listens, and waits for nobody
     arm();
 }
 
@@ -176,8 +181,9 @@ void Module::arm()
 {
     if (armed_)
         return;
-    const bool needed = !dialing_.empty() || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
-        || std::ranges::any_of(outlets_, &Outlet::leasing);
+    const bool needed = !dialing_.empty()
+                        || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
+                        || std::ranges::any_of(outlets_, &Outlet::leasing);
     if (!needed)
         return;
     armed_ = true;

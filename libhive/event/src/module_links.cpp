@@ -21,7 +21,8 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
                          *told = true;
                          ready(opened.shared_from_this(), Error(Errc::failed, ""));
                      },
-                 .packet = [this](Link& from, const protocol::Packet& packet, const Json& header) { on_packet(from, packet, header); },
+                 .packet = [this](Link& from, const protocol::Packet& packet,
+                                  const Json& header) { on_packet(from, packet, header); },
                  .closed =
                      [this, ready, told](Link& closed, const Error& reason) {
                          const auto keep = closed.shared_from_this();
@@ -41,14 +42,16 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
     arm();
     if (waiting.size() > 1)
         return;
-    const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()), std::chrono::milliseconds(1));
+    const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()),
+                                   std::chrono::milliseconds(1));
     transport::dial(
         context(), address, patience,
         [this, key](std::shared_ptr<transport::Connection> connection, std::exception_ptr problem) {
             if (connection && ending_)
                 return dialed(key, nullptr, Error(Errc::stopped, options_.self.name + " is ending"));
             if (connection)
-                return adopt(make_link(std::move(connection)), [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });
+                return adopt(make_link(std::move(connection)),
+                             [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });
             try {
                 std::rethrow_exception(problem);
             } catch (const Error& error) {
@@ -76,11 +79,12 @@ void Module::last_one_gone()
         last_.cancel();
 }
 
-void Module::request(const transport::Address& address, PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome)
+void Module::request(const transport::Address& address, PacketType type, Json header, Body body,
+                     Clock::time_point deadline, OnOutcome on_outcome)
 {
     with_link(address, deadline,
-              [this, type, header = std::move(header), body = std::move(body), deadline, on_outcome = std::move(on_outcome)](
-                  const LinkPtr& link, const Error& error) {
+              [this, type, header = std::move(header), body = std::move(body), deadline,
+               on_outcome = std::move(on_outcome)](const LinkPtr& link, const Error& error) {
                   if (!link)
                       return on_outcome(error);
                   link->request(type, header, body, deadline, on_outcome);
@@ -92,7 +96,8 @@ void Module::on_closed(Link& link, const Error& reason)
 {
     if (reason.code() == Errc::io)
         can_map_ = false;  // from now on bodies come through the socket
-    if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch || reason.code() == Errc::io)
+    if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch
+        || reason.code() == Errc::io)
         log("closed " + link.connection().peer() + ": " + reason.what());
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
     links_.erase(link.shared_from_this());

@@ -42,7 +42,8 @@ Outlet& Module::outlet(const std::string& name)
         if (outlet.port().name == name)
             return outlet;
     const auto near = nearest(name, names_of(outlets_));
-    throw Error(Errc::not_found, options_.self.name + " has no output " + name + (near.empty() ? "" : "; did you mean " + near + "?"));
+    throw Error(Errc::not_found,
+                options_.self.name + " has no output " + name + (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)
@@ -54,7 +55,8 @@ void Module::on_register(Link& link, const protocol::Packet& packet, const Json&
         Outlet& sender = outlet(registration.output);
         sender.require_fit(link, registration);
         // The confirmation leaves before the first event.
-        link.answer(id, Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
+        link.answer(id,
+                    Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
         sender.add(link.shared_from_this(), packet.channel, registration);
     } catch (const Error& error) {
         link.answer(id, error);
@@ -73,7 +75,8 @@ void Module::require_free(const Link& link, std::uint16_t channel) const
         registrations += outlet.receivers(link);
     }
     if (registrations >= most_registrations)
-        throw Error(Errc::refused, options_.self.name + " takes " + std::to_string(most_registrations) + " registrations of one peer");
+        throw Error(Errc::refused,
+                    options_.self.name + " takes " + std::to_string(most_registrations) + " registrations of one peer");
 }
 
 void Module::on_deregister(Link& link, const protocol::Packet& packet, const Json& header)
@@ -93,9 +96,11 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
     const auto id = Fields(header, protocol::token(packet.type)).integer("id", 0, max_json_integer);
     const auto handler = handlers_.find(packet.type);
     if (handler == handlers_.end())
-        return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not know the request " + std::string(protocol::token(packet.type))));
+        return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not know the request "
+                                                            + std::string(protocol::token(packet.type))));
     if (link.under_way >= most_requests)
-        return link.answer(id, Error(Errc::refused, std::to_string(most_requests) + " requests of yours are under way; wait for an answer"));
+        return link.answer(id, Error(Errc::refused, std::to_string(most_requests)
+                                                        + " requests of yours are under way; wait for an answer"));
     ++link.under_way;
     const auto send = [weak = link.weak_from_this(), id](const Outcome& outcome) {
         const auto to = weak.lock();

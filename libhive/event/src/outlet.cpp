@@ -18,11 +18,16 @@ ReceiverTable::Defences defences() { return {.leases = std::getenv("HIVE_TEST_NO
 }  // namespace
 
 Outlet::Outlet(Port port, PacketType carrier, Encoder encoder, Hooks hooks)
-    : port_(std::move(port)), carrier_(carrier), encoder_(std::move(encoder)), hooks_(std::move(hooks)), table_(defences()),
-      dispatch_(encoder_, {.transmit = [this](const ReceiverTable::Send& send, const Emission& form) { transmit(send, form); },
-                           .not_encoded = hooks_.not_encoded,
-                           .on_encoder_thread = hooks_.on_encoder_thread,
-                           .on_network_side = hooks_.on_network_side})
+    : port_(std::move(port)),
+      carrier_(carrier),
+      encoder_(std::move(encoder)),
+      hooks_(std::move(hooks)),
+      table_(defences()),
+      dispatch_(encoder_,
+                {.transmit = [this](const ReceiverTable::Send& send, const Emission& form) { transmit(send, form); },
+                 .not_encoded = hooks_.not_encoded,
+                 .on_encoder_thread = hooks_.on_encoder_thread,
+                 .on_network_side = hooks_.on_network_side})
 {
 }
 
@@ -34,22 +39,28 @@ EncodingChoice Outlet::choice(const Link& link, const protocol::Registration& re
 void Outlet::require_fit(const Link& link, const protocol::Registration& registration) const
 {
     if (!types_fit(port_.type, registration.accepts))
-        throw Error(Errc::type_mismatch, "output " + port_.name + " is " + port_.type + ", but " + registration.receiver + " takes " + registration.accepts);
+        throw Error(Errc::type_mismatch, "output " + port_.name + " is " + port_.type + ", but " + registration.receiver
+                                             + " takes " + registration.accepts);
     if (registration.stateful && !registration.options.group.empty())
-        throw Error(Errc::refused, registration.receiver + " keeps state between events, so it must see every one: it cannot share");
+        throw Error(Errc::refused,
+                    registration.receiver + " keeps state between events, so it must see every one: it cannot share");
     (void)choice(link, registration);
 }
 
 std::size_t Outlet::receivers(const Link& link) const
 {
-    return static_cast<std::size_t>(std::distance(ids_.lower_bound({&link, 0}), ids_.upper_bound({&link, std::numeric_limits<std::uint16_t>::max()})));
+    return static_cast<std::size_t>(std::distance(
+        ids_.lower_bound({&link, 0}), ids_.upper_bound({&link, std::numeric_limits<std::uint16_t>::max()})));
 }
 
 void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration)
 {
     const auto id = ++next_id_;
     ids_[{link.get(), channel}] = id;
-    places_.emplace(id, Place{.link = link, .channel = channel, .encoding = choice(*link, registration), .data = registration.options.delivery == Delivery::data});
+    places_.emplace(id, Place{.link = link,
+                              .channel = channel,
+                              .encoding = choice(*link, registration),
+                              .data = registration.options.delivery == Delivery::data});
     execute(table_.add(id, registration.receiver, registration.epoch, registration.options, Clock::now()));
 }
 
@@ -70,7 +81,8 @@ bool Outlet::remove(const Link& link, std::uint16_t channel)
 
 void Outlet::link_closed(const Link& link)
 {
-    for (auto it = ids_.lower_bound({&link, 0}); it != ids_.end() && it->first.first == &link; it = ids_.lower_bound({&link, 0}))
+    for (auto it = ids_.lower_bound({&link, 0}); it != ids_.end() && it->first.first == &link;
+         it = ids_.lower_bound({&link, 0}))
         forget(it, false);
 }
 
@@ -97,7 +109,8 @@ void Outlet::execute(const ReceiverTable::Decisions& decisions)
     for (const auto& send : decisions.sends) {
         const auto place = places_.find(send.receiver);
         if (place != places_.end())
-            dispatch_.send(send, send.delivery == Delivery::data ? place->second.encoding.of(send.event->event()) : std::string());
+            dispatch_.send(send, send.delivery == Delivery::data ? place->second.encoding.of(send.event->event())
+                                                                 : std::string());
     }
     for (const auto& event : decisions.failed)
         hooks_.failed(event);
@@ -108,10 +121,11 @@ void Outlet::transmit(const ReceiverTable::Send& send, const Emission& form)
 {
     Place& place = places_.at(send.receiver);
     const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
-    // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system. The
-    // table counts the size of the event, whatever the form has.
+    // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
+    // The table counts the size of the event, whatever the form has.
     const auto carriage = place.link->connection().send(
-        form.packet(type, place.channel, send.share), [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
+        form.packet(type, place.channel, send.share),
+        [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
             if (!alive.expired() && written)
                 execute(table_.written(id, event->size(), Clock::now()));
         });
@@ -121,11 +135,13 @@ void Outlet::transmit(const ReceiverTable::Send& send, const Emission& form)
 
 void Outlet::refresh()
 {
-    const bool wanted = table_.wanted(), received = !places_.empty(), asked = table_.asked(), backlogged = table_.backlogged();
+    const bool wanted = table_.wanted(), received = !places_.empty(), asked = table_.asked(),
+               backlogged = table_.backlogged();
     const bool changed = wanted != wanted_ || received != received_ || asked != asked_ || backlogged != backlogged_;
     wanted_ = wanted;
     received_ = received;
-    shares_ = std::ranges::any_of(places_, [](const auto& row) { return row.second.data && row.second.link->connection().shares(); });
+    shares_ = std::ranges::any_of(
+        places_, [](const auto& row) { return row.second.data && row.second.link->connection().shares(); });
     asked_ = asked;
     backlogged_ = backlogged;
     if (changed)
@@ -159,7 +175,11 @@ Json Outlet::status(std::size_t& most_receivers) const
         }
         receivers.push_back(std::move(json));
     }
-    Json status{{"name", port_.name}, {"type", port_.type}, {"produced", produced_}, {"last_emitted_us", last_emitted_us_}, {"receivers", receivers}};
+    Json status{{"name", port_.name},
+                {"type", port_.type},
+                {"produced", produced_},
+                {"last_emitted_us", last_emitted_us_},
+                {"receivers", receivers}};
     if (left_out > 0)
         status["receivers_left_out"] = left_out;
     return status;

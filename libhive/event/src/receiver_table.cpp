@@ -29,7 +29,8 @@ Clock::duration ReceiverTable::WorkTimes::lease() const
     return std::max<Clock::duration>(least_lease, 4 * longest);
 }
 
-ReceiverTable::Decisions ReceiverTable::add(Id id, std::string name, std::int64_t epoch, const ConnectionOptions& options, Clock::time_point now)
+ReceiverTable::Decisions ReceiverTable::add(Id id, std::string name, std::int64_t epoch,
+                                            const ConnectionOptions& options, Clock::time_point now)
 {
     Decisions decisions;
     Receiver& receiver = receivers_[id];
@@ -75,7 +76,8 @@ ReceiverTable::Decisions ReceiverTable::remove(Id id, bool left, Clock::time_poi
     return decisions;
 }
 
-/// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new then.
+/// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new
+/// then.
 void ReceiverTable::empty(const std::string& name, Group& group, bool left, Decisions& decisions)
 {
     const auto lossless = [](const Job& job) { return job.event->lossless(); };
@@ -97,7 +99,8 @@ void ReceiverTable::forget_oldest(Decisions& decisions)
     const auto active = [](const auto& row) { return row.second.active(); };
     if (groups_.size() - static_cast<std::size_t>(std::ranges::count_if(groups_, active)) <= most_empty_groups)
         return;
-    const auto oldest = std::ranges::min_element(groups_, {}, [&](const auto& row) { return std::pair(active(row), row.second.emptied); });
+    const auto oldest = std::ranges::min_element(
+        groups_, {}, [&](const auto& row) { return std::pair(active(row), row.second.emptied); });
     give_up_waiting(oldest->first, oldest->second, decisions);
     groups_.erase(oldest);
 }
@@ -121,7 +124,8 @@ void ReceiverTable::give_up_waiting(const std::string& name, Group& group, Decis
         give_up(job, name, group, decisions);
 }
 
-ReceiverTable::Decisions ReceiverTable::request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done, Clock::time_point now)
+ReceiverTable::Decisions ReceiverTable::request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done,
+                                                Clock::time_point now)
 {
     Decisions decisions;
     const auto found = receivers_.find(id);
@@ -187,7 +191,8 @@ ReceiverTable::Decisions ReceiverTable::written(Id id, std::size_t size, Clock::
 
 ReceiverTable::Decisions ReceiverTable::offer(EmissionPtr event, bool hold, Clock::time_point now)
 {
-    // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before that.
+    // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before
+    // that.
     const auto kept = event->event().receipt ? event->without_receipt() : event;
     Decisions decisions;
     const bool whole = event->serves(Delivery::data);
@@ -207,8 +212,11 @@ void ReceiverTable::offer_receiver(Id id, Receiver& receiver, const EmissionPtr&
 {
     ++receiver.counts.produced;
     ++receiver.counts.in_flight;
-    const auto must_stay = [&](const EmissionPtr& each) { return each->lossless() && receiver.options.delivery == Delivery::data; };
-    if (!receiver.streaming() && !must_stay(event) && !receiver.waiting.empty() && !must_stay(receiver.waiting.back())) {
+    const auto must_stay = [&](const EmissionPtr& each) {
+        return each->lossless() && receiver.options.delivery == Delivery::data;
+    };
+    if (!receiver.streaming() && !must_stay(event) && !receiver.waiting.empty()
+        && !must_stay(receiver.waiting.back())) {
         receiver.waiting_bytes -= receiver.waiting.back()->size();
         receiver.waiting.pop_back();
         ++receiver.counts.skipped;
@@ -224,7 +232,8 @@ void ReceiverTable::offer_receiver(Id id, Receiver& receiver, const EmissionPtr&
 void ReceiverTable::drop_oldest(Receiver& receiver)
 {
     const auto over = [&] {
-        return receiver.waiting.size() > most_queued_events || (receiver.waiting.size() > 1 && receiver.waiting_bytes > most_queued_bytes);
+        return receiver.waiting.size() > most_queued_events
+               || (receiver.waiting.size() > 1 && receiver.waiting_bytes > most_queued_bytes);
     };
     while (over()) {
         if (receiver.waiting.front()->lossless() && receiver.options.delivery == Delivery::data)
@@ -249,11 +258,13 @@ void ReceiverTable::pump(Id id, Receiver& receiver, Decisions& decisions)
     }
 }
 
-void ReceiverTable::offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
+void ReceiverTable::offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now,
+                                Decisions& decisions)
 {
     ++group.counts.produced;
     ++group.counts.in_flight;
-    const bool replaces = !event->lossless() && !group.waiting.empty() && group.waiting.back().attempt == 0 && !group.waiting.back().event->lossless();
+    const bool replaces = !event->lossless() && !group.waiting.empty() && group.waiting.back().attempt == 0
+                          && !group.waiting.back().event->lossless();
     if (replaces) {
         group.waiting.pop_back();
         ++group.counts.skipped;
@@ -269,7 +280,8 @@ ReceiverTable::Receiver* ReceiverTable::next_member(const std::string& group, st
     for (auto& [member_id, member] : receivers_) {
         if (member.options.group != group || member.suspect || !member.has_credit() || !member.lane_free(size))
             continue;
-        if (!best || std::pair(member.leases.size(), member.idle_since) < std::pair(best->leases.size(), best->idle_since)) {
+        if (!best
+            || std::pair(member.leases.size(), member.idle_since) < std::pair(best->leases.size(), best->idle_since)) {
             best = &member;
             id = member_id;
         }
@@ -318,14 +330,16 @@ void ReceiverTable::take_back(Receiver& member, Group& group, Decisions& decisio
 
 Clock::duration ReceiverTable::lease_of(const Receiver& member) const
 {
-    return member.options.lease ? Clock::duration(*member.options.lease) : groups_.at(member.options.group).times.lease();
+    return member.options.lease ? Clock::duration(*member.options.lease)
+                                : groups_.at(member.options.group).times.lease();
 }
 
 ReceiverTable::Decisions ReceiverTable::tick(Clock::time_point now)
 {
     Decisions decisions;
     for (auto& [id, member] : receivers_) {
-        if (member.options.group.empty() || member.leases.empty() || member.suspect || now - member.head_since < lease_of(member))
+        if (member.options.group.empty() || member.leases.empty() || member.suspect
+            || now - member.head_since < lease_of(member))
             continue;
         member.suspect = true;
         take_back(member, groups_[member.options.group], decisions);
@@ -338,7 +352,8 @@ ReceiverTable::Decisions ReceiverTable::tick(Clock::time_point now)
 bool ReceiverTable::wanted() const noexcept
 {
     return std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
-        || std::ranges::any_of(receivers_, [](const auto& row) { return row.second.options.delivery == Delivery::data; });
+           || std::ranges::any_of(receivers_,
+                                  [](const auto& row) { return row.second.options.delivery == Delivery::data; });
 }
 
 std::int64_t ReceiverTable::group_credit(const std::string& name) const
@@ -356,7 +371,9 @@ bool ReceiverTable::asked() const
         const Receiver& receiver = row.second;
         if (!receiver.counts_for_demand())
             return true;
-        return receiver.streaming() ? receiver.waiting.empty() : receiver.asked - receiver.sent > static_cast<std::int64_t>(receiver.waiting.size());
+        return receiver.streaming()
+                   ? receiver.waiting.empty()
+                   : receiver.asked - receiver.sent > static_cast<std::int64_t>(receiver.waiting.size());
     };
     const auto group_asks = [&](const auto& row) {
         return !row.second.active() || group_credit(row.first) > static_cast<std::int64_t>(row.second.waiting.size());
@@ -369,8 +386,11 @@ bool ReceiverTable::backlogged() const
     const auto receiver_waits = [](const auto& row) {
         return row.second.counts_for_demand() && !row.second.waiting.empty() && row.second.waiting.front()->lossless();
     };
-    const auto group_waits = [](const auto& row) { return !row.second.waiting.empty() && row.second.waiting.front().event->lossless(); };
-    return !held_.empty() || std::ranges::any_of(receivers_, receiver_waits) || std::ranges::any_of(groups_, group_waits);
+    const auto group_waits = [](const auto& row) {
+        return !row.second.waiting.empty() && row.second.waiting.front().event->lossless();
+    };
+    return !held_.empty() || std::ranges::any_of(receivers_, receiver_waits)
+           || std::ranges::any_of(groups_, group_waits);
 }
 
 bool ReceiverTable::leasing() const

@@ -8,8 +8,9 @@ bool SequenceFilter::first(const Event& event)
     const Identity& identity = event.identity;
     if (identity.attempt == 0)
         return true;
-    const auto [place, inserted] = seen_.emplace(identity.source + " " + identity.group, identity.epoch, identity.sequence, identity.turn,
-                                                 event.kind + "." + event.output, identity.part);
+    const auto [place, inserted] =
+        seen_.emplace(identity.source + " " + identity.group, identity.epoch, identity.sequence, identity.turn,
+                      event.kind + "." + event.output, identity.part);
     if (!inserted)
         return false;
     order_.push_back(*place);

@@ -25,7 +25,7 @@ bool WaitingLine::overfull() const
 {
     const bool lossless = !events_.empty() && events_.front().event.identity.lossless;
     return events_.size() > (lossless ? most_lossless : most_live)
-        || (events_.size() > 1 && bytes_ > (lossless ? most_lossless_bytes : most_live_bytes));
+           || (events_.size() > 1 && bytes_ > (lossless ? most_lossless_bytes : most_live_bytes));
 }
 
 WaitingLine::Sender& WaitingLine::sender_of(const Event& event)
@@ -37,7 +37,8 @@ WaitingLine::Sender& WaitingLine::sender_of(const Event& event)
         return *found;
     if (senders_.size() == most_senders)
         senders_.erase(std::ranges::min_element(senders_, {}, &Sender::heard_at));
-    return senders_.emplace_back(Sender{.drone = event.sender, .output = event.output, .source = event.identity.source, .place = {}});
+    return senders_.emplace_back(
+        Sender{.drone = event.sender, .output = event.output, .source = event.identity.source, .place = {}});
 }
 
 void WaitingLine::hear(const Event& event, TimePoint now)
@@ -48,7 +49,8 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     sender.shares = !event.identity.group.empty();
     // Not the largest of all: if a source's clock was put back, its epochs and times begin again lower.
     sender.place = sender.shares ? std::max(sender.place, place_of(event.identity)) : place_of(event.identity);
-    const auto until = sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
+    const auto until =
+        sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
     for (auto& each : senders_)  // time is the same for all sources whose events come through one drone
         if (each.drone == event.sender && each.output == event.output)
             each.captured_us = until;
@@ -63,7 +65,8 @@ std::optional<std::size_t> WaitingLine::find(const Identity& identity) const
 {
     const auto found = std::ranges::find_if(events_, [&](const Waiting& each) {
         const Identity& other = each.event.identity;
-        return other.sequence == identity.sequence && other.part == identity.part && other.epoch == identity.epoch && other.source == identity.source;
+        return other.sequence == identity.sequence && other.part == identity.part && other.epoch == identity.epoch
+               && other.source == identity.source;
     });
     return found == events_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - events_.begin()));
 }
@@ -82,7 +85,9 @@ bool WaitingLine::passed(const Identity& identity) const
 
 bool WaitingLine::overtook(const Identity& identity) const
 {
-    return std::ranges::any_of(senders_, [&](const Sender& each) { return each.source == identity.source && each.place > place_of(identity); });
+    return std::ranges::any_of(senders_, [&](const Sender& each) {
+        return each.source == identity.source && each.place > place_of(identity);
+    });
 }
 
 std::optional<std::size_t> WaitingLine::nearest(std::int64_t captured_us) const

@@ -42,11 +42,17 @@ Endpoint Application::endpoint(const std::string& text)
     return {text.substr(0, dot), text.substr(dot + 1)};
 }
 
-Interface Application::describe(const std::string& drone) { return interface_from_json(core_->ask(drone, PacketType::describe)); }
+Interface Application::describe(const std::string& drone)
+{
+    return interface_from_json(core_->ask(drone, PacketType::describe));
+}
 
 Json Application::status(const std::string& drone) { return core_->ask(drone, PacketType::status); }
 
-std::vector<Answer> Application::status(const std::vector<std::string>& drones) { return core_->ask_all(drones, PacketType::status, Json::object()); }
+std::vector<Answer> Application::status(const std::vector<std::string>& drones)
+{
+    return core_->ask_all(drones, PacketType::status, Json::object());
+}
 
 namespace {
 
@@ -59,7 +65,10 @@ Json set_header(const Json& parameters, std::chrono::milliseconds deadline, bool
 }
 
 /// The parameters in the answer of a drone. One that answers something else is malformed.
-Json parameters_in(const std::string& drone, const Json& result) { return Fields(result, "the answer of " + drone).object("parameters"); }
+Json parameters_in(const std::string& drone, const Json& result)
+{
+    return Fields(result, "the answer of " + drone).object("parameters");
+}
 
 /// Leaves of each answer its parameters alone.
 void keep_parameters(std::vector<Answer>& answers)
@@ -92,7 +101,8 @@ std::vector<Answer> Application::set(const std::vector<std::string>& drones, con
     if (const auto* refused = first_error(answers)) {
         for (auto& answer : answers)
             if (!answer.error)
-                answer.error = Error(Errc::refused, answer.drone + ": left as it was, because " + refused->drone + " could not be set");
+                answer.error = Error(Errc::refused, answer.drone + ": left as it was, because " + refused->drone
+                                                        + " could not be set");
         return answers;
     }
     answers = core_->ask_all(drones, PacketType::set, set_header(parameters, core_->timeout, false));
@@ -101,9 +111,14 @@ std::vector<Answer> Application::set(const std::vector<std::string>& drones, con
         for (auto& answer : answers) {
             if (answer.error)
                 continue;
-            const auto undone = core_->ask_all({answer.drone}, PacketType::set, set_header(answer.result.value("previous", Json::object()), core_->timeout, false));
-            answer.error = undone[0].error ? Error(Errc::failed, answer.drone + ": was set and could not be put back: " + undone[0].error->what())
-                                           : Error(Errc::refused, answer.drone + ": put back, because " + culprit + " could not be set");
+            const auto undone =
+                core_->ask_all({answer.drone}, PacketType::set,
+                               set_header(answer.result.value("previous", Json::object()), core_->timeout, false));
+            answer.error =
+                undone[0].error
+                    ? Error(Errc::failed,
+                            answer.drone + ": was set and could not be put back: " + undone[0].error->what())
+                    : Error(Errc::refused, answer.drone + ": put back, because " + culprit + " could not be set");
         }
         return answers;
     }
@@ -133,7 +148,8 @@ void Application::put(const Endpoint& input, const Json& header, Body body, cons
                 fitting.push_back(port.name);
         if (fitting.size() != 1)
             throw Error(fitting.empty() ? Errc::type_mismatch : Errc::invalid_argument,
-                        input.drone + (fitting.empty() ? " has no input that takes " : " has several inputs that take ") + type);
+                        input.drone + (fitting.empty() ? " has no input that takes " : " has several inputs that take ")
+                            + type);
         name = fitting.front();
     }
     core_->ask(input.drone, PacketType::put, {{"input", name}, {"type", type}, {"header", header}}, body);
@@ -141,7 +157,10 @@ void Application::put(const Endpoint& input, const Json& header, Body body, cons
 
 void Application::halt(const std::string& drone) { core_->ask(drone, PacketType::halt); }
 void Application::resume(const std::string& drone) { core_->ask(drone, PacketType::resume); }
-void Application::exception_policy(const std::string& drone, ExceptionPolicy policy) { core_->ask(drone, PacketType::halt, {{"policy", token(policy)}}); }
+void Application::exception_policy(const std::string& drone, ExceptionPolicy policy)
+{
+    core_->ask(drone, PacketType::halt, {{"policy", token(policy)}});
+}
 
 void Application::stop(const std::string& drone)
 {

@@ -25,8 +25,11 @@ Error named(const std::string& drone, const Error& error)
 }  // namespace
 
 Application::Core::Core(Application::Options options)
-    : timeout(options.timeout), home(options.home.empty() ? default_home() : options.home),
-      module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()}, .limits = {}, .timing = {}})
+    : timeout(options.timeout),
+      home(options.home.empty() ? default_home() : options.home),
+      module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
+              .limits = {},
+              .timing = {}})
 {
     module.start();
 }
@@ -66,11 +69,13 @@ void Application::Core::require_running(const std::string& drone) const
     throw Error(Errc::not_found, drone + " is not running" + (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
-Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
+Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type,
+                                                 const Json& header, const Body& body)
 {
     auto reply = std::make_shared<std::optional<event::Outcome>>();
     module.loop().perform([this, address = home.address(drone), type, header, body, until = deadline(), reply] {
-        module.request(address, type, header, body, until, [reply](const event::Outcome& outcome) { *reply = outcome; });
+        module.request(address, type, header, body, until,
+                       [reply](const event::Outcome& outcome) { *reply = outcome; });
     });
     return reply;
 }
@@ -81,7 +86,8 @@ const event::Outcome& Application::Core::wait_for(const Reply& reply)
     return reply->value();
 }
 
-std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const std::vector<Json>& headers)
+std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
+                                               const std::vector<Json>& headers)
 {
     std::vector<Reply> replies;
     for (std::size_t i = 0; i < drones.size(); ++i)
@@ -97,7 +103,8 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
     return answers;
 }
 
-std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header)
+std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
+                                               const Json& header)
 {
     return ask_all(drones, type, std::vector<Json>(drones.size(), header));
 }
@@ -119,7 +126,10 @@ Endpoint Application::Core::with_output(const Endpoint& end)
         return end;
     const auto outputs = interface_from_json(ask(end.drone, protocol::PacketType::describe)).outputs;
     if (outputs.size() != 1)
-        throw Error(Errc::invalid_argument, end.drone + (outputs.empty() ? " has no output" : " has several outputs; name one: " + end.drone + "." + outputs[0].name));
+        throw Error(Errc::invalid_argument,
+                    end.drone
+                        + (outputs.empty() ? " has no output"
+                                           : " has several outputs; name one: " + end.drone + "." + outputs[0].name));
     return {end.drone, outputs[0].name};
 }
 

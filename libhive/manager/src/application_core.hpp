@@ -14,9 +14,11 @@ public:
     explicit Core(Application::Options options);
 
     /// Asks one drone and waits; throws what it answers.
-    Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(), const Body& body = {});
+    Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(),
+             const Body& body = {});
     /// Asks several at once, each its own header, and waits for all.
-    std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const std::vector<Json>& headers);
+    std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
+                                const std::vector<Json>& headers);
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
     /// Throws Errc::not_found, with the nearest name, when no drone of this name runs here.
     void require_running(const std::string& drone) const;
@@ -33,7 +35,8 @@ public:
     event::Module module;
 
 private:
-    using Reply = std::shared_ptr<const std::optional<event::Outcome>>;  ///< comes by the deadline: the module sees to it
+    using Reply =
+        std::shared_ptr<const std::optional<event::Outcome>>;  ///< comes by the deadline: the module sees to it
     Reply send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body);
     const event::Outcome& wait_for(const Reply& reply);
 };

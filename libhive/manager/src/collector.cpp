@@ -22,7 +22,8 @@ public:
     ~MailboxCollector() override;
 
     /// Registers at one output; throws what the drone answers.
-    void receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection, event::Clock::time_point deadline);
+    void receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection,
+                 event::Clock::time_point deadline);
     /// Registers without waiting; failures are retried in the background.
     void follow(const std::string& drone, const std::string& output);
 
@@ -31,7 +32,8 @@ public:
     [[nodiscard]] bool ordered() const noexcept { return options_.ordered; }
 
 private:
-    std::shared_ptr<event::Intake> add(const std::string& drone, const std::string& output, const ConnectionOptions& connection);
+    std::shared_ptr<event::Intake> add(const std::string& drone, const std::string& output,
+                                       const ConnectionOptions& connection);
     std::optional<Event> take(Event event);
     std::optional<Event> put_in_order(Event event);
 
@@ -56,7 +58,8 @@ MailboxCollector::~MailboxCollector()
     module_.loop().wait(event::Clock::now() + std::chrono::milliseconds(500), [&] { return *remaining == 0; });
 }
 
-std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const std::string& output, const ConnectionOptions& connection)
+std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const std::string& output,
+                                                     const ConnectionOptions& connection)
 {
     const auto weak = std::make_shared<std::weak_ptr<event::Intake>>();
     const auto sink = [mailbox = mailbox_, weak](Event&& event) {
@@ -76,10 +79,12 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
     return intakes_.emplace_back(intake);
 }
 
-void MailboxCollector::receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection, event::Clock::time_point deadline)
+void MailboxCollector::receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection,
+                               event::Clock::time_point deadline)
 {
     const auto reply = std::make_shared<std::optional<event::Outcome>>();
-    module_.call([&] { add(drone, output, connection)->start([reply](const event::Outcome& outcome) { *reply = outcome; }); });
+    module_.call(
+        [&] { add(drone, output, connection)->start([reply](const event::Outcome& outcome) { *reply = outcome; }); });
     std::optional<event::Outcome> outcome;
     module_.loop().wait(deadline, [&] { return (outcome = *reply).has_value(); });
     if (!outcome)
@@ -171,7 +176,8 @@ std::unique_ptr<Collector> Application::exceptions(const std::vector<std::string
     auto collector = std::make_unique<MailboxCollector>(core_->module, core_->home, CollectOptions{});
     for (const auto& drone : drones) {
         core_->require_running(drone);
-        collector->receive(drone, exceptions_output, {.transfer = Transfer::streaming, .group = {}, .lease = {}}, core_->deadline());
+        collector->receive(drone, exceptions_output, {.transfer = Transfer::streaming, .group = {}, .lease = {}},
+                           core_->deadline());
     }
     return collector;
 }

@@ -24,7 +24,8 @@ public:
             if (auto set = matcher_.pop())
                 return set;
             const auto until = std::min(deadline, matcher_.deadline().value_or(deadline)) - event::Clock::now();
-            if (auto event = collector_->next(std::max(std::chrono::ceil<std::chrono::milliseconds>(until), std::chrono::milliseconds(0))))
+            if (auto event = collector_->next(
+                    std::max(std::chrono::ceil<std::chrono::milliseconds>(until), std::chrono::milliseconds(0))))
                 matcher_.push(std::move(*event), event::Clock::now());
             else if (event::Clock::now() >= deadline)
                 return std::nullopt;
@@ -41,7 +42,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<MatchedCollector> Application::collect_matched(const std::vector<Endpoint>& outputs, Match match, const CollectOptions& options)
+std::unique_ptr<MatchedCollector> Application::collect_matched(const std::vector<Endpoint>& outputs, Match match,
+                                                               const CollectOptions& options)
 {
     std::vector<Endpoint> ends;
     std::vector<std::string> inputs;

@@ -68,7 +68,8 @@ std::chrono::milliseconds Reorder::patience_of(const Line& line) const
 void Reorder::expire(TimePoint now)
 {
     for (auto& [key, line] : lines_)
-        while (!line.waiting.empty() && (line.stuck_since == TimePoint::min() || now - line.stuck_since >= patience_of(line))) {
+        while (!line.waiting.empty()
+               && (line.stuck_since == TimePoint::min() || now - line.stuck_since >= patience_of(line))) {
             const auto next = line.waiting.begin()->first.first;
             if (line.first != 0)
                 give_up(line, next);
@@ -105,7 +106,8 @@ std::optional<Reorder::TimePoint> Reorder::deadline() const
     std::optional<TimePoint> first;
     for (const auto& [key, line] : lines_)
         if (!line.waiting.empty()) {
-            const auto due = line.stuck_since == TimePoint::min() ? line.stuck_since : line.stuck_since + patience_of(line);
+            const auto due =
+                line.stuck_since == TimePoint::min() ? line.stuck_since : line.stuck_since + patience_of(line);
             first = first ? std::min(*first, due) : due;
         }
     return first;

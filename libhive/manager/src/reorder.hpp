@@ -1,5 +1,5 @@
-// Puts the results of several workers back into the order of the captures: of shared work by its turns, which have no gaps even
-// when the source skips; of a source on demand by its sequence. Pure logic: no clock of its own.
+// Puts the results of several workers back into the order of the captures: of shared work by its turns, which have no
+// gaps even when the source skips; of a source on demand by its sequence. Pure logic: no clock of its own.
 #pragma once
 
 #include <hive/event.hpp>
@@ -26,7 +26,8 @@ public:
 
     explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
 
-    /// What comes after its place was given up (it is counted as missing), or from before the first that was handed out, is left out.
+    /// What comes after its place was given up (it is counted as missing), or from before the first that was handed
+    /// out, is left out.
     void push(Event event, TimePoint now);
     /// This capture has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
@@ -40,11 +41,12 @@ public:
     [[nodiscard]] std::int64_t failed() const noexcept { return failed_; }
 
 private:
-    struct Line {  ///< one source in one epoch, one group
+    struct Line {                   ///< one source in one epoch, one group
         std::int64_t expected = 0;  ///< 0: nothing has come yet
         std::int64_t first = 0;     ///< the first that was handed out; 0: none was
         bool lossless = false;
-        std::multimap<std::pair<std::int64_t, int>, Event> waiting;  ///< by number and part; several outputs may have the same
+        std::multimap<std::pair<std::int64_t, int>, Event>
+            waiting;  ///< by number and part; several outputs may have the same
         std::set<std::int64_t> failed;
         std::map<std::int64_t, std::int64_t> given_up;  ///< from, and where it goes on
         TimePoint stuck_since{};
@@ -58,7 +60,10 @@ private:
     std::chrono::milliseconds patience_;
     using Key = std::tuple<std::string, std::int64_t, std::string>;
     static Key key_of(const Identity& identity) { return {identity.source, identity.epoch, identity.group}; }
-    static std::int64_t number_of(const Identity& identity) { return identity.group.empty() ? identity.sequence : identity.turn; }
+    static std::int64_t number_of(const Identity& identity)
+    {
+        return identity.group.empty() ? identity.sequence : identity.turn;
+    }
 
     std::map<Key, Line> lines_;
     std::deque<Event> ready_;

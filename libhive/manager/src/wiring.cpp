@@ -22,7 +22,8 @@ std::vector<const Port*> candidates(const std::vector<Port>& ports, const Endpoi
     }
     if (found.empty()) {
         const auto near = nearest(end.port, names);
-        throw Error(Errc::not_found, end.drone + " has no " + what + (end.port.empty() ? "" : " " + end.port) + (near.empty() ? "" : "; did you mean " + near + "?"));
+        throw Error(Errc::not_found, end.drone + " has no " + what + (end.port.empty() ? "" : " " + end.port)
+                                         + (near.empty() ? "" : "; did you mean " + near + "?"));
     }
     return found;
 }
@@ -31,7 +32,8 @@ std::string listed(const Endpoint& sender, const Endpoint& receiver, const std::
 {
     std::string text;
     for (const auto& [output, input] : pairs)
-        text += (text.empty() ? "" : ", or ") + sender.drone + "." + output->name + " " + receiver.drone + "." + input->name;
+        text += (text.empty() ? "" : ", or ") + sender.drone + "." + output->name + " " + receiver.drone + "."
+                + input->name;
     return text;
 }
 
@@ -49,8 +51,8 @@ Pair fitting_pair(const Endpoint& sender, const Interface& from, const Endpoint&
     if (pairs.size() > 1)
         throw Error(Errc::invalid_argument, "several ports fit; name them: " + listed(sender, receiver, pairs));
     if (outputs.size() == 1 && inputs.size() == 1)
-        throw Error(Errc::type_mismatch, sender.drone + "." + outputs[0]->name + " is " + outputs[0]->type + ", but " + receiver.drone + "." + inputs[0]->name
-                        + " takes " + inputs[0]->type);
+        throw Error(Errc::type_mismatch, sender.drone + "." + outputs[0]->name + " is " + outputs[0]->type + ", but "
+                                             + receiver.drone + "." + inputs[0]->name + " takes " + inputs[0]->type);
     std::string types;
     for (const auto* output : outputs)
         types += " " + output->name + " (" + output->type + ")";
@@ -62,14 +64,18 @@ Pair fitting_pair(const Endpoint& sender, const Interface& from, const Endpoint&
 
 }  // namespace
 
-std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver, const ConnectionOptions& options)
+std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver,
+                                                   const ConnectionOptions& options)
 {
     const auto from = describe(sender.drone), to = describe(receiver.drone);
     const auto [output, input] = fitting_pair(sender, from, receiver, to);
     if (to.stateful && !options.group.empty())
-        throw Error(Errc::refused, receiver.drone + " keeps state between events, so it must see every one: it cannot share");
+        throw Error(Errc::refused,
+                    receiver.drone + " keeps state between events, so it must see every one: it cannot share");
     core_->ask(receiver.drone, PacketType::connect,
-               {{"from", {{"drone", sender.drone}, {"output", output->name}}}, {"input", input->name}, {"options", to_json(options)}});
+               {{"from", {{"drone", sender.drone}, {"output", output->name}}},
+                {"input", input->name},
+                {"options", to_json(options)}});
     return {{sender.drone, output->name}, {receiver.drone, input->name}};
 }
 

@@ -28,13 +28,16 @@ void require_safe(const std::vector<std::string>& addresses, bool insecure)
 {
     for (const auto& text : addresses)
         if (transport::parse_address(text).scheme == transport::Address::Scheme::tcp && !insecure)
-            throw Error(Errc::not_permitted, "--listen " + text + ": anybody who reaches this port could control the drone. Swarm keys are not built yet; "
-                            "on a network that you trust wholly, add --insecure");
+            throw Error(Errc::not_permitted,
+                        "--listen " + text
+                            + ": anybody who reaches this port could control the drone. Swarm keys are not built yet; "
+                              "on a network that you trust wholly, add --insecure");
 }
 
 void start_log(const std::string& level)
 {
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("hive", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("hive", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
     spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
     spdlog::set_level(spdlog::level::from_str(level));
     spdlog::flush_on(spdlog::level::info);
@@ -44,19 +47,27 @@ void start_log(const std::string& level)
 
 int run_drone(int argc, char** argv, const DroneProgram& program, const std::function<void(Drone&)>& body)
 {
-    CLI::App app(program.summary + "\nA drone of a Hive swarm: usually started by `hivectl start " + program.kind + "`.", "hive-" + program.kind);
+    CLI::App app(program.summary + "\nA drone of a Hive swarm: usually started by `hivectl start " + program.kind
+                     + "`.",
+                 "hive-" + program.kind);
     DroneSettings settings;
     settings.name = program.kind;
     std::vector<std::string> assignments;
     std::string policy, level = "info";
     bool insecure = false;
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
-    app.add_option("--set", assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")->type_name("NAME=VALUE");
-    app.add_option("--listen", settings.listen, "a further address to be met at, tcp://HOST:PORT; beside the local socket")->type_name("ADDRESS");
+    app.add_option("--set", assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
+        ->type_name("NAME=VALUE");
+    app.add_option("--listen", settings.listen,
+                   "a further address to be met at, tcp://HOST:PORT; beside the local socket")
+        ->type_name("ADDRESS");
     app.add_flag("--insecure", insecure, "let --listen take peers without a key");
     app.add_option("--on-exception", policy, "when the drone's code throws: skip the input, or halt until resumed")
-        ->check(CLI::IsMember({"skip", "halt"}))->default_str("skip");
-    app.add_option("--log-level", level, "what is written to stderr")->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))->capture_default_str();
+        ->check(CLI::IsMember({"skip", "halt"}))
+        ->default_str("skip");
+    app.add_option("--log-level", level, "what is written to stderr")
+        ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+        ->capture_default_str();
     app.add_flag("--describe", settings.describe, "print inputs, outputs and parameters as JSON, and end");
     app.set_version_flag("--version", std::string(HIVE_VERSION));
     CLI11_PARSE(app, argc, argv);

@@ -6,10 +6,17 @@
 namespace hive {
 namespace {
 
-ParameterInfo describe(const std::string& name, ParameterType type, const Constraint& constraint, const std::string& help)
+ParameterInfo describe(const std::string& name, ParameterType type, const Constraint& constraint,
+                       const std::string& help)
 {
-    return {.name = require_name(name, "parameter"), .type = type, .default_value = {}, .least = constraint.least, .most = constraint.most,
-            .choices = constraint.choices, .unit = constraint.unit, .help = help};
+    return {.name = require_name(name, "parameter"),
+            .type = type,
+            .default_value = {},
+            .least = constraint.least,
+            .most = constraint.most,
+            .choices = constraint.choices,
+            .unit = constraint.unit,
+            .help = help};
 }
 
 /// Makes the body only when somebody receives bodies.
@@ -38,7 +45,8 @@ void Drone::parameter(const std::string& name, bool& variable, const Constraint&
     core_.parameters.add(describe(name, ParameterType::flag, constraint, help), variable);
 }
 
-void Drone::parameter(const std::string& name, std::string& variable, const Constraint& constraint, const std::string& help)
+void Drone::parameter(const std::string& name, std::string& variable, const Constraint& constraint,
+                      const std::string& help)
 {
     core_.parameters.add(describe(name, ParameterType::text, constraint, help), variable);
 }
@@ -48,13 +56,15 @@ Output Drone::output(const std::string& name, const std::string& type, const std
     return {core_, core_.add_output({require_name(name, "output"), type, help}, std::move(encoder))};
 }
 
-void Drone::on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help)
+void Drone::on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback,
+                     const std::string& help)
 {
     core_.interface.inputs.push_back({require_name(input, "input"), type, help});
     core_.callbacks[input] = std::move(callback);
 }
 
-Matching Drone::on_matched(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback)
+Matching Drone::on_matched(const std::vector<MatchedInput>& inputs, Match match,
+                           std::function<void(const std::vector<Event>&)> callback)
 {
     return {core_, core_.add_matching(inputs, match, std::move(callback))};
 }
@@ -82,7 +92,8 @@ bool Output::asked() const { return core_->asked(index_); }
 
 void Output::emit(Json header, Body body, std::string type) const
 {
-    core_->emit(index_, std::nullopt, std::move(header), [&] { return std::optional(std::move(body)); }, std::move(type));
+    core_->emit(
+        index_, std::nullopt, std::move(header), [&] { return std::optional(std::move(body)); }, std::move(type));
 }
 
 void Output::emit(Json header, const std::function<Body()>& body, std::string type) const
@@ -90,7 +101,8 @@ void Output::emit(Json header, const std::function<Body()>& body, std::string ty
     core_->emit(index_, std::nullopt, std::move(header), if_wanted(*this, body), std::move(type));
 }
 
-void Output::emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body, std::string type) const
+void Output::emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header,
+                           const std::function<Body()>& body, std::string type) const
 {
     const auto captured_us = event::microseconds(captured.time_since_epoch());
     core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), if_wanted(*this, body),

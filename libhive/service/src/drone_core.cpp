@@ -66,17 +66,24 @@ void DroneCore::prepare()
         .timing = {},
         .log = [this](const std::string& text) { log(text); }});
     for (std::size_t i = 0; i < outputs_.size(); ++i)
-        outputs_[i]->outlet = &module_->add_outlet(interface.outputs[i], PacketType::event, std::move(outputs_[i]->encoder));
-    exceptions_ = &module_->add_outlet({"exceptions", "application/x-hive-exception", "what this drone's code threw"}, PacketType::exception);
+        outputs_[i]->outlet =
+            &module_->add_outlet(interface.outputs[i], PacketType::event, std::move(outputs_[i]->encoder));
+    exceptions_ = &module_->add_outlet({"exceptions", "application/x-hive-exception", "what this drone's code threw"},
+                                       PacketType::exception);
     module_->on_demand = [this] { mailbox_.nudge(); };
     module_->on_failed = [this](const event::EmissionPtr& event) {
         const int attempts = event->event().identity.attempt;
-        report(Errc::abandoned, "given up after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts"), &event->event());
+        report(Errc::abandoned,
+               "given up after " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts"),
+               &event->event());
     };
-    module_->on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) { report(problem.code(), problem.what(), &event->event()); };
+    module_->on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {
+        report(problem.code(), problem.what(), &event->event());
+    };
     add_handlers();
     const Json state = left_state(*home_);
-    board_.policy = settings_.policy ? *settings_.policy : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy");
+    board_.policy =
+        settings_.policy ? *settings_.policy : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy");
     Json values = still_taken(state.value("parameters", Json::object()));
     values.update(parameters.checked(settings_.parameters));
     parameters.apply(values, [] {});
@@ -197,7 +204,8 @@ void DroneCore::require_type(const Event& event) const
 {
     const auto* input = interface.input(event.input);
     if (!types_fit(event.type, input->type))
-        throw Error(Errc::type_mismatch, event.sender + "." + event.output + " sent " + event.type + ", but " + event.input + " takes " + input->type);
+        throw Error(Errc::type_mismatch, event.sender + "." + event.output + " sent " + event.type + ", but "
+                                             + event.input + " takes " + input->type);
 }
 
 void DroneCore::processed(const Set& set)
@@ -230,21 +238,31 @@ void DroneCore::failed(const Set& set, Errc code, const std::string& text)
 void DroneCore::report(Errc code, const std::string& text, const Event* cause)
 {
     Event event;
-    event.identity = cause ? cause->identity : Identity{.source = settings_.name, .epoch = epoch_, .captured_us = event::wall_us(), .monotonic_us = event::steady_us(), .hops = {}};
+    event.identity = cause ? cause->identity
+                           : Identity{.source = settings_.name,
+                                      .epoch = epoch_,
+                                      .captured_us = event::wall_us(),
+                                      .monotonic_us = event::steady_us(),
+                                      .hops = {}};
     event.sender = settings_.name;
     event.kind = interface.kind;
     event.output = "exceptions";
     event.type = "application/x-hive-exception";
     {
         const std::lock_guard lock(board_mutex_);
-        event.header = {{"code", info(code).token}, {"text", text.substr(0, 4000)}, {"policy", token(board_.policy)}, {"input", cause ? cause->input : ""}};
+        event.header = {{"code", info(code).token},
+                        {"text", text.substr(0, 4000)},
+                        {"policy", token(board_.policy)},
+                        {"input", cause ? cause->input : ""}};
         board_.last_exception = event.header;
         board_.last_exception["time_us"] = event::wall_us();
         board_.last_exception["source"] = event.identity.source;
         board_.last_exception["seq"] = event.identity.sequence;
     }
     log(std::string("exception: ") + std::string(info(code).token) + ": " + text);
-    module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event))] { module_->emit(*exceptions_, emission); });
+    module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event))] {
+        module_->emit(*exceptions_, emission);
+    });
 }
 
 void DroneCore::set_state(State state)

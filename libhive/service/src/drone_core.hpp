@@ -24,14 +24,14 @@ namespace hive {
 /// What the command line of a drone says.
 struct DroneSettings {
     std::string name;
-    std::vector<std::string> listen;                ///< further addresses beside the local socket
-    Json parameters = Json::object();               ///< --set
-    std::optional<ExceptionPolicy> policy;          ///< empty: as before the crash, or skip
+    std::vector<std::string> listen;        ///< further addresses beside the local socket
+    Json parameters = Json::object();       ///< --set
+    std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
     bool describe = false;
 };
 
-/// Declarations and the loop belong to the user thread; handlers of requests (drone_requests.cpp) and what outlives a crash
-/// (drone_state.cpp) to the network side; what both need is in `board_` under its mutex.
+/// Declarations and the loop belong to the user thread; handlers of requests (drone_requests.cpp) and what outlives a
+/// crash (drone_state.cpp) to the network side; what both need is in `board_` under its mutex.
 class DroneCore {
 public:
     DroneCore(DroneProgram program, DroneSettings settings);
@@ -52,7 +52,8 @@ public:
         [[nodiscard]] const MatchedInput* input(const std::string& name) const;
     };
     std::deque<MatchedInputs> matchings;
-    std::size_t add_matching(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback);
+    std::size_t add_matching(const std::vector<MatchedInput>& inputs, Match match,
+                             std::function<void(const std::vector<Event>&)> callback);
 
     void run();
 
@@ -63,10 +64,14 @@ public:
     [[nodiscard]] bool received(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
     /// @param body  gives nothing when nobody wants it
-    void emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type);
+    void emit(std::size_t output, std::optional<Identity> begun, Json header,
+              const std::function<std::optional<Body>()>& body, std::string type);
     void repeat(std::size_t output, Event event);
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
-    [[nodiscard]] bool remembered(const std::string& parameter) const { return !settings_.parameters.contains(parameter) && given(parameter); }
+    [[nodiscard]] bool remembered(const std::string& parameter) const
+    {
+        return !settings_.parameters.contains(parameter) && given(parameter);
+    }
     [[nodiscard]] Json status();
     void wake();
     void condition(const std::string& text);
@@ -77,12 +82,12 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    struct Slot {  ///< one output
-        Encoder encoder;                        ///< until the outlet has it
+    struct Slot {         ///< one output
+        Encoder encoder;  ///< until the outlet has it
         event::Outlet* outlet = nullptr;
-        std::int64_t sequence = 0;              ///< user thread
-        int part = 0;                           ///< events emitted for the present input
-        std::atomic<int> handover{0};           ///< emitted, not yet with the network side
+        std::int64_t sequence = 0;     ///< user thread
+        int part = 0;                  ///< events emitted for the present input
+        std::atomic<int> handover{0};  ///< emitted, not yet with the network side
     };
     struct Board {  ///< what status tells of the user thread
         State state = State::starting;

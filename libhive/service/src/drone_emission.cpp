@@ -43,8 +43,13 @@ bool DroneCore::asked(std::size_t output) const
 Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
 {
     const auto age_us = event::wall_us() - captured_us;
-    return {.source = settings_.name, .epoch = epoch_, .sequence = ++outputs_[output]->sequence, .captured_us = telling(captured_us),
-            .monotonic_us = telling(event::steady_us() - age_us), .lossless = lossless, .hops = {}};
+    return {.source = settings_.name,
+            .epoch = epoch_,
+            .sequence = ++outputs_[output]->sequence,
+            .captured_us = telling(captured_us),
+            .monotonic_us = telling(event::steady_us() - age_us),
+            .lossless = lossless,
+            .hops = {}};
 }
 
 /// The identity of what is emitted for the present set.
@@ -54,11 +59,13 @@ Identity DroneCore::inherited(Slot& slot) const
     identity.part = slot.part++;
     // It waited from when it was complete; what its earlier events waited for is told by the hops of the last.
     const auto complete = std::ranges::max_element(*current_, {}, &Event::received)->received;
-    identity.hops.push_back({settings_.name, event::microseconds(current_since_ - complete), event::microseconds(Clock::now() - current_since_)});
+    identity.hops.push_back({settings_.name, event::microseconds(current_since_ - complete),
+                             event::microseconds(Clock::now() - current_since_)});
     return identity;
 }
 
-void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header, const std::function<std::optional<Body>()>& body, std::string type)
+void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json header,
+                     const std::function<std::optional<Body>()>& body, std::string type)
 {
     const Port& port = port_to_emit(output, header);
     Slot& slot = *outputs_[output];
@@ -112,7 +119,8 @@ void DroneCore::send(std::size_t output, Event event, bool complete)
     if (slot.outlet->shares())
         event.body = module_->pool().copied_in(event.body);
     if (event.body.size() > protocol::Limits{}.body)
-        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.body.size()) + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.body.size())
+                                         + " bytes, limit " + std::to_string(protocol::Limits{}.body));
     auto emission = std::make_shared<const event::Emission>(std::move(event), complete);
     {
         std::unique_lock lock(handover_mutex_);

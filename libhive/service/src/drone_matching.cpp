@@ -13,7 +13,8 @@ const MatchedInput* DroneCore::MatchedInputs::input(const std::string& name) con
     return found == inputs.end() ? nullptr : &*found;
 }
 
-std::size_t DroneCore::add_matching(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback)
+std::size_t DroneCore::add_matching(const std::vector<MatchedInput>& inputs, Match match,
+                                    std::function<void(const std::vector<Event>&)> callback)
 {
     std::vector<std::string> names;
     for (const auto& input : inputs) {
@@ -67,8 +68,12 @@ Json DroneCore::matching_status(const Board& board) const
             const auto found = counts.missing.find(input.name);
             missing[input.name] = found == counts.missing.end() ? 0 : found->second;
         }
-        rows.push_back({{"inputs", inputs}, {"sets", counts.sets}, {"waiting", counts.waiting}, {"unmatched", counts.unmatched},
-                        {"duplicates", counts.duplicates}, {"missing", missing}});
+        rows.push_back({{"inputs", inputs},
+                        {"sets", counts.sets},
+                        {"waiting", counts.waiting},
+                        {"unmatched", counts.unmatched},
+                        {"duplicates", counts.duplicates},
+                        {"missing", missing}});
     }
     return rows;
 }

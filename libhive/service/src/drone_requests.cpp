@@ -76,12 +76,16 @@ void DroneCore::on_set(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "set");
     const Json values = parameters.checked(fields.object("parameters"));
-    const auto deadline = Clock::now() + std::min(most_patience, std::chrono::milliseconds(fields.integer_or("deadline_ms", 0, max_json_integer, 5000)));
+    const auto deadline =
+        Clock::now()
+        + std::min(most_patience,
+                   std::chrono::milliseconds(fields.integer_or("deadline_ms", 0, max_json_integer, 5000)));
     if (fields.flag_or("check_only", false))
         return incoming.answer(Json{{"parameters", values}, {"previous", present_values(values)}});
     mailbox_.push([this, values, deadline, answer = incoming.answer] {
         if (Clock::now() >= deadline)
-            return answer(Error(Errc::timeout, settings_.name + " was busy until the deadline had passed; nothing was set"));
+            return answer(
+                Error(Errc::timeout, settings_.name + " was busy until the deadline had passed; nothing was set"));
         try {
             const Json before = present_values(values);
             apply(values);
@@ -108,9 +112,14 @@ void DroneCore::on_put(const Incoming& incoming)
     Event event;
     event.type = fields.text("type");
     if (!types_fit(event.type, input->type))
-        throw Error(Errc::type_mismatch, "the event is " + event.type + ", but " + settings_.name + "." + name + " takes " + input->type);
-    event.identity = {.source = incoming.peer, .epoch = epoch_, .sequence = fields.integer("id", 0, max_json_integer), .captured_us = event::wall_us(),
-                      .monotonic_us = event::steady_us(), .hops = {}};
+        throw Error(Errc::type_mismatch,
+                    "the event is " + event.type + ", but " + settings_.name + "." + name + " takes " + input->type);
+    event.identity = {.source = incoming.peer,
+                      .epoch = epoch_,
+                      .sequence = fields.integer("id", 0, max_json_integer),
+                      .captured_us = event::wall_us(),
+                      .monotonic_us = event::steady_us(),
+                      .hops = {}};
     event.sender = incoming.peer;
     event.kind = "application";
     event.output = "put";
@@ -130,7 +139,8 @@ IntakeSpec DroneCore::intake_spec(const Json& from, const std::string& input, co
     const Port* port = interface.input(input);
     if (!port) {
         const auto near = nearest(input, port_names(interface.inputs));
-        throw Error(Errc::not_found, settings_.name + " has no input " + input + (near.empty() ? "" : "; did you mean " + near + "?"));
+        throw Error(Errc::not_found,
+                    settings_.name + " has no input " + input + (near.empty() ? "" : "; did you mean " + near + "?"));
     }
     const auto name = sender.name("drone");
     return {.sender = name,
@@ -147,13 +157,15 @@ void DroneCore::on_connect(Incoming incoming)
 {
     const Fields fields(incoming.header, "connect");
     const auto options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{};
-    connect(intake_spec(fields.object("from"), fields.name("input"), options), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
+    connect(intake_spec(fields.object("from"), fields.name("input"), options),
+            [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 
 std::shared_ptr<Intake> DroneCore::add_intake(IntakeSpec spec)
 {
     const auto weak = std::make_shared<std::weak_ptr<Intake>>();
-    const auto intake = module_->add_intake(std::move(spec), [this, weak](Event&& event) { arrived(std::move(event), *weak); });
+    const auto intake =
+        module_->add_intake(std::move(spec), [this, weak](Event&& event) { arrived(std::move(event), *weak); });
     *weak = intake;
     return intake;
 }
@@ -168,8 +180,8 @@ void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
             return on_outcome(outcome);
         }
         const auto same = [&](const std::shared_ptr<Intake>& other) {
-            return other != self && other->spec().sender == self->spec().sender && other->spec().output == self->spec().output
-                && other->spec().input == self->spec().input;
+            return other != self && other->spec().sender == self->spec().sender
+                   && other->spec().output == self->spec().output && other->spec().input == self->spec().input;
         };
         for (const auto& other : std::vector(module_->intakes()))
             if (same(other))
@@ -199,13 +211,15 @@ void DroneCore::on_disconnect(const Incoming& incoming)
     std::size_t removed = 0;
     for (const auto& intake : std::vector(module_->intakes())) {
         const auto& spec = intake->spec();
-        if (spec.sender != drone || (!output.empty() && spec.output != output) || (!input.empty() && spec.input != input))
+        if (spec.sender != drone || (!output.empty() && spec.output != output)
+            || (!input.empty() && spec.input != input))
             continue;
         module_->remove_intake(intake);
         ++removed;
     }
     if (removed == 0)
-        throw Error(Errc::not_found, settings_.name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
+        throw Error(Errc::not_found,
+                    settings_.name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
     remember();
     incoming.answer(Json{{"removed", removed}});
 }
@@ -292,26 +306,26 @@ Json DroneCore::status_now()
     const bool busy = board.state == State::busy;
     const auto busy_for = busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
     Json json{{"name", settings_.name},
-            {"kind", interface.kind},
-            {"pid", ::getpid()},
-            {"epoch", epoch_},
-            {"state", token(stopping_ ? State::stopping : board.state)},
-            {"condition", board.condition},
-            {"policy", token(board.policy)},
-            {"uptime_us", event::microseconds(Clock::now() - started_)},
-            {"busy_us", board.busy_us + busy_for},
-            {"busy_for_us", busy_for},
-            {"callback", board.callback},
-            {"queued", mailbox_.events()},
-            {"events",
-             {{"received", board.received},
-              {"processed", board.processed},
-              {"abandoned", board.abandoned},
-              {"duplicates", board.duplicates},
-              {"discarded", board.discarded},
-              {"dropped", board.dropped}}},
-            {"outputs", outputs},
-            {"inputs", inputs}};
+              {"kind", interface.kind},
+              {"pid", ::getpid()},
+              {"epoch", epoch_},
+              {"state", token(stopping_ ? State::stopping : board.state)},
+              {"condition", board.condition},
+              {"policy", token(board.policy)},
+              {"uptime_us", event::microseconds(Clock::now() - started_)},
+              {"busy_us", board.busy_us + busy_for},
+              {"busy_for_us", busy_for},
+              {"callback", board.callback},
+              {"queued", mailbox_.events()},
+              {"events",
+               {{"received", board.received},
+                {"processed", board.processed},
+                {"abandoned", board.abandoned},
+                {"duplicates", board.duplicates},
+                {"discarded", board.discarded},
+                {"dropped", board.dropped}}},
+              {"outputs", outputs},
+              {"inputs", inputs}};
     if (!matchings.empty())
         json["matching"] = matching_status(board);
     if (!board.last_exception.is_null())

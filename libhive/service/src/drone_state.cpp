@@ -47,7 +47,9 @@ void DroneCore::restore(const Json& state)
     for (const auto& saved : state.value("connections", Json::array()))
         try {
             const Fields fields(saved, "saved connection");
-            add_intake(intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))->start({});
+            add_intake(
+                intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))
+                ->start({});
         } catch (const Error& error) {
             log(std::string("a saved connection is left out: ") + error.what());
         }
@@ -64,7 +66,10 @@ Json DroneCore::state() const
         const std::lock_guard lock(board_mutex_);
         policy = token(board_.policy);
     }
-    return {{"kind", interface.kind}, {"parameters", parameters.changed()}, {"connections", connections}, {"policy", policy}};
+    return {{"kind", interface.kind},
+            {"parameters", parameters.changed()},
+            {"connections", connections},
+            {"policy", policy}};
 }
 
 /// A drone that cannot write its state goes on without, and says so once.
@@ -77,7 +82,8 @@ void DroneCore::remember()
         forgetful_ = false;
     } catch (const std::exception& error) {
         if (!std::exchange(forgetful_, true))
-            report(Errc::io, std::string("what this drone is told would not outlive a crash: ") + error.what(), nullptr);
+            report(Errc::io, std::string("what this drone is told would not outlive a crash: ") + error.what(),
+                   nullptr);
     }
 }
 

@@ -17,7 +17,8 @@ const ParameterInfo& ParameterSet::find(const std::string& name) const
     for (const auto& parameter : declared_)
         names.push_back(parameter.name);
     const auto near = nearest(name, names);
-    throw Error(Errc::not_found, "no parameter " + in_quotes(name) + (near.empty() ? "" : "; did you mean " + near + "?"));
+    throw Error(Errc::not_found,
+                "no parameter " + in_quotes(name) + (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 Json ParameterSet::checked(const Json& wanted) const

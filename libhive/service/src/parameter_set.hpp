@@ -16,7 +16,8 @@ public:
     void add(ParameterInfo parameter, Value& variable)
     {
         parameter.default_value = variable;
-        (void)checked_value(parameter, parameter.default_value);  // a default outside its own range is the author's mistake
+        (void)checked_value(parameter,
+                            parameter.default_value);  // a default outside its own range is the author's mistake
         values_[parameter.name] = parameter.default_value;
         assign_[parameter.name] = [&variable](const Json& value) { variable = value.get<Value>(); };
         read_[parameter.name] = [&variable] { return Json(variable); };
@@ -26,8 +27,8 @@ public:
     [[nodiscard]] const std::vector<ParameterInfo>& declared() const noexcept { return declared_; }
     /// The values that `wanted` stands for. Throws Errc::not_found (with the nearest name) or Errc::refused.
     [[nodiscard]] Json checked(const Json& wanted) const;
-    /// Assigns checked values, calls `accept`, and takes what the variables hold then for what was applied. If `accept` throws, the
-    /// old values are back, it was called again, and it throws on.
+    /// Assigns checked values, calls `accept`, and takes what the variables hold then for what was applied. If `accept`
+    /// throws, the old values are back, it was called again, and it throws on.
     void apply(const Json& checked_values, const std::function<void()>& accept);
     /// What the variables hold now is what is told from now on.
     void read_back();

@@ -13,10 +13,15 @@ constexpr int accepted_at_once = 16;  // then the connections that exist have th
 
 }  // namespace
 
-AcceptLoop::AcceptLoop(asio::io_context& context, int family, int descriptor, Welcome welcome, OnConnection on_connection,
-                       const Timing& timing)
-    : context_(context), family_(family), listening_(context, descriptor), pause_(context), welcome_(std::move(welcome)),
-      on_connection_(std::move(on_connection)), timing_(timing)
+AcceptLoop::AcceptLoop(asio::io_context& context, int family, int descriptor, Welcome welcome,
+                       OnConnection on_connection, const Timing& timing)
+    : context_(context),
+      family_(family),
+      listening_(context, descriptor),
+      pause_(context),
+      welcome_(std::move(welcome)),
+      on_connection_(std::move(on_connection)),
+      timing_(timing)
 {
 }
 
@@ -41,10 +46,11 @@ void AcceptLoop::wait()
     if (busy_ || !listening_.is_open() || admissions_->full())
         return;
     busy_ = true;
-    listening_.async_wait(asio::posix::stream_descriptor::wait_read, [self = shared_from_this()](std::error_code error) {
-        if (!error)
-            self->accept_waiting();
-    });
+    listening_.async_wait(asio::posix::stream_descriptor::wait_read,
+                          [self = shared_from_this()](std::error_code error) {
+                              if (!error)
+                                  self->accept_waiting();
+                          });
 }
 
 void AcceptLoop::accept_waiting()
@@ -77,7 +83,8 @@ void AcceptLoop::admit(int descriptor)
         if (auto stream = welcome_(adopt_socket(context_, family_, descriptor)))
             connection = make_connection(context_, std::move(stream), timing_, admissions_->admit());
     } catch (const Error&) {
-        // The peer went away while it was looked at, or the system is short of something: it is closed, it may come again.
+        // The peer went away while it was looked at, or the system is short of something: it is closed, it may come
+        // again.
     }
     if (connection)
         on_connection_(std::move(connection));

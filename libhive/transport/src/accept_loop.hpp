@@ -18,7 +18,8 @@ public:
     using Welcome = std::function<std::unique_ptr<Stream>(Socket)>;
 
     /// Takes over `descriptor`, which listens and does not block.
-    AcceptLoop(asio::io_context& context, int family, int descriptor, Welcome welcome, OnConnection on_connection, const Timing& timing);
+    AcceptLoop(asio::io_context& context, int family, int descriptor, Welcome welcome, OnConnection on_connection,
+               const Timing& timing);
     void start();
     void stop();
 
@@ -44,7 +45,8 @@ private:
 /// The Listener of sockets: runs a loop while it lives.
 class SocketListener : public Listener {
 public:
-    SocketListener(std::shared_ptr<AcceptLoop> loop, Address address) : loop_(std::move(loop)), address_(std::move(address))
+    SocketListener(std::shared_ptr<AcceptLoop> loop, Address address)
+        : loop_(std::move(loop)), address_(std::move(address))
     {
         loop_->start();
     }

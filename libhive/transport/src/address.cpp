@@ -25,8 +25,8 @@ std::uint16_t parse_port(std::string_view text, std::string_view digits)
 bool is_host(std::string_view host)
 {
     return !host.empty() && host.size() <= 255 && std::ranges::all_of(host, [](unsigned char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '_' || c == ':'
-            || c == '%';
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-'
+               || c == '_' || c == ':' || c == '%';
     });
 }
 

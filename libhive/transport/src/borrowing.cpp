@@ -75,10 +75,12 @@ void Borrowing::map(const protocol::Segment& offered, Descriptor descriptor)
     if (!descriptor)
         throw Error(Errc::malformed, "segment: no descriptor came with it");
     if (mappings_.contains(offered.id) || mappings_.size() == most_segments)
-        throw Error(Errc::malformed, "segment: number " + std::to_string(offered.id) + " a second time, or more than " + std::to_string(most_segments));
+        throw Error(Errc::malformed, "segment: number " + std::to_string(offered.id) + " a second time, or more than "
+                                         + std::to_string(most_segments));
     mapped_bytes_ += offered.slots * offered.slot_size;
     if (mapped_bytes_ > most_mapped_bytes)
-        throw Error(Errc::too_large, "segment: more than " + std::to_string(most_mapped_bytes) + " bytes of shared memory");
+        throw Error(Errc::too_large,
+                    "segment: more than " + std::to_string(most_mapped_bytes) + " bytes of shared memory");
     mappings_[offered.id] = Mapping::map(offered, descriptor);
 }
 
@@ -86,12 +88,13 @@ Body Borrowing::resolve(const protocol::Reference& reference, std::uint64_t most
 {
     const auto found = mappings_.find(reference.slot.segment);
     if (found == mappings_.end())
-        throw Error(Errc::malformed, "a reference to segment " + std::to_string(reference.slot.segment) + ", which was not offered");
+        throw Error(Errc::malformed,
+                    "a reference to segment " + std::to_string(reference.slot.segment) + ", which was not offered");
     const auto bytes = found->second->bytes(reference, most);
     borrowed_->hold(found->second, reference.slot);
-    const auto owner = std::shared_ptr<const void>(bytes.data(), [mapping = found->second, borrowed = borrowed_, slot = reference.slot](const void*) {
-        borrowed->let_go(slot);
-    });
+    const auto owner =
+        std::shared_ptr<const void>(bytes.data(), [mapping = found->second, borrowed = borrowed_,
+                                                   slot = reference.slot](const void*) { borrowed->let_go(slot); });
     return Body::in_foreign_memory(bytes, owner);
 }
 

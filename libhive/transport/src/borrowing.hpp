@@ -1,4 +1,5 @@
-// The receiving end of shared memory on one connection: maps what the peer offers, makes bodies of references, gives slots back.
+// The receiving end of shared memory on one connection: maps what the peer offers, makes bodies of references, gives
+// slots back.
 #pragma once
 
 #include <hive/protocol/messages.hpp>
@@ -14,8 +15,8 @@ namespace hive::transport {
 class Mapping;
 class Borrowed;
 
-/// Bodies outlive the connection: when it ends, those that are still held become private copies, because the producer takes
-/// its slots back. Network side, but for the bodies, which end on any thread.
+/// Bodies outlive the connection: when it ends, those that are still held become private copies, because the producer
+/// takes its slots back. Network side, but for the bodies, which end on any thread.
 class Borrowing {
 public:
     /// @param on_return  called from any thread when slots wait to be given back after none did; not after end()
@@ -24,10 +25,12 @@ public:
     Borrowing(const Borrowing&) = delete;
     Borrowing& operator=(const Borrowing&) = delete;
 
-    /// Maps a segment that the peer offers. Throws Errc::malformed when it is not sealed, too small, or one too many; nothing
-    /// that the peer may still shrink or that may be written here is ever mapped. Throws Errc::io when the system refuses.
+    /// Maps a segment that the peer offers. Throws Errc::malformed when it is not sealed, too small, or one too many;
+    /// nothing that the peer may still shrink or that may be written here is ever mapped. Throws Errc::io when the
+    /// system refuses.
     void map(const protocol::Segment& offered, Descriptor descriptor);
-    /// The body that a reference names. Throws Errc::malformed when there is no such place, Errc::too_large when it is over `most` bytes.
+    /// The body that a reference names. Throws Errc::malformed when there is no such place, Errc::too_large when it is
+    /// over `most` bytes.
     [[nodiscard]] Body resolve(const protocol::Reference& reference, std::uint64_t most);
     /// The slots whose bodies have ended since the last call.
     [[nodiscard]] std::vector<protocol::Slot> take_returns();

@@ -12,7 +12,11 @@ namespace {
 class ConnectionHandle final : public Connection {
 public:
     ConnectionHandle(asio::io_context& context, const Stream& stream, std::shared_ptr<ConnectionCore> core)
-        : context_(context), peer_(stream.peer()), local_(stream.local()), can_share_(stream.passes_descriptors()), unstarted_(std::move(core)),
+        : context_(context),
+          peer_(stream.peer()),
+          local_(stream.local()),
+          can_share_(stream.passes_descriptors()),
+          unstarted_(std::move(core)),
           core_(unstarted_)
     {
     }
@@ -71,8 +75,8 @@ private:
 
 }  // namespace
 
-std::shared_ptr<Connection> make_connection(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
-                                            std::shared_ptr<void> admission)
+std::shared_ptr<Connection> make_connection(asio::io_context& context, std::unique_ptr<Stream> stream,
+                                            const Timing& timing, std::shared_ptr<void> admission)
 {
     const Stream& carrier = *stream;  // which belongs to the core from the next line on
     auto core = std::make_shared<ConnectionCore>(context, std::move(stream), timing, std::move(admission));

@@ -12,8 +12,13 @@ using Clock = Liveness::Clock;
 
 ConnectionCore::ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
                                std::shared_ptr<void> admission)
-    : context_(context), stream_(std::move(stream)), peer_(stream_->peer()), timing_(timing), admission_(std::move(admission)),
-      timer_(context), liveness_(timing, Clock::now())
+    : context_(context),
+      stream_(std::move(stream)),
+      peer_(stream_->peer()),
+      timing_(timing),
+      admission_(std::move(admission)),
+      timer_(context),
+      liveness_(timing, Clock::now())
 {
 }
 
@@ -49,7 +54,8 @@ Carriage ConnectionCore::send(protocol::Packet packet, Connection::Written writt
 {
     constexpr auto most = std::numeric_limits<std::uint32_t>::max();
     if (packet.header_text().size() > most || packet.body.size() > most)
-        throw Error(Errc::too_large, "a packet of " + std::to_string(packet.size()) + " bytes cannot be sent, 4 GiB is the most");
+        throw Error(Errc::too_large,
+                    "a packet of " + std::to_string(packet.size()) + " bytes cannot be sent, 4 GiB is the most");
     if (ended_) {
         if (written)
             asio::post(context_, [written = std::move(written)] { written(false); });
@@ -58,13 +64,15 @@ Carriage ConnectionCore::send(protocol::Packet packet, Connection::Written writt
     const auto carriage = lend(packet);
     writer_.push(std::move(packet), std::move(written));
     if (writer_.control_bytes() > timing_.control_bytes)
-        end(about_peer({Errc::too_large, "it does not read: " + std::to_string(writer_.control_bytes()) + " bytes of control packets wait"}));
+        end(about_peer({Errc::too_large, "it does not read: " + std::to_string(writer_.control_bytes())
+                                             + " bytes of control packets wait"}));
     else
         write();
     return carriage;
 }
 
-/// A body in shared memory is replaced by a reference to it. The offer of its segment is a control packet, so it arrives before.
+/// A body in shared memory is replaced by a reference to it. The offer of its segment is a control packet, so it
+/// arrives before.
 Carriage ConnectionCore::lend(protocol::Packet& packet)
 {
     if (!lending_ || packet.type != protocol::PacketType::event || packet.body.size() < Pool::least_body)
@@ -73,7 +81,8 @@ Carriage ConnectionCore::lend(protocol::Packet& packet)
     if (!reference)
         return Carriage::fallback;
     if (const auto offer = lending_->offer(*reference))
-        writer_.push(protocol::make_packet(protocol::PacketType::segment, to_text(to_json(offer->first))), {}, offer->second);
+        writer_.push(protocol::make_packet(protocol::PacketType::segment, to_text(to_json(offer->first))), {},
+                     offer->second);
     packet.type = protocol::PacketType::reference;
     packet.body = to_body(*reference);
     return Carriage::reference;
@@ -91,12 +100,13 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
     stream_->close();
     timer_.cancel();
     admission_.reset();
-    asio::post(context_, [self = shared_from_this(), told = std::exchange(handlers_, nullptr), unwritten = writer_.drop()] {
-        for (const auto& written : unwritten)
-            written(false);
-        if (told && told->closed)
-            told->closed(*self->ended_);
-    });
+    asio::post(context_,
+               [self = shared_from_this(), told = std::exchange(handlers_, nullptr), unwritten = writer_.drop()] {
+                   for (const auto& written : unwritten)
+                       written(false);
+                   if (told && told->closed)
+                       told->closed(*self->ended_);
+               });
 }
 
 void ConnectionCore::abandon()
@@ -195,7 +205,8 @@ void ConnectionCore::take(protocol::Packet&& packet)
 bool ConnectionCore::take_shared(protocol::Packet& packet)
 {
     using protocol::PacketType;
-    if (packet.type != PacketType::segment && packet.type != PacketType::reference && packet.type != PacketType::release)
+    if (packet.type != PacketType::segment && packet.type != PacketType::reference
+        && packet.type != PacketType::release)
         return false;
     if (!stream_->passes_descriptors())
         throw Error(Errc::malformed, std::string(token(packet.type)) + ": no memory is shared on this connection");
@@ -218,7 +229,8 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
 std::unique_ptr<Borrowing> ConnectionCore::make_borrowing()
 {
     return std::make_unique<Borrowing>([weak = weak_from_this(), &context = context_] {
-        // Twice around the queue: the request for the next event, which is on its way there as well, takes the slots along.
+        // Twice around the queue: the request for the next event, which is on its way there as well, takes the slots
+        // along.
         asio::post(context, [weak, &context] {
             asio::post(context, [weak] {
                 if (const auto self = weak.lock())
@@ -250,7 +262,9 @@ void ConnectionCore::write()
     if (descriptor < 0)
         if (const auto bytes = stream_->write_now(buffers); bytes > 0)
             return asio::post(context_, [self = shared_from_this(), bytes] { self->on_written({}, bytes); });
-    auto on_written = [self = shared_from_this()](std::error_code error, std::size_t bytes) { self->on_written(error, bytes); };
+    auto on_written = [self = shared_from_this()](std::error_code error, std::size_t bytes) {
+        self->on_written(error, bytes);
+    };
     if (descriptor >= 0)
         stream_->write_with(descriptor, buffers, std::move(on_written));
     else

@@ -17,11 +17,12 @@
 
 namespace hive::transport {
 
-/// Kept alive by what is under way on the io_context (the timer at least, from start() to the end), not by those who use
-/// the connection: their last reference may go while a read waits. On the network side.
+/// Kept alive by what is under way on the io_context (the timer at least, from start() to the end), not by those who
+/// use the connection: their last reference may go while a read waits. On the network side.
 class ConnectionCore : public std::enable_shared_from_this<ConnectionCore> {
 public:
-    ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing, std::shared_ptr<void> admission);
+    ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
+                   std::shared_ptr<void> admission);
 
     void start(Connection::Handlers handlers);
     void open(const protocol::Limits& limits);
@@ -64,7 +65,7 @@ private:
     PacketReader reader_;
     PacketWriter writer_;
     std::optional<Lending> lending_;
-    std::unique_ptr<Borrowing> borrowing_;  ///< from the first segment of the peer on
+    std::unique_ptr<Borrowing> borrowing_;            ///< from the first segment of the peer on
     std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a call that is going on, which may end everything
     std::optional<Error> ended_;
     std::uint64_t most_body_ = 0;

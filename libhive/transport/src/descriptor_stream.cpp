@@ -30,13 +30,17 @@ public:
 
     void read_some(asio::mutable_buffer into, Handler handler) override
     {
-        socket_.async_wait(Socket::wait_read, [this, into, handler = std::move(handler)](std::error_code error) mutable {
-            if (!error)
-                return receive(into, std::move(handler));
-            handler(error, 0);
-        });
+        socket_.async_wait(Socket::wait_read,
+                           [this, into, handler = std::move(handler)](std::error_code error) mutable {
+                               if (!error)
+                                   return receive(into, std::move(handler));
+                               handler(error, 0);
+                           });
     }
-    std::size_t write_now(std::span<const asio::const_buffer> from) override { return transport::write_now(socket_, from); }
+    std::size_t write_now(std::span<const asio::const_buffer> from) override
+    {
+        return transport::write_now(socket_, from);
+    }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
         socket_.async_write_some(from, std::move(handler));
@@ -44,11 +48,12 @@ public:
     [[nodiscard]] bool passes_descriptors() const noexcept override { return true; }
     void write_with(int descriptor, std::span<const asio::const_buffer> from, Handler handler) override
     {
-        socket_.async_wait(Socket::wait_write, [this, descriptor, from, handler = std::move(handler)](std::error_code error) mutable {
-            if (!error)
-                return send(descriptor, from, std::move(handler));
-            handler(error, 0);
-        });
+        socket_.async_wait(Socket::wait_write,
+                           [this, descriptor, from, handler = std::move(handler)](std::error_code error) mutable {
+                               if (!error)
+                                   return send(descriptor, from, std::move(handler));
+                               handler(error, 0);
+                           });
     }
     Descriptor take_descriptor() override
     {

@@ -43,9 +43,8 @@ void DialAttempt::answer(std::shared_ptr<Connection> connection, std::exception_
 {
     deadline_.cancel();
     cancel();
-    asio::post(context_, [told = std::exchange(on_dialed_, nullptr), connection = std::move(connection), error]() mutable {
-        told(std::move(connection), error);
-    });
+    asio::post(context_, [told = std::exchange(on_dialed_, nullptr), connection = std::move(connection),
+                          error]() mutable { told(std::move(connection), error); });
 }
 
 }  // namespace hive::transport

@@ -73,7 +73,8 @@ Doors& doors()
 
 class InProcessListener final : public Listener {
 public:
-    InProcessListener(Address address, std::shared_ptr<Door> door) : address_(std::move(address)), door_(std::move(door))
+    InProcessListener(Address address, std::shared_ptr<Door> door)
+        : address_(std::move(address)), door_(std::move(door))
     {
         const std::lock_guard lock(doors().mutex);
         if (!doors().by_name.emplace(address_.host, door_).second)
@@ -119,13 +120,15 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address, OnConnection on_connection,
-                                            const Timing& timing)
+std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address,
+                                            OnConnection on_connection, const Timing& timing)
 {
-    return std::make_unique<InProcessListener>(address, std::make_shared<Door>(context, std::move(on_connection), timing));
+    return std::make_unique<InProcessListener>(address,
+                                               std::make_shared<Door>(context, std::move(on_connection), timing));
 }
 
-void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing)
+void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+                     const Timing& timing)
 {
     std::make_shared<InProcessDial>(context, address, std::move(on_dialed), timing)->start(deadline);
 }

@@ -16,15 +16,15 @@ class Lending {
 public:
     explicit Lending(std::shared_ptr<Pool> pool) : pool_(std::move(pool)) {}
 
-    /// May this body go by reference: it lies in the pool, and the peer does not hold most of its kind already (who keeps
-    /// everything must not leave the others without)?
+    /// May this body go by reference: it lies in the pool, and the peer does not hold most of its kind already (who
+    /// keeps everything must not leave the others without)?
     [[nodiscard]] std::optional<protocol::Reference> lend(const Body& body);
     /// The segment of a reference, if the peer does not know it yet.
     [[nodiscard]] std::optional<std::pair<protocol::Segment, int>> offer(const protocol::Reference& reference);
     /// The peer gives slots back. What it does not hold is ignored: a late answer of an earlier use.
     void released(const std::vector<protocol::Slot>& slots);
-    /// The connection has ended. Whoever ended it himself knows that nobody reads there any more; else it is not known, and the
-    /// slots stay as they are for a while.
+    /// The connection has ended. Whoever ended it himself knows that nobody reads there any more; else it is not known,
+    /// and the slots stay as they are for a while.
     void end(bool by_peer);
 
 private:

@@ -40,7 +40,7 @@ private:
     Clock::time_point started_, heard_;
     std::optional<Clock::time_point> sent_;
     bool hello_ = false;
-    Clock::time_point window_;       ///< since when the bytes of the present packet are counted
+    Clock::time_point window_;  ///< since when the bytes of the present packet are counted
     std::size_t window_bytes_ = 0;
 };
 

@@ -25,7 +25,8 @@ void require_size(int descriptor, std::uint64_t size)
 {
     struct stat status {};
     if (::fstat(descriptor, &status) != 0 || static_cast<std::uint64_t>(status.st_size) < size)
-        throw Error(Errc::malformed, "shared memory of " + std::to_string(status.st_size) + " bytes that says it has " + std::to_string(size));
+        throw Error(Errc::malformed, "shared memory of " + std::to_string(status.st_size) + " bytes that says it has "
+                                         + std::to_string(size));
 }
 
 std::uint64_t page_size() { return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)); }
@@ -34,7 +35,8 @@ std::uint64_t page_size() { return static_cast<std::uint64_t>(::sysconf(_SC_PAGE
 void require_whole_pages(std::uint64_t slot_size)
 {
     if (slot_size % page_size() != 0)
-        throw Error(Errc::malformed, "shared memory in slots of " + std::to_string(slot_size) + " bytes, which is no multiple of a page");
+        throw Error(Errc::malformed, "shared memory in slots of " + std::to_string(slot_size)
+                                         + " bytes, which is no multiple of a page");
 }
 
 }  // namespace
@@ -51,20 +53,26 @@ std::shared_ptr<Mapping> Mapping::map(const protocol::Segment& offered, const De
     return std::shared_ptr<Mapping>(new Mapping(offered, static_cast<std::byte*>(base)));
 }
 
-Mapping::Mapping(const protocol::Segment& segment, std::byte* base) : segment_(segment), base_(base), seen_(segment.slots) {}
+Mapping::Mapping(const protocol::Segment& segment, std::byte* base)
+    : segment_(segment), base_(base), seen_(segment.slots)
+{
+}
 
 Mapping::~Mapping() { ::munmap(base_, segment_.slots * segment_.slot_size); }
 
 std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference, std::uint64_t most)
 {
     const auto index = reference.slot.index;
-    if (index >= segment_.slots || reference.offset > segment_.slot_size || reference.size > segment_.slot_size - reference.offset)
+    if (index >= segment_.slots || reference.offset > segment_.slot_size
+        || reference.size > segment_.slot_size - reference.offset)
         throw Error(Errc::malformed, "a reference to " + std::to_string(reference.size) + " bytes outside their slot");
     if (reference.size > most)
-        throw Error(Errc::too_large, "a body of " + std::to_string(reference.size) + " bytes, limit " + std::to_string(most));
+        throw Error(Errc::too_large,
+                    "a body of " + std::to_string(reference.size) + " bytes, limit " + std::to_string(most));
     if (!seen_[index]) {
         const auto before = reference.offset % page_size();
-        ::madvise(at(index) + reference.offset - before, before + reference.size, MADV_POPULATE_READ);  // else page by page; old kernels do that
+        ::madvise(at(index) + reference.offset - before, before + reference.size,
+                  MADV_POPULATE_READ);  // else page by page; old kernels do that
     }
     seen_[index] = true;
     return {at(index) + reference.offset, reference.size};

@@ -96,7 +96,11 @@ struct Pipe {
 class MemoryStream final : public Stream {
 public:
     MemoryStream(asio::io_context& context, std::shared_ptr<Pipe> pipe, int end, std::string peer)
-        : pipe_(std::move(pipe)), in_(pipe_->channels[1 - end]), out_(pipe_->channels[end]), peer_(std::move(peer)), read_timer_(context),
+        : pipe_(std::move(pipe)),
+          in_(pipe_->channels[1 - end]),
+          out_(pipe_->channels[end]),
+          peer_(std::move(peer)),
+          read_timer_(context),
           write_timer_(context)
     {
     }
@@ -158,11 +162,12 @@ private:
 
 }  // namespace
 
-std::pair<std::unique_ptr<Stream>, std::unique_ptr<Stream>> make_memory_pipe(asio::io_context& first, asio::io_context& second,
-                                                                             const std::string& peer)
+std::pair<std::unique_ptr<Stream>, std::unique_ptr<Stream>>
+make_memory_pipe(asio::io_context& first, asio::io_context& second, const std::string& peer)
 {
     auto pipe = std::make_shared<Pipe>();
-    return {std::make_unique<MemoryStream>(first, pipe, 0, peer), std::make_unique<MemoryStream>(second, pipe, 1, peer)};
+    return {std::make_unique<MemoryStream>(first, pipe, 0, peer),
+            std::make_unique<MemoryStream>(second, pipe, 1, peer)};
 }
 
 }  // namespace hive::transport

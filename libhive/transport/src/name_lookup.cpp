@@ -21,8 +21,8 @@ struct NameLookup::Question {
         const std::lock_guard lock(mutex);
         if (!context)
             return;
-        asio::post(*std::exchange(context, nullptr),
-                   [told = std::move(handler), endpoints = std::move(endpoints), error = std::move(error)] { told(endpoints, error); });
+        asio::post(*std::exchange(context, nullptr), [told = std::move(handler), endpoints = std::move(endpoints),
+                                                      error = std::move(error)] { told(endpoints, error); });
     }
 };
 

@@ -1,4 +1,5 @@
-// Host names to addresses, beside the network side: asio's own resolver has one thread, which a dead name server holds up.
+// Host names to addresses, beside the network side: asio's own resolver has one thread, which a dead name server holds
+// up.
 #pragma once
 
 #include <asio/io_context.hpp>

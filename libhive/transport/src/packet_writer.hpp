@@ -19,8 +19,9 @@ public:
 
     /// @param descriptor  to travel with its first byte; -1: none
     void push(protocol::Packet packet, Written written, int descriptor = -1);
-    /// What to write next: the rest of a packet that has begun, then waiting control packets, then events, until there are
-    /// 16 packets or 64 KiB; a packet with a descriptor begins a list of its own. Valid until wrote() or drop(). Empty when nothing waits.
+    /// What to write next: the rest of a packet that has begun, then waiting control packets, then events, until there
+    /// are 16 packets or 64 KiB; a packet with a descriptor begins a list of its own. Valid until wrote() or drop().
+    /// Empty when nothing waits.
     std::span<const asio::const_buffer> gather();
     /// What has to travel with the first byte of the gather list; -1: nothing.
     [[nodiscard]] int descriptor() const { return batch_.empty() || begun_ > 0 ? -1 : batch_.front().descriptor; }

@@ -26,7 +26,8 @@ std::size_t slot_size_for(std::size_t bytes)
 
 Pool::Limits Pool::default_limits()
 {
-    return {.bytes = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 4};
+    return {.bytes = static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES))
+                     * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 4};
 }
 
 Pool::Pool(Limits limits) : limits_(limits) {}
@@ -49,10 +50,13 @@ std::optional<Loan> Pool::take_slot(std::size_t bytes)
     Segment* const segment = segment_for(slot_size_for(bytes));
     if (!segment || (!segment->has_free() && !back_one(*segment)))
         return {};
-    const auto id = static_cast<std::uint32_t>(std::ranges::find(segments_, segment, &std::unique_ptr<Segment>::get) - segments_.begin());
+    const auto id = static_cast<std::uint32_t>(std::ranges::find(segments_, segment, &std::unique_ptr<Segment>::get)
+                                               - segments_.begin());
     const auto index = segment->take();
     std::byte* const at = segment->at(index);
-    return Loan(std::span(at, bytes), std::shared_ptr<void>(at, [self = shared_from_this(), id, index](void*) { self->give_back(id, index); }));
+    return Loan(std::span(at, bytes), std::shared_ptr<void>(at, [self = shared_from_this(), id, index](void*) {
+                    self->give_back(id, index);
+                }));
 }
 
 Segment* Pool::segment_for(std::size_t slot_size)
@@ -101,7 +105,9 @@ std::optional<protocol::Reference> Pool::find(const Body& body) const
             continue;
         const auto offset = segment.offset(body.bytes().data());
         const auto index = static_cast<std::uint32_t>(offset / segment.slot_size());
-        return protocol::Reference{{static_cast<std::uint32_t>(id), index, segment.generation(index)}, offset % segment.slot_size(), body.size()};
+        return protocol::Reference{{static_cast<std::uint32_t>(id), index, segment.generation(index)},
+                                   offset % segment.slot_size(),
+                                   body.size()};
     }
     return {};
 }

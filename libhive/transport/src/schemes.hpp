@@ -1,18 +1,24 @@
-// The transports there are: each a listener and a dialer. Texts of thrown errors say what was tried, on what, and why not.
+// The transports there are: each a listener and a dialer. Texts of thrown errors say what was tried, on what, and why
+// not.
 #pragma once
 
 #include <hive/transport/transport.hpp>
 
 namespace hive::transport {
 
-std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection, const Timing& timing);
-std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection, const Timing& timing);
-std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address, OnConnection on_connection,
-                                            const Timing& timing);
+std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                     const Timing& timing);
+std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                      const Timing& timing);
+std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address,
+                                            OnConnection on_connection, const Timing& timing);
 
 using Milliseconds = std::chrono::milliseconds;
-void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing);
-void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing);
-void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing);
+void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+              const Timing& timing);
+void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+               const Timing& timing);
+void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+                     const Timing& timing);
 
 }  // namespace hive::transport

@@ -26,9 +26,11 @@ std::unique_ptr<Segment> Segment::create(std::size_t slot_size, std::uint32_t sl
     void* const base = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor.get(), 0);
     if (base == MAP_FAILED)
         return nullptr;
-    auto segment = std::unique_ptr<Segment>(new Segment(std::move(descriptor), static_cast<std::byte*>(base), slot_size, slots));
+    auto segment =
+        std::unique_ptr<Segment>(new Segment(std::move(descriptor), static_cast<std::byte*>(base), slot_size, slots));
     // From here on nobody can change its size (a reader would get SIGBUS) or map it for writing once more.
-    if (::fcntl(segment->descriptor(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL) != 0)
+    if (::fcntl(segment->descriptor(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL)
+        != 0)
         return nullptr;
     return segment;
 }
@@ -48,7 +50,8 @@ bool Segment::contains(std::span<const std::byte> bytes) const noexcept
 
 bool Segment::back_one() noexcept
 {
-    if (backed_ == slots() || ::fallocate(descriptor(), 0, static_cast<off_t>(backed_ * slot_size_), static_cast<off_t>(slot_size_)) != 0)
+    if (backed_ == slots()
+        || ::fallocate(descriptor(), 0, static_cast<off_t>(backed_ * slot_size_), static_cast<off_t>(slot_size_)) != 0)
         return false;
     // Page by page at the first writing it would cost as much as the picture; kernels before 5.14 do that instead.
     ::madvise(at(backed_), slot_size_, MADV_POPULATE_WRITE);

@@ -30,7 +30,10 @@ public:
     [[nodiscard]] std::uint64_t generation(std::uint32_t index) const { return generations_[index]; }
     /// Do these bytes lie in here?
     [[nodiscard]] bool contains(std::span<const std::byte> bytes) const noexcept;
-    [[nodiscard]] std::size_t offset(const std::byte* byte) const noexcept { return static_cast<std::size_t>(byte - base_); }
+    [[nodiscard]] std::size_t offset(const std::byte* byte) const noexcept
+    {
+        return static_cast<std::size_t>(byte - base_);
+    }
 
     /// Gives one more slot its memory; false when there is none.
     bool back_one() noexcept;

@@ -72,8 +72,9 @@ sockaddr_un socket_address(const std::string& path)
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     if (path.empty() || path.size() >= sizeof address.sun_path)
-        throw Error(Errc::invalid_argument, "the path of a unix socket has 1 to " + std::to_string(sizeof address.sun_path - 1)
-                        + " bytes, this one has " + std::to_string(path.size()) + ": " + path);
+        throw Error(Errc::invalid_argument, "the path of a unix socket has 1 to "
+                                                + std::to_string(sizeof address.sun_path - 1) + " bytes, this one has "
+                                                + std::to_string(path.size()) + ": " + path);
     std::memcpy(address.sun_path, path.data(), path.size());
     return address;
 }

@@ -16,8 +16,8 @@ sockaddr_un socket_address(const std::string& path);
 /// Owns the file, not the socket.
 class SocketFile {
 public:
-    /// Binds `descriptor` to the path with mode 0600 and listens. Throws Errc::name_taken when somebody answers there or the file
-    /// is no socket, invalid_argument, not_permitted, io.
+    /// Binds `descriptor` to the path with mode 0600 and listens. Throws Errc::name_taken when somebody answers there
+    /// or the file is no socket, invalid_argument, not_permitted, io.
     static SocketFile bind_and_listen(int descriptor, const Address& address);
 
     SocketFile(SocketFile&& other) noexcept;

@@ -20,8 +20,14 @@ public:
     SocketStream(Socket socket, std::string peer) : socket_(std::move(socket)), peer_(std::move(peer)) {}
 
     // One system call each, with the whole size: asio's composed operations would cut it into slices of 64 KiB.
-    void read_some(asio::mutable_buffer into, Handler handler) override { socket_.async_read_some(into, std::move(handler)); }
-    std::size_t write_now(std::span<const asio::const_buffer> from) override { return transport::write_now(socket_, from); }
+    void read_some(asio::mutable_buffer into, Handler handler) override
+    {
+        socket_.async_read_some(into, std::move(handler));
+    }
+    std::size_t write_now(std::span<const asio::const_buffer> from) override
+    {
+        return transport::write_now(socket_, from);
+    }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
         socket_.async_write_some(from, std::move(handler));

@@ -29,8 +29,9 @@ void tune(int descriptor, const Endpoint& peer)
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, 1);   // seconds
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, 1);  // seconds
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPCNT, 3);
-    // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across a network
-    // the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded: 1 ms of gigabit Ethernet.
+    // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across
+    // a network the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded: 1
+    // ms of gigabit Ethernet.
     if (!is_local(peer))
         return set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, 128 * 1024);
     set_option(descriptor, SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
@@ -67,7 +68,8 @@ Endpoint listening_endpoint(asio::io_context& context, const Address& address)
     std::error_code error;
     if (const auto number = asio::ip::make_address(address.host, error); !error)
         return {number, address.port};
-    const auto found = asio::ip::tcp::resolver(context).resolve(address.host, "", asio::ip::resolver_base::passive, error);
+    const auto found =
+        asio::ip::tcp::resolver(context).resolve(address.host, "", asio::ip::resolver_base::passive, error);
     if (error || found.empty())
         throw Error(Errc::invalid_argument, "cannot listen on " + to_text(address) + ": the name is not known");
     return {found.begin()->endpoint().address(), address.port};
@@ -91,11 +93,12 @@ private:
         std::error_code error;
         if (const auto number = asio::ip::make_address(address_.host, error); !error)
             return try_all({Endpoint(number, address_.port)});
-        lookup_ = std::make_unique<NameLookup>(context_, address_.host, address_.port,
-                                               [weak = weak_from_this()](const NameLookup::Endpoints& found, const std::string& why) {
-                                                   if (const auto self = std::static_pointer_cast<TcpDial>(weak.lock()))
-                                                       self->on_found(found, why);
-                                               });
+        lookup_ = std::make_unique<NameLookup>(
+            context_, address_.host, address_.port,
+            [weak = weak_from_this()](const NameLookup::Endpoints& found, const std::string& why) {
+                if (const auto self = std::static_pointer_cast<TcpDial>(weak.lock()))
+                    self->on_found(found, why);
+            });
     }
     void cancel() noexcept override
     {
@@ -133,7 +136,8 @@ private:
     void on_connected(std::error_code error)
     try {
         // A dial to a free port of this machine may be given that very port as its own, and meet itself.
-        if (!error && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
+        if (!error
+            && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
             error = asio::error::connection_refused;
         if (!error)
             succeed(make_socket_stream(std::move(socket_), text_of(endpoints_[next_ - 1])));
@@ -153,23 +157,27 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection, const Timing& timing)
+std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                     const Timing& timing)
 {
     const auto endpoint = listening_endpoint(context, address);
     const int family = endpoint.protocol().family();
     auto socket = open_socket(context, family);
     const int descriptor = socket.native_handle();
     set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1);  // a port whose old connections linger is free
-    if (::bind(descriptor, reinterpret_cast<const sockaddr*>(endpoint.data()), static_cast<socklen_t>(endpoint.size())) != 0
+    if (::bind(descriptor, reinterpret_cast<const sockaddr*>(endpoint.data()), static_cast<socklen_t>(endpoint.size()))
+            != 0
         || ::listen(descriptor, SOMAXCONN) != 0)
         throw listen_failure(address, errno);
     auto bound = address;
     bound.port = name_of(::getsockname, descriptor).port();
-    auto loop = std::make_shared<AcceptLoop>(context, family, socket.release(), welcome, std::move(on_connection), timing);
+    auto loop =
+        std::make_shared<AcceptLoop>(context, family, socket.release(), welcome, std::move(on_connection), timing);
     return std::make_unique<SocketListener>(std::move(loop), std::move(bound));
 }
 
-void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing)
+void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+              const Timing& timing)
 {
     std::make_shared<TcpDial>(context, address, std::move(on_dialed), timing)->start(deadline);
 }

@@ -28,12 +28,14 @@ const Scheme& scheme_of(const Address& address)
 
 }  // namespace
 
-std::unique_ptr<Listener> listen(asio::io_context& context, const Address& address, OnConnection on_connection, Timing timing)
+std::unique_ptr<Listener> listen(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                 Timing timing)
 {
     return scheme_of(address).listen(context, address, std::move(on_connection), timing);
 }
 
-void dial(asio::io_context& context, const Address& address, std::chrono::milliseconds deadline, OnDialed on_dialed, Timing timing)
+void dial(asio::io_context& context, const Address& address, std::chrono::milliseconds deadline, OnDialed on_dialed,
+          Timing timing)
 {
     scheme_of(address).dial(context, address, deadline, std::move(on_dialed), timing);
 }

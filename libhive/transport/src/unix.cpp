@@ -21,7 +21,7 @@ std::unique_ptr<Stream> stream_to_own_user(Socket socket)
         throw Error(Errc::io, "the peer's user cannot be told: " + os_text(errno));
     if (peer.uid != ::geteuid())
         throw Error(Errc::not_permitted, "the peer runs as user " + std::to_string(peer.uid) + ", this end as user "
-                        + std::to_string(::geteuid()));
+                                             + std::to_string(::geteuid()));
     set_option(socket.native_handle(), SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
     return make_descriptor_stream(std::move(socket), "pid " + std::to_string(peer.pid));
 }
@@ -56,10 +56,11 @@ private:
     void connect()
     try {
         socket_ = open_socket(context_, AF_UNIX);
-        socket_.async_connect({&to_, sizeof to_}, [self = std::static_pointer_cast<UnixDial>(shared_from_this())](std::error_code error) {
-            if (!self->answered())
-                self->on_connected(error);
-        });
+        socket_.async_connect({&to_, sizeof to_},
+                              [self = std::static_pointer_cast<UnixDial>(shared_from_this())](std::error_code error) {
+                                  if (!self->answered())
+                                      self->on_connected(error);
+                              });
     } catch (const Error& error) {
         fail(Errc::unreachable, error.what());
     }
@@ -91,15 +92,18 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection, const Timing& timing)
+std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                      const Timing& timing)
 {
     auto socket = open_socket(context, AF_UNIX);
     auto file = SocketFile::bind_and_listen(socket.native_handle(), address);
-    auto loop = std::make_shared<AcceptLoop>(context, AF_UNIX, socket.release(), stream_to_own_user, std::move(on_connection), timing);
+    auto loop = std::make_shared<AcceptLoop>(context, AF_UNIX, socket.release(), stream_to_own_user,
+                                             std::move(on_connection), timing);
     return std::make_unique<UnixListener>(std::move(loop), address, std::move(file));
 }
 
-void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed, const Timing& timing)
+void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+               const Timing& timing)
 {
     std::make_shared<UnixDial>(context, address, std::move(on_dialed), timing)->start(deadline);
 }

@@ -28,7 +28,8 @@ JpegStructure checked_jpeg(const Body& body, const DecodeLimits& limits)
     const JpegStructure jpeg = jpeg_structure(bytes_of(body), limits.scans);
     check_pixels(jpeg.width, jpeg.height, limits, "JPEG");
     if (std::int64_t{jpeg.width} * jpeg.height * jpeg.scans > limits.pixel_scans)
-        throw Error(Errc::too_large, "JPEG: " + std::to_string(jpeg.scans) + " scans are too many for so large a picture");
+        throw Error(Errc::too_large,
+                    "JPEG: " + std::to_string(jpeg.scans) + " scans are too many for so large a picture");
     return jpeg;
 }
 
@@ -41,7 +42,8 @@ cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
         throw Error(Errc::failed, "the JPEG decoder could not be made");
     cv::Mat picture(jpeg.height, jpeg.width, CV_8UC3);
     if (tjDecompress2(decoder.get(), body.data(), static_cast<unsigned long>(jpeg.size), picture.data, jpeg.width,
-                      static_cast<int>(picture.step), jpeg.height, TJPF_BGR, TJFLAG_STOPONWARNING) != 0)
+                      static_cast<int>(picture.step), jpeg.height, TJPF_BGR, TJFLAG_STOPONWARNING)
+        != 0)
         throw Error(Errc::malformed, std::string("JPEG: ") + tjGetErrorStr2(decoder.get()));
     return upright(picture, jpeg.orientation);
 }
@@ -49,7 +51,8 @@ cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
 /// Reads the first chunk, which must be IHDR (W3C PNG, 11.2.2): the size without decoding.
 cv::Size png_size(const Body& body, const DecodeLimits& limits)
 {
-    constexpr std::array<std::uint8_t, 16> beginning{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n', 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
+    constexpr std::array<std::uint8_t, 16> beginning{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n',
+                                                     0,    0,   0,   13,  'I',  'H',  'D',  'R'};
     const auto bytes = bytes_of(body);
     if (bytes.size() < 33 || !std::ranges::equal(beginning, bytes.first(beginning.size())))
         throw Error(Errc::malformed, "PNG: does not begin with a signature and an image header");
@@ -80,7 +83,8 @@ cv::Mat decode_png(const Body& body, const DecodeLimits& limits)
 
 [[noreturn]] void unknown_type(const std::string& type)
 {
-    throw Error(Errc::unsupported, "pictures of type " + in_quotes(type) + " are not supported; " + image_types + " are");
+    throw Error(Errc::unsupported,
+                "pictures of type " + in_quotes(type) + " are not supported; " + image_types + " are");
 }
 
 /// What is checked before it is decoded must not change in between.
@@ -122,7 +126,8 @@ cv::Mat view(const Event& event, const DecodeLimits& limits)
     if (event.type != "image/raw" && declares("width") && declares("height")) {
         const Fields fields(header, event.type);
         const cv::Size size = size_of(body, event.type, limits);
-        if (std::int64_t{size.width} * size.height > fields.integer("width", 1, 1 << 20) * fields.integer("height", 1, 1 << 20))
+        if (std::int64_t{size.width} * size.height
+            > fields.integer("width", 1, 1 << 20) * fields.integer("height", 1, 1 << 20))
             throw Error(Errc::malformed, "the picture is larger than its header says");
     }
     return picture_of(body, event.type, limits, header);

@@ -20,7 +20,8 @@ struct Encoding {
 
 [[noreturn]] void unknown(const std::string& encoding)
 {
-    throw Error(Errc::invalid_argument, "there is no encoding " + in_quotes(encoding) + "; there is raw, png, jpeg, and jpeg:1 to jpeg:100");
+    throw Error(Errc::invalid_argument,
+                "there is no encoding " + in_quotes(encoding) + "; there is raw, png, jpeg, and jpeg:1 to jpeg:100");
 }
 
 Encoding parse(const std::string& text)
@@ -44,7 +45,8 @@ Body body_of(const cv::Mat& picture, const Encoding& encoding)
 {
     if (encoding.word == "raw")
         return encode_raw(picture);
-    return encoding.word == "png" ? encode_png(picture) : encode_jpeg(picture, encoding.quality.value_or(usual_quality));
+    return encoding.word == "png" ? encode_png(picture)
+                                  : encode_jpeg(picture, encoding.quality.value_or(usual_quality));
 }
 
 Event encode(const Event& event, const std::string& text)
@@ -59,7 +61,8 @@ Event encode(const Event& event, const std::string& text)
     result.size = result.body.size();
     for (const char* field : {"pixel_format", "stride"})
         result.header.erase(field);
-    result.header.update(encoding.word == "raw" ? raw_header(picture) : Json{{"width", picture.cols}, {"height", picture.rows}});
+    result.header.update(encoding.word == "raw" ? raw_header(picture)
+                                                : Json{{"width", picture.cols}, {"height", picture.rows}});
     return result;
 }
 
@@ -67,7 +70,9 @@ Event encode(const Event& event, const std::string& text)
 
 Encoder encoder()
 {
-    return {.encodings = {"jpeg", "png", "raw"}, .type = [](const std::string& text) { return parse(text).type(); }, .encode = encode};
+    return {.encodings = {"jpeg", "png", "raw"},
+            .type = [](const std::string& text) { return parse(text).type(); },
+            .encode = encode};
 }
 
 }  // namespace hive::vision

@@ -30,7 +30,8 @@ struct Tiff {
 int exif_orientation(std::span<const std::uint8_t> app1) noexcept
 {
     constexpr std::string_view mark{"Exif\0\0", 6};
-    if (app1.size() < mark.size() + 8 || !std::ranges::equal(mark, app1.first(mark.size()), {}, [](char c) { return std::uint8_t(c); }))
+    if (app1.size() < mark.size() + 8
+        || !std::ranges::equal(mark, app1.first(mark.size()), {}, [](char c) { return std::uint8_t(c); }))
         return 1;
     const auto inside = app1.subspan(mark.size());
     const Tiff tiff{inside, inside[0] == 'M'};
@@ -53,9 +54,12 @@ cv::Mat upright(const cv::Mat& picture, int orientation)
     if (lies_on_its_side(orientation))
         cv::transpose(picture, turned);
     switch (orientation) {
-    case 2: case 6: cv::flip(turned, turned, horizontal); break;
-    case 3: case 7: cv::flip(turned, turned, both); break;
-    case 4: case 8: cv::flip(turned, turned, vertical); break;
+    case 2:
+    case 6: cv::flip(turned, turned, horizontal); break;
+    case 3:
+    case 7: cv::flip(turned, turned, both); break;
+    case 4:
+    case 8: cv::flip(turned, turned, vertical); break;
     default: break;
     }
     return turned;

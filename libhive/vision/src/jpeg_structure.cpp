@@ -15,8 +15,19 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 enum Marker : std::uint8_t {
-    first_sof = 0xC0, last_sof = 0xCF, dht = 0xC4, jpg = 0xC8, dac = 0xCC, first_restart = 0xD0, last_restart = 0xD7,
-    soi = 0xD8, eoi = 0xD9, sos = 0xDA, app1 = 0xE1, stuffed = 0x00, temporary = 0x01
+    first_sof = 0xC0,
+    last_sof = 0xCF,
+    dht = 0xC4,
+    jpg = 0xC8,
+    dac = 0xCC,
+    first_restart = 0xD0,
+    last_restart = 0xD7,
+    soi = 0xD8,
+    eoi = 0xD9,
+    sos = 0xDA,
+    app1 = 0xE1,
+    stuffed = 0x00,
+    temporary = 0x01
 };
 
 [[noreturn]] void malformed(const std::string& text) { throw Error(Errc::malformed, "JPEG: " + text); }
@@ -26,7 +37,10 @@ bool is_frame(std::uint8_t marker)
     return marker >= first_sof && marker <= last_sof && marker != dht && marker != jpg && marker != dac;
 }
 
-bool stands_alone(std::uint8_t marker) { return (marker >= first_restart && marker <= last_restart) || marker == temporary; }
+bool stands_alone(std::uint8_t marker)
+{
+    return (marker >= first_restart && marker <= last_restart) || marker == temporary;
+}
 
 class Walk {
 public:
@@ -37,7 +51,8 @@ public:
         if (bytes_.size() < 4 || bytes_[0] != 0xFF || bytes_[1] != soi)
             malformed("does not begin with a start-of-image marker");
         position_ = 2;
-        while (segment(marker())) {}
+        while (segment(marker())) {
+        }
         if (found_.scans == 0)
             malformed("has no scan");
         for (std::size_t i = 0; i < components_.size() / 3; ++i)
@@ -101,7 +116,8 @@ private:
         if (inside.size() < 6)
             malformed("its frame header is too short");
         if (marker > 0xC2)
-            throw Error(Errc::unsupported, "JPEG: only baseline, extended and progressive Huffman coding are supported");
+            throw Error(Errc::unsupported,
+                        "JPEG: only baseline, extended and progressive Huffman coding are supported");
         if (inside[0] != 8 || (inside[5] != 1 && inside[5] != 3))
             throw Error(Errc::unsupported, "JPEG: only 8 bit grey and colour pictures are supported");
         found_.height = inside[1] << 8 | inside[2];

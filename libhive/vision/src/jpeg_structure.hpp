@@ -10,8 +10,8 @@ namespace hive::vision {
 struct JpegStructure {
     int width = 0, height = 0;  ///< as coded, before EXIF turns it
     int scans = 0;
-    int orientation = 1;  ///< of EXIF, 1 to 8; 1 is upright
-    std::size_t size = 0; ///< bytes up to and including the end-of-image marker
+    int orientation = 1;   ///< of EXIF, 1 to 8; 1 is upright
+    std::size_t size = 0;  ///< bytes up to and including the end-of-image marker
 };
 
 /// Walks the markers from start to end of image. Throws Errc::malformed when they do not fit together or the end is

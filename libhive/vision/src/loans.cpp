@@ -46,8 +46,8 @@ Loan LoanAllocator::lend(std::size_t bytes) const
     return lend_(bytes);
 }
 
-cv::UMatData* LoanAllocator::allocate(int dims, const int* sizes, int type, void* data, std::size_t* step, cv::AccessFlag flags,
-                                      cv::UMatUsageFlags usage) const
+cv::UMatData* LoanAllocator::allocate(int dims, const int* sizes, int type, void* data, std::size_t* step,
+                                      cv::AccessFlag flags, cv::UMatUsageFlags usage) const
 {
     if (data)  // the pixels are there already
         return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);

@@ -28,16 +28,20 @@ Layout layout(const Body& body, const Json& header, const DecodeLimits& limits)
     const std::int64_t height = fields.integer("height", 1, longest_side);
     const std::int64_t stride = fields.integer_or("stride", width * channels, longest_row, width * channels);
     if (width * height > limits.pixels)
-        throw Error(Errc::too_large, "image/raw: " + std::to_string(width) + "x" + std::to_string(height) + " pixels are too many");
+        throw Error(Errc::too_large,
+                    "image/raw: " + std::to_string(width) + "x" + std::to_string(height) + " pixels are too many");
     if (static_cast<std::uint64_t>(stride * height) != body.size())
-        throw Error(Errc::malformed, "image/raw: the header asks for " + std::to_string(stride * height) + " bytes, the body has "
-                                         + std::to_string(body.size()));
+        throw Error(Errc::malformed, "image/raw: the header asks for " + std::to_string(stride * height)
+                                         + " bytes, the body has " + std::to_string(body.size()));
     return {static_cast<int>(width), static_cast<int>(height), channels, stride};
 }
 
 Json raw_fields(cv::Size size, int channels)
 {
-    return {{"width", size.width}, {"height", size.height}, {"pixel_format", channels == 3 ? "bgr8" : "gray8"}, {"stride", size.width * channels}};
+    return {{"width", size.width},
+            {"height", size.height},
+            {"pixel_format", channels == 3 ? "bgr8" : "gray8"},
+            {"stride", size.width * channels}};
 }
 
 }  // namespace
@@ -45,7 +49,8 @@ Json raw_fields(cv::Size size, int channels)
 cv::Mat raw_view(const Body& body, const Json& header, const DecodeLimits& limits)
 {
     const Layout raw = layout(body, header, limits);
-    auto* pixels = const_cast<unsigned char*>(body.data());  // cv::Mat knows no const pixels; the promise is in the header
+    auto* pixels =
+        const_cast<unsigned char*>(body.data());  // cv::Mat knows no const pixels; the promise is in the header
     return {raw.height, raw.width, CV_8UC(raw.channels), pixels, static_cast<std::size_t>(raw.stride)};
 }
 

@@ -16,7 +16,8 @@ public:
         const std::size_t components = header.empty() ? 0 : header[0];
         if (components < 1 || components > 4 || header.size() != 4 + 2 * components)
             return false;
-        const unsigned first = progressive ? header[1 + 2 * components] : 0, last = progressive ? header[2 + 2 * components] : 63;
+        const unsigned first = progressive ? header[1 + 2 * components] : 0,
+                       last = progressive ? header[2 + 2 * components] : 63;
         const unsigned low = progressive ? header[3 + 2 * components] & 15U : 0;
         if (first > last || last > 63)
             return false;

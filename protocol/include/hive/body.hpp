@@ -1,4 +1,5 @@
-// The binary part of an event: immutable bytes with one owner shared by everyone who holds them, and the buffer they begin as.
+// The binary part of an event: immutable bytes with one owner shared by everyone who holds them, and the buffer they
+// begin as.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,7 @@ public:
     Body(std::vector<unsigned char> bytes);  // NOLINT: a vector is a body
     Body(std::string bytes);                 // NOLINT: a string is a body
     /// A view of memory that `owner` keeps alive and unchanged.
-    Body(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
-        : owner_(std::move(owner)), bytes_(bytes)
+    Body(std::span<const std::byte> bytes, std::shared_ptr<const void> owner) : owner_(std::move(owner)), bytes_(bytes)
     {
     }
     ~Body() = default;
@@ -27,7 +27,9 @@ public:
     Body& operator=(const Body&) = default;
     /// What was moved from is empty: it must not show bytes that it no longer keeps alive.
     Body(Body&& other) noexcept
-        : owner_(std::move(other.owner_)), bytes_(std::exchange(other.bytes_, {})), foreign_(std::exchange(other.foreign_, false))
+        : owner_(std::move(other.owner_)),
+          bytes_(std::exchange(other.bytes_, {})),
+          foreign_(std::exchange(other.foreign_, false))
     {
     }
     Body& operator=(Body&& other) noexcept
@@ -45,8 +47,8 @@ public:
     }
     [[nodiscard]] std::size_t size() const noexcept { return bytes_.size(); }
     [[nodiscard]] bool empty() const noexcept { return bytes_.empty(); }
-    /// The bytes lie in memory of the process that made them, which a broken or hostile one could still change: who checks
-    /// bytes before using them (a decoder) copies them first.
+    /// The bytes lie in memory of the process that made them, which a broken or hostile one could still change: who
+    /// checks bytes before using them (a decoder) copies them first.
     [[nodiscard]] bool foreign() const noexcept { return foreign_; }
     /// A view of memory of another process.
     static Body in_foreign_memory(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
@@ -62,8 +64,8 @@ private:
     bool foreign_ = false;
 };
 
-/// A buffer to be filled in place and then emitted as a Body. Asked of an Output (or a Drone), it lies in memory that receivers
-/// on the same machine map, so that what is written into it is copied nowhere. For one thread at a time.
+/// A buffer to be filled in place and then emitted as a Body. Asked of an Output (or a Drone), it lies in memory that
+/// receivers on the same machine map, so that what is written into it is copied nowhere. For one thread at a time.
 class Loan {
 public:
     /// @param owner  keeps the memory while the loan, and then its body, is held

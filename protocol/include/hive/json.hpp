@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 struct JsonLimits {
     std::size_t bytes = 64 * 1024;
     std::size_t depth = 16;
-    std::size_t keys = 256;              ///< in one object
+    std::size_t keys = 256;  ///< in one object
     std::size_t string_bytes = 16 * 1024;
 };
 
@@ -52,7 +52,8 @@ public:
     [[nodiscard]] std::string name_or(const char* key, std::string fallback) const;
     /// A whole number in [low, high].
     [[nodiscard]] std::int64_t integer(const char* key, std::int64_t low, std::int64_t high) const;
-    [[nodiscard]] std::int64_t integer_or(const char* key, std::int64_t low, std::int64_t high, std::int64_t fallback) const;
+    [[nodiscard]] std::int64_t integer_or(const char* key, std::int64_t low, std::int64_t high,
+                                          std::int64_t fallback) const;
     [[nodiscard]] bool flag_or(const char* key, bool fallback) const;
     [[nodiscard]] const Json& object(const char* key) const;
     [[nodiscard]] const Json& array(const char* key) const;

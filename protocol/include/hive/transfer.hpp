@@ -33,9 +33,9 @@ Enum from_token(std::string_view text, std::string_view what);
 struct ConnectionOptions {
     Transfer transfer = Transfer::synchronized;
     Delivery delivery = Delivery::data;
-    int window = 1;             ///< requests outstanding at once, 1 to 64; streaming has no window
-    std::string group = {};     ///< not empty: the receivers of this group share the events, one each
-    bool first_frame = false;   ///< begin with the newest event that already exists; not in a group
+    int window = 1;            ///< requests outstanding at once, 1 to 64; streaming has no window
+    std::string group = {};    ///< not empty: the receivers of this group share the events, one each
+    bool first_frame = false;  ///< begin with the newest event that already exists; not in a group
     /// How long a member of a group may work on one event before another gets it. Empty: 30 s until the source knows
     /// how long the work takes, then four times that, at least 2 s.
     std::optional<std::chrono::milliseconds> lease = {};
@@ -50,8 +50,8 @@ Json to_json(const ConnectionOptions& options);
 /// Reads what to_json wrote; absent fields have their defaults. Throws Errc::malformed.
 ConnectionOptions connection_options(const Json& object);
 
-/// Is it written as an encoding: a word, with a number if wanted ("raw", "jpeg:80")? Which there are, and what their numbers
-/// mean, each output knows itself. A word without a number stands for every body of its type.
+/// Is it written as an encoding: a word, with a number if wanted ("raw", "jpeg:80")? Which there are, and what their
+/// numbers mean, each output knows itself. A word without a number stands for every body of its type.
 bool is_encoding(std::string_view text);
 
 /// Do the types that an output emits and those that an input accepts overlap? Each is a comma-separated list of media

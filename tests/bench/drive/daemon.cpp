@@ -18,7 +18,10 @@ std::string user_name()
 }
 
 /// What iceoryx makes: its management segment, and the payload, called after the user.
-bool of_iceoryx(const fs::path& file) { return file.filename().string().starts_with("iceoryx") || file.filename() == user_name(); }
+bool of_iceoryx(const fs::path& file)
+{
+    return file.filename().string().starts_with("iceoryx") || file.filename() == user_name();
+}
 
 }  // namespace
 
@@ -26,8 +29,11 @@ Daemon::Daemon(const fs::path& programs) : log_("/tmp/hive-bench-roudi-" + std::
 {
     if (!fs::exists(roudi) || !fs::exists(programs / "bench_iceoryx"))
         return;
-    process_.emplace(std::vector<std::string>{roudi, "-c", HIVE_BENCH_ROUDI, "-m", "off"}, std::vector<std::string>{}, log_);
-    const bool ready = test::eventually([&] { return process_->wait(test::Milliseconds(0)) || test::text_of(log_).find("ready") != std::string::npos; });
+    process_.emplace(std::vector<std::string>{roudi, "-c", HIVE_BENCH_ROUDI, "-m", "off"}, std::vector<std::string>{},
+                     log_);
+    const bool ready = test::eventually([&] {
+        return process_->wait(test::Milliseconds(0)) || test::text_of(log_).find("ready") != std::string::npos;
+    });
     if (ready && !process_->wait(test::Milliseconds(0)))
         return;
     std::cerr << "without iceoryx: iox-roudi does not run:\n" << test::text_of(log_);
@@ -38,7 +44,8 @@ Daemon::~Daemon()
 {
     std::error_code ignored;
     if (process_) {
-        // Not by SIGTERM: it would pass that on to the ids of clients that ended badly, and the kernel may have given those to others.
+        // Not by SIGTERM: it would pass that on to the ids of clients that ended badly, and the kernel may have given
+        // those to others.
         process_->kill();
         for (const auto& entry : fs::directory_iterator("/dev/shm"))
             if (of_iceoryx(entry.path()))

@@ -1,5 +1,5 @@
-// iox-roudi for the iceoryx row: started when both are there, ended by its id, its shared memory removed. There can be only
-// one on a machine: where another runs already, ours does not start and the row is left out.
+// iox-roudi for the iceoryx row: started when both are there, ended by its id, its shared memory removed. There can be
+// only one on a machine: where another runs already, ours does not start and the row is left out.
 #pragma once
 
 #include "process.hpp"

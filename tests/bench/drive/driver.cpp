@@ -21,7 +21,11 @@ constexpr Nanoseconds quiet_for = 250 * millisecond, wait_for_quiet = 750 * mill
 class Driving {
 public:
     explicit Driving(const DriveOptions& options)
-        : options_(options), only_(options.only), column_(options.column), daemon_(programs()), out_(options.out),
+        : options_(options),
+          only_(options.only),
+          column_(options.column),
+          daemon_(programs()),
+          out_(options.out),
           end_(now_ns() + nanoseconds_of(options.budget))
     {
         if (!out_)
@@ -35,7 +39,8 @@ public:
             for (const auto& column : columns())
                 if (std::regex_search(column.name, column_))
                     run_column(column);
-            std::fprintf(stderr, "round %d: %d runs, %d of them repeated, %.0f s\n", round_, runs_, repeated_, seconds_of(now_ns() - begin));
+            std::fprintf(stderr, "round %d: %d runs, %d of them repeated, %.0f s\n", round_, runs_, repeated_,
+                         seconds_of(now_ns() - begin));
         }
         if (runs_ == 0)
             throw std::runtime_error("no row and column fits");
@@ -55,7 +60,8 @@ private:
         for (int lap = 0; lap < options_.laps; ++lap) {
             for (const auto& row : column.pairs)
                 run_row(row, column);
-            for (auto i = static_cast<std::size_t>(lap); i < column.once.size(); i += static_cast<std::size_t>(options_.laps))
+            for (auto i = static_cast<std::size_t>(lap); i < column.once.size();
+                 i += static_cast<std::size_t>(options_.laps))
                 run_row(column.once[i], column);
         }
     }
@@ -81,10 +87,14 @@ private:
         run.frames = options_.frames;
         run.seconds = options_.seconds;
         run.patience = patience;
-        const auto badness = [](const Json& outcome) { return (outcome.value("ok", false) ? 0.0 : 1000.0) + outcome.value("foreign", 999.0); };
+        const auto badness = [](const Json& outcome) {
+            return (outcome.value("ok", false) ? 0.0 : 1000.0) + outcome.value("foreign", 999.0);
+        };
         Json best = execute(run).value_or(Json::object());
         const auto begin = now_ns();
-        for (int i = 0; i < most_repetitions && badness(best) > most_foreign && repeating_ < repetitions_have * options_.budget; ++i) {
+        for (int i = 0;
+             i < most_repetitions && badness(best) > most_foreign && repeating_ < repetitions_have * options_.budget;
+             ++i) {
             await_quiet();
             ++repeated_;
             Json again = execute(run).value_or(Json::object());

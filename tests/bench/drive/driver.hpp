@@ -12,10 +12,10 @@ struct DriveOptions {
     std::string only = ".*";    ///< rows: a regular expression that fits a part of "raw_shm/copy"
     std::string column = ".*";  ///< columns
     int rounds = 3;
-    int laps = 3;               ///< pairs of Hive and limit in each round
-    double budget = 450;        ///< seconds; what is not run by then is left out
-    int frames = 30;            ///< of each latency run
-    double seconds = 0.2;       ///< of each other run
+    int laps = 3;          ///< pairs of Hive and limit in each round
+    double budget = 450;   ///< seconds; what is not run by then is left out
+    int frames = 30;       ///< of each latency run
+    double seconds = 0.2;  ///< of each other run
 };
 
 /// Throws std::runtime_error when nothing fits or the file cannot be written.

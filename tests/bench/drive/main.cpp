@@ -20,11 +20,21 @@ CLI::App* add_run(CLI::App& app, DriveOptions& options)
     run->add_option("--out", options.out, "where the JSON goes; an older file is replaced")->capture_default_str();
     run->add_option("--only", options.only, "rows: a regular expression, as in 'local|raw_shm'")->capture_default_str();
     run->add_option("--column", options.column, "columns: a regular expression, as in lat64")->capture_default_str();
-    run->add_option("--rounds", options.rounds, "rounds of everything")->check(CLI::PositiveNumber)->capture_default_str();
-    run->add_option("--laps", options.laps, "pairs of Hive and limit in each round")->check(CLI::PositiveNumber)->capture_default_str();
-    run->add_option("--budget", options.budget, "seconds; what is not run by then is left out")->check(CLI::PositiveNumber)->capture_default_str();
-    run->add_option("--frames", options.frames, "of each latency run")->check(CLI::Range(2, 10000))->capture_default_str();
-    run->add_option("--seconds", options.seconds, "of each other run")->check(CLI::PositiveNumber)->capture_default_str();
+    run->add_option("--rounds", options.rounds, "rounds of everything")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    run->add_option("--laps", options.laps, "pairs of Hive and limit in each round")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    run->add_option("--budget", options.budget, "seconds; what is not run by then is left out")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    run->add_option("--frames", options.frames, "of each latency run")
+        ->check(CLI::Range(2, 10000))
+        ->capture_default_str();
+    run->add_option("--seconds", options.seconds, "of each other run")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
     return run;
 }
 

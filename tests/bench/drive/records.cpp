@@ -74,13 +74,15 @@ std::optional<Figure> Records::p99(const Row& row, const std::string& column) co
     return Figure{percentile(samples, 0.99), selection.runs.size(), selection.disturbed};
 }
 
-std::optional<Figure> Records::ratio(const Row& row, const Row& limit, const std::string& column, const std::string& key) const
+std::optional<Figure> Records::ratio(const Row& row, const Row& limit, const std::string& column,
+                                     const std::string& key) const
 {
     const auto mine = select(row, column, key), theirs = select(limit, column, key);
     std::vector<double> ratios;
     for (const auto* run : mine.runs) {
         const auto distance = [&](const Json* other) { return std::abs(number(*other, "at") - number(*run, "at")); };
-        const auto nearest = std::min_element(theirs.runs.begin(), theirs.runs.end(), [&](auto* a, auto* b) { return distance(a) < distance(b); });
+        const auto nearest = std::min_element(theirs.runs.begin(), theirs.runs.end(),
+                                              [&](auto* a, auto* b) { return distance(a) < distance(b); });
         if (nearest != theirs.runs.end() && number(**nearest, key) > 0)
             ratios.push_back(number(*run, key) / number(**nearest, key));
     }
@@ -91,7 +93,9 @@ std::optional<Figure> Records::ratio(const Row& row, const Row& limit, const std
 
 bool Records::has(const Row& row, const std::string& column) const
 {
-    return std::any_of(runs_.begin(), runs_.end(), [&](const Json& run) { return (row.empty() || run.at("row") == row) && run.at("column") == column; });
+    return std::any_of(runs_.begin(), runs_.end(), [&](const Json& run) {
+        return (row.empty() || run.at("row") == row) && run.at("column") == column;
+    });
 }
 
 std::vector<const Json*> Records::failed() const

@@ -28,7 +28,8 @@ public:
     /// Over the samples of all runs, where there are samples; otherwise the median of the runs' own.
     [[nodiscard]] std::optional<Figure> p99(const Row& row, const std::string& column) const;
     /// Each run against the run of `limit` that is nearest in time: the median of the quotients.
-    [[nodiscard]] std::optional<Figure> ratio(const Row& row, const Row& limit, const std::string& column, const std::string& key) const;
+    [[nodiscard]] std::optional<Figure> ratio(const Row& row, const Row& limit, const std::string& column,
+                                              const std::string& key) const;
     /// Is there a run of this row (empty: of any) in this column?
     [[nodiscard]] bool has(const Row& row, const std::string& column) const;
 

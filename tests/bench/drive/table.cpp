@@ -57,10 +57,17 @@ std::string text_of(const std::optional<Figure>& figure)
     if (!figure)
         return "-";
     const double value = figure->value;
-    return (value >= 1000 ? with_thousands(value) : with_digits(value, value >= 100 ? 0 : value >= 10 ? 1 : 2)) + mark(*figure);
+    return (value >= 1000 ? with_thousands(value)
+                          : with_digits(value, value >= 100  ? 0
+                                               : value >= 10 ? 1
+                                                             : 2))
+           + mark(*figure);
 }
 
-std::string ratio_text(const std::optional<Figure>& figure) { return figure ? with_digits(figure->value, 2) + mark(*figure) : "-"; }
+std::string ratio_text(const std::optional<Figure>& figure)
+{
+    return figure ? with_digits(figure->value, 2) + mark(*figure) : "-";
+}
 
 std::string pair_text(const std::optional<Figure>& p50, const std::optional<Figure>& p99)
 {

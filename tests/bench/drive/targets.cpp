@@ -79,7 +79,8 @@ std::vector<Target> round_trip_targets()
         {"sync 100 KB, TCP", "hive/tcp", "raw_sock/tcp", "sync100K", "per_second", at_least, 0.9},
         {"sync 100 KB, TCP", "hive/tcp", "zmq/tcp", "sync100K", "per_second", at_least, 1.5},
         {"sync 100 KB, TCP", "hive/tcp", "nng/tcp", "sync100K", "per_second", at_least, 2.0},
-        {"sync 100 KB, TCP, prefetch", "hive/tcp", "raw_sock/tcp-prefetch-b256", "prefetch100K", "per_second", at_least, 0.8},
+        {"sync 100 KB, TCP, prefetch", "hive/tcp", "raw_sock/tcp-prefetch-b256", "prefetch100K", "per_second", at_least,
+         0.8},
         {"sync 6.22 MB, TCP", "hive/tcp", "raw_sock/tcp-direct-b256", "sync6.2M", "per_second", at_least, 0.88},
         {"sync 6.22 MB, TCP", "hive/tcp", "asio/tcp", "sync6.2M", "per_second", at_least, 1.5},
         {"sync 6.22 MB, shared memory", "hive/local", "raw_shm/copy", "sync6.2M", "per_second", at_least, 0.9},
@@ -90,7 +91,8 @@ std::optional<Figure> quotient(const std::optional<Figure>& above, const std::op
 {
     if (!above || !below || below->value <= 0)
         return std::nullopt;
-    return Figure{above->value / below->value, std::min(above->runs, below->runs), above->disturbed || below->disturbed};
+    return Figure{above->value / below->value, std::min(above->runs, below->runs),
+                  above->disturbed || below->disturbed};
 }
 
 std::optional<Figure> measured(const Records& records, const Target& target)
@@ -102,19 +104,26 @@ std::optional<Figure> measured(const Records& records, const Target& target)
     return records.ratio(target.row, target.against, target.column, target.key);
 }
 
-Cells line(const std::string& what, const std::string& rows, const std::optional<Figure>& figure, Bound bound, double value)
+Cells line(const std::string& what, const std::string& rows, const std::optional<Figure>& figure, Bound bound,
+           double value)
 {
     char wanted[32];
     std::snprintf(wanted, sizeof wanted, "%s %.2f", bound == at_most ? "<=" : ">=", value);
     if (!figure)
         return {what, rows, wanted, "-", "-", "not measured"};
     const bool met = bound == at_most ? figure->value <= value : figure->value >= value;
-    return {what, rows, wanted, ratio_text(figure), std::to_string(figure->runs), std::string(met ? "met" : "missed") + (figure->disturbed ? "*" : "")};
+    return {what,
+            rows,
+            wanted,
+            ratio_text(figure),
+            std::to_string(figure->runs),
+            std::string(met ? "met" : "missed") + (figure->disturbed ? "*" : "")};
 }
 
 Cells line(const Target& target, const std::optional<Figure>& figure)
 {
-    return line(target.what, target.row + (target.against.empty() ? "" : " / " + target.against), figure, target.bound, target.value);
+    return line(target.what, target.row + (target.against.empty() ? "" : " / " + target.against), figure, target.bound,
+                target.value);
 }
 
 void add_worker_targets(const Json& workers, std::vector<Cells>& lines)
@@ -123,8 +132,10 @@ void add_worker_targets(const Json& workers, std::vector<Cells>& lines)
         return;
     const auto runs = workers.at("rounds").get<std::size_t>();
     const auto figure = [&](const Json& value) { return Figure{value.get<double>(), runs}; };
-    lines.push_back(line("one face worker", "Hive / bare OpenCV", figure(workers.at("hive_to_bare").at(0)), at_least, 0.97));
-    lines.push_back(line("two face workers", "Hive / bare OpenCV", figure(workers.at("hive_to_bare").at(1)), at_least, 0.97));
+    lines.push_back(
+        line("one face worker", "Hive / bare OpenCV", figure(workers.at("hive_to_bare").at(0)), at_least, 0.97));
+    lines.push_back(
+        line("two face workers", "Hive / bare OpenCV", figure(workers.at("hive_to_bare").at(1)), at_least, 0.97));
     lines.push_back(line("two face workers: gain", "two / one", figure(workers.at("gain")), at_least, 1.9));
 }
 

@@ -17,13 +17,13 @@ constexpr std::uint32_t most_samples = 1u << 16;
 
 /// What one receiver (subscriber or client) has measured. Written by it alone.
 struct alignas(64) Received {
-    std::atomic<bool> ready{false};           ///< a probe came
-    std::atomic<bool> done{false};            ///< the end came, usage is final
-    std::atomic<std::uint64_t> consumed{0};   ///< sequence after the last frame that was dealt with
-    std::uint64_t frames = 0;                 ///< measured ones
-    std::uint64_t bad = 0;                    ///< corrupt, of the wrong size, or out of order
-    Nanoseconds first = 0, last = 0;          ///< when those were dealt with
-    Usage usage;                              ///< between them
+    std::atomic<bool> ready{false};          ///< a probe came
+    std::atomic<bool> done{false};           ///< the end came, usage is final
+    std::atomic<std::uint64_t> consumed{0};  ///< sequence after the last frame that was dealt with
+    std::uint64_t frames = 0;                ///< measured ones
+    std::uint64_t bad = 0;                   ///< corrupt, of the wrong size, or out of order
+    Nanoseconds first = 0, last = 0;         ///< when those were dealt with
+    Usage usage;                             ///< between them
     std::uint32_t samples = 0;
     std::array<float, most_samples> available;  ///< µs until the frame could be read
     std::array<float, most_samples> touched;    ///< µs until every line was read; of a round trip: all of it
@@ -31,7 +31,7 @@ struct alignas(64) Received {
 
 struct Board {
     std::array<Received, most_subscribers> received;
-    Word bell{0};                       ///< rung by receivers while the publisher waits
+    Word bell{0};                        ///< rung by receivers while the publisher waits
     std::atomic<bool> listening{false};  ///< the publisher waits
     std::atomic<bool> serving{false};    ///< the server is there
     std::atomic<bool> finished{false};   ///< results are complete

@@ -29,6 +29,9 @@ inline void sleep_until(Nanoseconds when)
 inline void sleep_for(Nanoseconds time) { sleep_until(now_ns() + time); }
 
 inline double seconds_of(Nanoseconds time) { return static_cast<double>(time) / static_cast<double>(second); }
-inline Nanoseconds nanoseconds_of(double seconds) { return static_cast<Nanoseconds>(seconds * static_cast<double>(second)); }
+inline Nanoseconds nanoseconds_of(double seconds)
+{
+    return static_cast<Nanoseconds>(seconds * static_cast<double>(second));
+}
 
 }  // namespace hive::bench

@@ -56,7 +56,8 @@ public:
         for (auto& other : others_)
             well = other.wait(stragglers_have) == 0 && well;
         if (!well)
-            std::cerr << "bench_" << run_.program << " " << run_.variant << " " << to_text(run_.test) << " failed\n" << test::text_of(log_);
+            std::cerr << "bench_" << run_.program << " " << run_.variant << " " << to_text(run_.test) << " failed\n"
+                      << test::text_of(log_);
         return well;
     }
 

@@ -10,7 +10,10 @@ namespace {
 
 constexpr std::size_t line = 64;
 
-std::uint32_t at(std::span<const std::byte> frame, std::size_t index) { return std::to_integer<std::uint32_t>(frame[index]); }
+std::uint32_t at(std::span<const std::byte> frame, std::size_t index)
+{
+    return std::to_integer<std::uint32_t>(frame[index]);
+}
 
 }  // namespace
 

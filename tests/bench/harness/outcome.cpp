@@ -36,7 +36,8 @@ void add(Sum& sum, const Received& received, std::uint64_t sent, bool round_trip
     sum.usage.cpu += received.usage.cpu;
     sum.usage.voluntary_switches += received.usage.voluntary_switches;
     sum.usage.page_faults += received.usage.page_faults;
-    sum.available.insert(sum.available.end(), received.available.begin(), received.available.begin() + received.samples);
+    sum.available.insert(sum.available.end(), received.available.begin(),
+                         received.available.begin() + received.samples);
     sum.touched.insert(sum.touched.end(), received.touched.begin(), received.touched.begin() + received.samples);
     const double rate = rate_of(received, round_trips);
     sum.rate = sum.rate == 0 ? rate : std::min(sum.rate, rate);
@@ -44,8 +45,8 @@ void add(Sum& sum, const Received& received, std::uint64_t sent, bool round_trip
 
 Json identity(const Run& run)
 {
-    return {{"program", run.program}, {"variant", run.variant}, {"test", to_text(run.test)}, {"size", run.size},
-            {"subscribers", run.subscribers}, {"window", run.window}, {"busy", run.busy}};
+    return {{"program", run.program},         {"variant", run.variant}, {"test", to_text(run.test)}, {"size", run.size},
+            {"subscribers", run.subscribers}, {"window", run.window},   {"busy", run.busy}};
 }
 
 }  // namespace
@@ -59,19 +60,25 @@ Json outcome_of(const Run& run, const Board& board, bool complete)
     Json json = identity(run);
     const bool any = sum.least > 0 && !sum.touched.empty();
     json["ok"] = complete && board.finished && any && sum.bad == 0 && sum.lost == 0 && board.stalls == 0;
-    json.update({{"sent", board.sent}, {"received", sum.frames}, {"lost", sum.lost}, {"bad", sum.bad}, {"stalls", board.stalls}});
+    json.update({{"sent", board.sent},
+                 {"received", sum.frames},
+                 {"lost", sum.lost},
+                 {"bad", sum.bad},
+                 {"stalls", board.stalls}});
     if (!any)
         return json;
     const double thousand = 1000.0 / static_cast<double>(sum.least), one = 1.0 / static_cast<double>(sum.least);
-    json.update({{"per_second", rounded(sum.rate, 100)},
-                 {"gigabytes_per_second", rounded(sum.rate * static_cast<double>(run.size) * 1e-9, 1e4)},
-                 {"publisher_cpu", rounded(board.usage.cpu * thousand, 1e4)},
-                 {"cpu", rounded((board.usage.cpu + sum.usage.cpu) * thousand, 1e4)},
-                 {"switches", rounded(static_cast<double>(board.usage.voluntary_switches + sum.usage.voluntary_switches) * one, 100)},
-                 {"faults", rounded(static_cast<double>(board.usage.page_faults + sum.usage.page_faults) * one, 100)},
-                 {"available_p50", rounded(median(sum.available), 100)},
-                 {"p50", rounded(median(sum.touched), 100)},
-                 {"p99", rounded(percentile(sum.touched, 0.99), 100)}});
+    json.update(
+        {{"per_second", rounded(sum.rate, 100)},
+         {"gigabytes_per_second", rounded(sum.rate * static_cast<double>(run.size) * 1e-9, 1e4)},
+         {"publisher_cpu", rounded(board.usage.cpu * thousand, 1e4)},
+         {"cpu", rounded((board.usage.cpu + sum.usage.cpu) * thousand, 1e4)},
+         {"switches",
+          rounded(static_cast<double>(board.usage.voluntary_switches + sum.usage.voluntary_switches) * one, 100)},
+         {"faults", rounded(static_cast<double>(board.usage.page_faults + sum.usage.page_faults) * one, 100)},
+         {"available_p50", rounded(median(sum.available), 100)},
+         {"p50", rounded(median(sum.touched), 100)},
+         {"p99", rounded(percentile(sum.touched, 0.99), 100)}});
     if (run.test == Test::latency) {
         json["samples"] = Json::array();
         for (const double sample : sum.touched)

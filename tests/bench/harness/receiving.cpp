@@ -9,7 +9,10 @@ float micros(Nanoseconds time) { return static_cast<float>(time) * 1e-3f; }
 }  // namespace
 
 Receiving::Receiving(const Run& run, Board& board)
-    : intervals_(run.test == Test::sync), check_(run.size), board_(board), mine_(board.received[static_cast<std::size_t>(run.index)])
+    : intervals_(run.test == Test::sync),
+      check_(run.size),
+      board_(board),
+      mine_(board.received[static_cast<std::size_t>(run.index)])
 {
 }
 

@@ -46,7 +46,10 @@ void play_server(const Transport& transport, const Run& run, Board& board)
 /// Round trips of a client, one after the other.
 class Asking {
 public:
-    Asking(const Transport& transport, const Run& run, Board& board) : check_(run.size), client_(transport.client(run)), mine_(board.received[0]) {}
+    Asking(const Transport& transport, const Run& run, Board& board)
+        : check_(run.size), client_(transport.client(run)), mine_(board.received[0])
+    {
+    }
 
     void once(Kind kind)
     {

@@ -44,7 +44,10 @@ const std::map<std::string, Setter>& setters()
 
 }  // namespace
 
-bool Run::is(const std::string& part) const { return ("-" + variant + "-").find("-" + part + "-") != std::string::npos; }
+bool Run::is(const std::string& part) const
+{
+    return ("-" + variant + "-").find("-" + part + "-") != std::string::npos;
+}
 
 std::string to_text(Test test) { return tests[static_cast<std::size_t>(test)]; }
 

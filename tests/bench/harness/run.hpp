@@ -30,9 +30,9 @@ struct Run {
 
     // between the processes of one run
     Role role = Role::controller;
-    int index = 0;              ///< which subscriber
-    std::string place;          ///< names whatever they meet at
-    std::uint16_t port = 0;     ///< free when the run began
+    int index = 0;           ///< which subscriber
+    std::string place;       ///< names whatever they meet at
+    std::uint16_t port = 0;  ///< free when the run began
 
     /// Does the name of the variant have this part? "tcp-direct-b256" has "direct".
     [[nodiscard]] bool is(const std::string& part) const;

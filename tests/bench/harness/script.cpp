@@ -20,7 +20,12 @@ Kind kind_of(int phase)
 }  // namespace
 
 Script::Script(const Run& run, int credit, Board& board)
-    : run_(run), credit_(static_cast<std::uint64_t>(credit)), board_(board), cameras_(run.size), next_(now_ns()), give_up_(next_ + 15 * second)
+    : run_(run),
+      credit_(static_cast<std::uint64_t>(credit)),
+      board_(board),
+      cameras_(run.size),
+      next_(now_ns()),
+      give_up_(next_ + 15 * second)
 {
 }
 

@@ -14,8 +14,8 @@ public:
     /// @param credit  measured frames under way at most; 0: the transport holds the publisher back itself
     Script(const Run& run, int credit, Board& board);
 
-    /// When the next frame is due; nothing: all is done. Waits while the credit is used up, and for the last measured frame.
-    /// Throws std::runtime_error when receivers do not come.
+    /// When the next frame is due; nothing: all is done. Waits while the credit is used up, and for the last measured
+    /// frame. Throws std::runtime_error when receivers do not come.
     std::optional<Nanoseconds> due();
     /// The frame that is due, stamped with the present time.
     Frame next();
@@ -34,8 +34,8 @@ private:
     Cameras cameras_;
     Phase phase_ = Phase::probing;
     Nanoseconds next_, give_up_;
-    std::uint64_t sequence_ = 0;     ///< of the next frame
-    std::uint64_t in_phase_ = 0;     ///< frames sent in this phase
+    std::uint64_t sequence_ = 0;  ///< of the next frame
+    std::uint64_t in_phase_ = 0;  ///< frames sent in this phase
     Nanoseconds measuring_since_ = 0;
     Usage usage_;
 };

@@ -1,4 +1,5 @@
-// What a row of the benchmark implements: four roles over one way of moving bytes. Each role lives in a process of its own.
+// What a row of the benchmark implements: four roles over one way of moving bytes. Each role lives in a process of its
+// own.
 #pragma once
 
 #include "frame.hpp"

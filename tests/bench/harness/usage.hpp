@@ -6,9 +6,9 @@
 namespace hive::bench {
 
 struct Usage {
-    double cpu = 0;                     ///< seconds, user and system, all threads
+    double cpu = 0;                       ///< seconds, user and system, all threads
     std::int64_t voluntary_switches = 0;  ///< a thread went to sleep: each is a hand-over to another
-    std::int64_t page_faults = 0;       ///< without input or output
+    std::int64_t page_faults = 0;         ///< without input or output
 
     Usage operator-(const Usage& earlier) const
     {

@@ -116,7 +116,8 @@ private:
     void emit(const Frame& frame, const Output& output)
     {
         if (on_demand_)
-            output.emit_captured(std::chrono::system_clock::now(), true, Json::object(), [&] { return body_of(frame, output); });
+            output.emit_captured(std::chrono::system_clock::now(), true, Json::object(),
+                                 [&] { return body_of(frame, output); });
         else
             output.emit(Json::object(), body_of(frame, output));
     }

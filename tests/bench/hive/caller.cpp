@@ -11,7 +11,10 @@ namespace hive::bench {
 class Caller::Module : public event::Module {
 public:
     Module()
-        : event::Module({.self = {.name = "bench-caller", .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()}, .limits = {}, .timing = {}})
+        : event::Module(
+            {.self = {.name = "bench-caller", .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
+             .limits = {},
+             .timing = {}})
     {
         start();
     }
@@ -25,7 +28,8 @@ Json Caller::ask(const std::string& address, protocol::PacketType type, const Js
     const auto promise = std::make_shared<std::promise<event::Outcome>>();
     module_->post([this, where = transport::parse_address(address), type, header, promise] {
         const auto deadline = event::Clock::now() + std::chrono::seconds(5);
-        module_->request(where, type, header, {}, deadline, [promise](const event::Outcome& outcome) { promise->set_value(outcome); });
+        module_->request(where, type, header, {}, deadline,
+                         [promise](const event::Outcome& outcome) { promise->set_value(outcome); });
     });
     const auto outcome = promise->get_future().get();
     if (const auto* error = std::get_if<Error>(&outcome))

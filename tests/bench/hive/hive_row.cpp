@@ -1,5 +1,5 @@
-// Hive as a row of the benchmark. Publisher, subscribers and server are drones in processes of their own; an application
-// in the controller wires them.
+// Hive as a row of the benchmark. Publisher, subscribers and server are drones in processes of their own; an
+// application in the controller wires them.
 //
 //     bench_hive local     drones that meet on this machine; the picture is copied into the loan
 //     bench_hive local-zc  the same, but the camera has written into the loan: only header and tail are stamped
@@ -22,7 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path home_of(const Run& run) { return fs::path("/tmp") / run.place; }
-std::string local_address(const Run& run, const std::string& drone) { return "unix:" + (home_of(run) / (drone + ".sock")).string(); }
+std::string local_address(const Run& run, const std::string& drone)
+{
+    return "unix:" + (home_of(run) / (drone + ".sock")).string();
+}
 
 ConnectionOptions options_of(const Run& run)
 {
@@ -49,7 +52,9 @@ void connect_local(const Run& run)
 {
     Application application({.name = "bench", .home = home_of(run)});
     for (int i = 0; i < run.subscribers; ++i)
-        within(10 * second, [&] { application.connect({source_name, frame_port}, {sink_name(i), frame_port}, options_of(run)); });
+        within(10 * second, [&] {
+            application.connect({source_name, frame_port}, {sink_name(i), frame_port}, options_of(run));
+        });
 }
 
 /// As Application::connect, but the receiver is told an address: the application itself knows drones by name alone.
@@ -59,7 +64,8 @@ void connect_tcp(const Run& run)
     const Json from{{"drone", source_name}, {"output", frame_port}, {"address", tcp_address(run)}};
     const Json connect{{"from", from}, {"input", frame_port}, {"options", to_json(options_of(run))}};
     for (int i = 0; i < run.subscribers; ++i)
-        within(10 * second, [&] { caller.ask(local_address(run, sink_name(i)), protocol::PacketType::connect, connect); });
+        within(10 * second,
+               [&] { caller.ask(local_address(run, sink_name(i)), protocol::PacketType::connect, connect); });
 }
 
 class LocalClient : public Client {

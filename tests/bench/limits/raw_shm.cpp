@@ -11,7 +11,8 @@ namespace {
 
 class ShmPublisher : public PushPublisher {
 public:
-    explicit ShmPublisher(const Run& run) : segment_(run.size, run.role), readers_(run.subscribers), in_place_(run.is("zc"))
+    explicit ShmPublisher(const Run& run)
+        : segment_(run.size, run.role), readers_(run.subscribers), in_place_(run.is("zc"))
     {
         for (std::uint32_t i = 0; i < slots; ++i)
             held_by_[i] = -1 - static_cast<std::int64_t>(i);
@@ -69,7 +70,9 @@ private:
 
 class ShmSubscriber : public Subscriber {
 public:
-    explicit ShmSubscriber(const Run& run) : segment_(run.size, run.role), index_(static_cast<std::size_t>(run.index)) {}
+    explicit ShmSubscriber(const Run& run) : segment_(run.size, run.role), index_(static_cast<std::size_t>(run.index))
+    {
+    }
 
     void receive(const OnFrame& on_frame) override
     {
@@ -146,7 +149,10 @@ private:
 class RawShm : public Transport {
 public:
     std::unique_ptr<Publisher> publisher(const Run& run) const override { return std::make_unique<ShmPublisher>(run); }
-    std::unique_ptr<Subscriber> subscriber(const Run& run) const override { return std::make_unique<ShmSubscriber>(run); }
+    std::unique_ptr<Subscriber> subscriber(const Run& run) const override
+    {
+        return std::make_unique<ShmSubscriber>(run);
+    }
     std::unique_ptr<Server> server(const Run& run) const override { return std::make_unique<ShmServer>(run); }
     std::unique_ptr<Client> client(const Run& run) const override { return std::make_unique<ShmClient>(run); }
 };

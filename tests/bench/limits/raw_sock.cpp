@@ -42,7 +42,8 @@ private:
         FrameHeader header = frame.header;
         FrameTail tail = frame.header.sequence;
         auto* middle = const_cast<std::byte*>(frame.picture.data()) + sizeof header;
-        std::array parts{iovec{&size, sizeof size}, iovec{&header, sizeof header}, iovec{middle, size - least_frame}, iovec{&tail, sizeof tail}};
+        std::array parts{iovec{&size, sizeof size}, iovec{&header, sizeof header}, iovec{middle, size - least_frame},
+                         iovec{&tail, sizeof tail}};
         socket.write(parts);
     }
 
@@ -132,7 +133,10 @@ private:
 
 class SocketClient : public Client {
 public:
-    explicit SocketClient(const Run& run) : prefetch_(run.is("prefetch")), socket_(Socket::connect(run)), reader_(run.size) {}
+    explicit SocketClient(const Run& run)
+        : prefetch_(run.is("prefetch")), socket_(Socket::connect(run)), reader_(run.size)
+    {
+    }
 
     bool ask(const Request& request, const FrameCheck& check) override
     {
@@ -161,8 +165,14 @@ private:
 
 class RawSock : public Transport {
 public:
-    std::unique_ptr<Publisher> publisher(const Run& run) const override { return std::make_unique<SocketPublisher>(run); }
-    std::unique_ptr<Subscriber> subscriber(const Run& run) const override { return std::make_unique<SocketSubscriber>(run); }
+    std::unique_ptr<Publisher> publisher(const Run& run) const override
+    {
+        return std::make_unique<SocketPublisher>(run);
+    }
+    std::unique_ptr<Subscriber> subscriber(const Run& run) const override
+    {
+        return std::make_unique<SocketSubscriber>(run);
+    }
     std::unique_ptr<Server> server(const Run& run) const override { return std::make_unique<SocketServer>(run); }
     std::unique_ptr<Client> client(const Run& run) const override { return std::make_unique<SocketClient>(run); }
 };

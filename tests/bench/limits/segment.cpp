@@ -21,7 +21,7 @@ void await_maker(Condition there)
 
 bool has_size(std::size_t size)
 {
-    struct stat status{};
+    struct stat status {};
     return ::fstat(frame_memory(), &status) == 0 && status.st_size >= static_cast<off_t>(size);
 }
 

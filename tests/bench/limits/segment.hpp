@@ -42,7 +42,10 @@ public:
     Segment(std::size_t frame, Role role);
 
     [[nodiscard]] Control& control() const { return *reinterpret_cast<Control*>(base_); }
-    [[nodiscard]] std::span<std::byte> slot(std::uint32_t index) const { return {base_ + page + index * stride_, frame_}; }
+    [[nodiscard]] std::span<std::byte> slot(std::uint32_t index) const
+    {
+        return {base_ + page + index * stride_, frame_};
+    }
     /// Puts a frame into a slot. @param in_place  the camera's picture is there already
     void put(const Frame& frame, std::uint32_t index, bool in_place) const;
 

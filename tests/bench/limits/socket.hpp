@@ -9,8 +9,8 @@
 
 namespace hive::bench {
 
-/// An open socket, closed at the end. "unix" in the variant: an abstract unix socket, otherwise TCP on 127.0.0.1 without
-/// Nagle's delay; "b256": 256 KB of buffer in each direction instead of what the kernel chooses.
+/// An open socket, closed at the end. "unix" in the variant: an abstract unix socket, otherwise TCP on 127.0.0.1
+/// without Nagle's delay; "b256": 256 KB of buffer in each direction instead of what the kernel chooses.
 class Socket {
 public:
     static Socket listen(const Run& run);

@@ -162,7 +162,10 @@ private:
 class AsioTcp : public Transport {
 public:
     std::unique_ptr<Publisher> publisher(const Run& run) const override { return std::make_unique<AsioPublisher>(run); }
-    std::unique_ptr<Subscriber> subscriber(const Run& run) const override { return std::make_unique<AsioSubscriber>(run); }
+    std::unique_ptr<Subscriber> subscriber(const Run& run) const override
+    {
+        return std::make_unique<AsioSubscriber>(run);
+    }
     std::unique_ptr<Server> server(const Run& run) const override { return std::make_unique<AsioServer>(run); }
     std::unique_ptr<Client> client(const Run& run) const override { return std::make_unique<AsioClient>(run); }
 };

@@ -31,7 +31,8 @@ struct Member {
     explicit Member(const Run& run)
     {
         iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kError);
-        const auto name = run.place + "-" + std::to_string(static_cast<int>(run.role)) + "-" + std::to_string(run.index);
+        const auto name =
+            run.place + "-" + std::to_string(static_cast<int>(run.role)) + "-" + std::to_string(run.index);
         iox::runtime::PoshRuntime::initRuntime(iox::RuntimeName_t(iox::cxx::TruncateToCapacity, name));
     }
 };
@@ -65,7 +66,9 @@ class IceoryxSubscriber : public Subscriber {
 public:
     explicit IceoryxSubscriber(const Run& run) : member_(run), size_(run.size), subscriber_(service_of(run), options())
     {
-        waiting_.attachState(subscriber_, SubscriberState::HAS_DATA).or_else([](auto) { throw std::runtime_error("cannot wait"); });
+        waiting_.attachState(subscriber_, SubscriberState::HAS_DATA).or_else([](auto) {
+            throw std::runtime_error("cannot wait");
+        });
     }
 
     void receive(const OnFrame& on_frame) override
@@ -106,7 +109,9 @@ class IceoryxServer : public Server {
 public:
     explicit IceoryxServer(const Run& run) : member_(run), server_(service_of(run))
     {
-        waiting_.attachState(server_, ServerState::HAS_REQUEST).or_else([](auto) { throw std::runtime_error("cannot wait"); });
+        waiting_.attachState(server_, ServerState::HAS_REQUEST).or_else([](auto) {
+            throw std::runtime_error("cannot wait");
+        });
     }
 
     void serve(const std::function<void()>& serving, const OnRequest& on_request) override
@@ -133,10 +138,11 @@ private:
         std::memcpy(&request, chunk, sizeof request);
         Frame frame{};
         const bool more = on_request(request, frame);
-        server_.loan(RequestHeader::fromPayload(chunk), static_cast<std::uint32_t>(frame.picture.size()), line).and_then([&](void* response) {
-            frame.produce(static_cast<std::byte*>(response));
-            server_.send(response).or_else([](auto&) { throw std::runtime_error("cannot answer"); });
-        });
+        server_.loan(RequestHeader::fromPayload(chunk), static_cast<std::uint32_t>(frame.picture.size()), line)
+            .and_then([&](void* response) {
+                frame.produce(static_cast<std::byte*>(response));
+                server_.send(response).or_else([](auto&) { throw std::runtime_error("cannot answer"); });
+            });
         server_.releaseRequest(chunk);
         return more;
     }
@@ -150,8 +156,11 @@ class IceoryxClient : public Client {
 public:
     explicit IceoryxClient(const Run& run) : member_(run), size_(run.size), client_(service_of(run))
     {
-        waiting_.attachState(client_, ClientState::HAS_RESPONSE).or_else([](auto) { throw std::runtime_error("cannot wait"); });
-        for (const auto end = now_ns() + 5 * second; client_.getConnectionState() != iox::ConnectionState::CONNECTED; sleep_for(2 * millisecond))
+        waiting_.attachState(client_, ClientState::HAS_RESPONSE).or_else([](auto) {
+            throw std::runtime_error("cannot wait");
+        });
+        for (const auto end = now_ns() + 5 * second; client_.getConnectionState() != iox::ConnectionState::CONNECTED;
+             sleep_for(2 * millisecond))
             if (now_ns() > end)
                 throw std::runtime_error("no server");
     }
@@ -185,8 +194,14 @@ private:
 
 class Iceoryx : public Transport {
 public:
-    std::unique_ptr<Publisher> publisher(const Run& run) const override { return std::make_unique<IceoryxPublisher>(run); }
-    std::unique_ptr<Subscriber> subscriber(const Run& run) const override { return std::make_unique<IceoryxSubscriber>(run); }
+    std::unique_ptr<Publisher> publisher(const Run& run) const override
+    {
+        return std::make_unique<IceoryxPublisher>(run);
+    }
+    std::unique_ptr<Subscriber> subscriber(const Run& run) const override
+    {
+        return std::make_unique<IceoryxSubscriber>(run);
+    }
     std::unique_ptr<Server> server(const Run& run) const override { return std::make_unique<IceoryxServer>(run); }
     std::unique_ptr<Client> client(const Run& run) const override { return std::make_unique<IceoryxClient>(run); }
 };

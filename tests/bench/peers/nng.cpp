@@ -119,7 +119,10 @@ private:
 
 class NngServer : public Server {
 public:
-    explicit NngServer(const Run& run) : socket_(nng_rep0_open) { require(nng_listen(socket_.socket, address_of(run).c_str(), nullptr, 0)); }
+    explicit NngServer(const Run& run) : socket_(nng_rep0_open)
+    {
+        require(nng_listen(socket_.socket, address_of(run).c_str(), nullptr, 0));
+    }
     void serve(const std::function<void()>& serving, const OnRequest& on_request) override
     {
         serving();
@@ -168,10 +171,16 @@ private:
 class Nng : public Transport {
 public:
     std::unique_ptr<Publisher> publisher(const Run& run) const override { return std::make_unique<NngPublisher>(run); }
-    std::unique_ptr<Subscriber> subscriber(const Run& run) const override { return std::make_unique<NngSubscriber>(run); }
+    std::unique_ptr<Subscriber> subscriber(const Run& run) const override
+    {
+        return std::make_unique<NngSubscriber>(run);
+    }
     std::unique_ptr<Server> server(const Run& run) const override { return std::make_unique<NngServer>(run); }
     std::unique_ptr<Client> client(const Run& run) const override { return std::make_unique<NngClient>(run); }
-    [[nodiscard]] int credit(const Run& run) const override { return run.test != Test::throughput ? 0 : run.size > 1'000'000 ? 8 : 64; }
+    [[nodiscard]] int credit(const Run& run) const override
+    {
+        return run.test != Test::throughput ? 0 : run.size > 1'000'000 ? 8 : 64;
+    }
     void clean(const Run& run) const override { ::unlink(("/tmp/" + run.place + ".nng").c_str()); }
 };
 

@@ -1,5 +1,5 @@
-// ZeroMQ by cppzmq: PUB and SUB, with XPUB_NODROP, so that a publisher waits at the high-water mark and nothing is lost;
-// REQ and REP. Frames are produced in the storage of a message.
+// ZeroMQ by cppzmq: PUB and SUB, with XPUB_NODROP, so that a publisher waits at the high-water mark and nothing is
+// lost; REQ and REP. Frames are produced in the storage of a message.
 //
 //     bench_zmq tcp | ipc
 #include "../harness/transport.hpp"
@@ -24,7 +24,10 @@ zmq::message_t message_of(const Frame& frame)
     return message;
 }
 
-std::span<const std::byte> bytes_of(const zmq::message_t& message) { return {message.data<std::byte>(), message.size()}; }
+std::span<const std::byte> bytes_of(const zmq::message_t& message)
+{
+    return {message.data<std::byte>(), message.size()};
+}
 
 /// A context and its one socket.
 struct Place {
@@ -117,7 +120,10 @@ private:
 class Zmq : public Transport {
 public:
     std::unique_ptr<Publisher> publisher(const Run& run) const override { return std::make_unique<ZmqPublisher>(run); }
-    std::unique_ptr<Subscriber> subscriber(const Run& run) const override { return std::make_unique<ZmqSubscriber>(run); }
+    std::unique_ptr<Subscriber> subscriber(const Run& run) const override
+    {
+        return std::make_unique<ZmqSubscriber>(run);
+    }
     std::unique_ptr<Server> server(const Run& run) const override { return std::make_unique<ZmqServer>(run); }
     std::unique_ptr<Client> client(const Run& run) const override { return std::make_unique<ZmqClient>(run); }
     void clean(const Run& run) const override { ::unlink(("/tmp/" + run.place + ".zmq").c_str()); }

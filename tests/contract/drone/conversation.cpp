@@ -81,11 +81,13 @@ TEST_CASE("drone: a ping is answered by a pong, and a peer that only answers pin
     REQUIRE(peer.send(raw::packet(raw::ping, 0, "")));
     char pong[16];
     std::size_t got = 0;
-    REQUIRE(hive::test::eventually([&] {
-        const auto count = ::recv(peer.descriptor(), pong + got, sizeof pong - got, MSG_DONTWAIT);
-        got += count > 0 ? static_cast<std::size_t>(count) : 0;
-        return got == sizeof pong;
-    }, within(1000)));
+    REQUIRE(hive::test::eventually(
+        [&] {
+            const auto count = ::recv(peer.descriptor(), pong + got, sizeof pong - got, MSG_DONTWAIT);
+            got += count > 0 ? static_cast<std::size_t>(count) : 0;
+            return got == sizeof pong;
+        },
+        within(1000)));
     CHECK(std::string(pong, sizeof pong) == raw::packet(raw::pong, 0, ""));
     peer.silent(false);
     CHECK_FALSE(peer.next(Milliseconds(2500)));
@@ -134,7 +136,8 @@ TEST_CASE("drone: what cannot be registered is refused with the code of the spec
     auto peer = home.meet();
     const Json outputs = typed_outputs();
     REQUIRE(raw::error_of(peer.ask(raw::register_, registration("exceptions", 1, {{"transfer", "stream"}}), 1)) == "");
-    CHECK(raw::error_of(peer.ask(raw::register_, registration("exceptions", 2, {{"transfer", "stream"}}), 1)) == "invalid_argument");
+    CHECK(raw::error_of(peer.ask(raw::register_, registration("exceptions", 2, {{"transfer", "stream"}}), 1))
+          == "invalid_argument");
     CHECK(raw::error_of(peer.ask(raw::register_, registration("exceptions", 2), 0)) == "invalid_argument");
     CHECK(raw::error_of(peer.ask(raw::register_, registration("exceptionz", 2), 2)) == "not_found");
     if (!outputs.empty()) {
@@ -149,7 +152,8 @@ TEST_CASE("drone: what cannot be registered is refused with the code of the spec
         Json stateful = registration(output, 2, {{"group", "g"}});
         stateful["stateful"] = true;
         CHECK(raw::error_of(peer.ask(raw::register_, stateful, 2)) == "refused");
-        for (const Json& options : {Json{{"window", 0}}, Json{{"window", 65}}, Json{{"transfer", "fast"}}, Json{{"lease_ms", 1}}})
+        for (const Json& options :
+             {Json{{"window", 0}}, Json{{"window", 65}}, Json{{"transfer", "fast"}}, Json{{"lease_ms", 1}}})
             CHECK(raw::error_of(peer.ask(raw::register_, registration(output, 2, options), 2)) == "malformed");
     }
     CHECK(raw::error_of(peer.ask(raw::status)) == "");

@@ -11,23 +11,27 @@ namespace {
 raw::Peer with_exceptions(const subject::Home& home)
 {
     auto peer = home.meet();
-    const Json registration{{"epoch", 1}, {"output", "exceptions"}, {"receiver", "raw"}, {"options", {{"transfer", "stream"}}}};
+    const Json registration{
+        {"epoch", 1}, {"output", "exceptions"}, {"receiver", "raw"}, {"options", {{"transfer", "stream"}}}};
     REQUIRE(raw::error_of(peer.ask(raw::register_, registration, 9)) == "");
     return peer;
 }
 
 }  // namespace
 
-TEST_CASE("drone: an event of a type that the input does not take is refused with both types; an unknown input is not found")
+TEST_CASE(
+    "drone: an event of a type that the input does not take is refused with both types; an unknown input is not found")
 {
     const subject::Home home;
     const auto process = home.start();
     auto peer = home.meet();
-    CHECK(raw::error_of(peer.ask(raw::put, {{"input", "no-such-input"}, {"type", "image/jpeg"}}, 0, "x")) == "not_found");
+    CHECK(raw::error_of(peer.ask(raw::put, {{"input", "no-such-input"}, {"type", "image/jpeg"}}, 0, "x"))
+          == "not_found");
     for (const auto& input : subject::description().at("inputs")) {
         if (input.at("type").get<std::string>().find("*/*") != std::string::npos)
             continue;
-        const Json answer = peer.ask(raw::put, {{"input", input.at("name")}, {"type", "application/x-nothing"}}, 0, "x");
+        const Json answer =
+            peer.ask(raw::put, {{"input", input.at("name")}, {"type", "application/x-nothing"}}, 0, "x");
         CHECK(raw::error_of(answer) == "type_mismatch");
         CHECK(raw::text_of(answer).find("application/x-nothing") != std::string::npos);
         CHECK(raw::text_of(answer).find(input.at("type").get<std::string>()) != std::string::npos);
@@ -35,11 +39,15 @@ TEST_CASE("drone: an event of a type that the input does not take is refused wit
     CHECK(peer.ask(raw::status).at("result").at("events").at("received") == 0);
 }
 
-TEST_CASE("drone: garbage put to a picture input gives one exception each, with the input's identity, and no result; the drone lives on")
+TEST_CASE("drone: garbage put to a picture input gives one exception each, with the input's identity, and no result; "
+          "the drone lives on")
 {
-    const std::vector<std::pair<std::string, std::string>> garbage{
-        {"image/jpeg", ""}, {"image/jpeg", "x"}, {"image/jpeg", std::string(100'000, '\xFF')}, {"image/jpeg", "\xFF\xD8\xFF\xD9"},
-        {"image/png", "\x89PNG\r\n\x1A\n"}, {"image/raw", std::string(1000, 'r')}};
+    const std::vector<std::pair<std::string, std::string>> garbage{{"image/jpeg", ""},
+                                                                   {"image/jpeg", "x"},
+                                                                   {"image/jpeg", std::string(100'000, '\xFF')},
+                                                                   {"image/jpeg", "\xFF\xD8\xFF\xD9"},
+                                                                   {"image/png", "\x89PNG\r\n\x1A\n"},
+                                                                   {"image/raw", std::string(1000, 'r')}};
     for (const auto& input : subject::picture_inputs()) {
         const subject::Home home;
         const auto process = home.start();
@@ -48,7 +56,8 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
             CAPTURE(type);
             CAPTURE(body.size());
             std::optional<raw::Packet> exception;
-            REQUIRE(peer.send(raw::packet(raw::put, 0, Json{{"id", 4000 + body.size()}, {"input", input}, {"type", type}}.dump(), body)));
+            REQUIRE(peer.send(raw::packet(
+                raw::put, 0, Json{{"id", 4000 + body.size()}, {"input", input}, {"type", type}}.dump(), body)));
             REQUIRE((exception = peer.next_of(raw::exception, within(2000))));
             const Json header = exception->json();
             CHECK(exception->channel == 9);
@@ -75,10 +84,12 @@ TEST_CASE("drone: with the policy halt the first exception halts it")
         const subject::Home home;
         const auto process = home.start({"--on-exception", "halt"});
         auto peer = with_exceptions(home);
-        REQUIRE(peer.send(raw::packet(raw::put, 0, Json{{"id", 4000}, {"input", input}, {"type", "image/jpeg"}}.dump(), "garbage")));
+        REQUIRE(peer.send(
+            raw::packet(raw::put, 0, Json{{"id", 4000}, {"input", input}, {"type", "image/jpeg"}}.dump(), "garbage")));
         const auto exception = peer.next_of(raw::exception, within(2000));
         REQUIRE(exception);
         CHECK(exception->json().at("header").at("policy") == "halt");
-        CHECK(hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "halted"; }, within(1000)));
+        CHECK(hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "halted"; },
+                                     within(1000)));
     }
 }

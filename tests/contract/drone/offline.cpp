@@ -69,7 +69,10 @@ std::string default_of(const Json& parameter)
     return value.is_string() ? value.get<std::string>() : written(value.get<double>());
 }
 
-bool is_word_of_type(const std::string& type) { return type == "integer" || type == "number" || type == "text" || type == "flag"; }
+bool is_word_of_type(const std::string& type)
+{
+    return type == "integer" || type == "number" || type == "text" || type == "flag";
+}
 
 }  // namespace
 

@@ -44,8 +44,10 @@ Json other_value(const Json& parameter)
         if (choice != parameter.at("default"))
             return choice;
     if (parameter.contains("min") && parameter.contains("max") && parameter.at("type") == "integer") {
-        const auto least = parameter["min"].get<std::int64_t>(), most = parameter["max"].get<std::int64_t>(), present = parameter["default"].get<std::int64_t>();
-        return present == most ? least : std::min(most, present + 1100);  // a size of 1100 is drawn soon, one of 8192 is not; a port of 1100 is open to all users
+        const auto least = parameter["min"].get<std::int64_t>(), most = parameter["max"].get<std::int64_t>(),
+                   present = parameter["default"].get<std::int64_t>();
+        return present == most ? least : std::min(most, present + 1100);  // a size of 1100 is drawn soon, one of 8192
+                                                                          // is not; a port of 1100 is open to all users
     }
     return nullptr;
 }
@@ -63,7 +65,8 @@ TEST_CASE("drone: the default of each parameter is what get answers, and can be 
         const Json answer = peer.ask(raw::get, {{"names", {name}}});
         REQUIRE(raw::error_of(answer) == "");
         CHECK(answer.at("result").at("parameters") == Json{{name, parameter.at("default")}});
-        const std::string text = parameter["default"].is_string() ? parameter["default"].get<std::string>() : parameter["default"].dump();
+        const std::string text =
+            parameter["default"].is_string() ? parameter["default"].get<std::string>() : parameter["default"].dump();
         for (const Json& value : {parameter.at("default"), Json(text)}) {
             const Json set = peer.ask(raw::set, {{"parameters", {{name, value}}}});
             REQUIRE(raw::text_of(set) == "");
@@ -103,7 +106,8 @@ TEST_CASE("drone: an unknown parameter is not found, and the nearest is named")
     auto peer = home.meet();
     for (const auto& parameter : subject::description().at("parameters")) {
         const std::string name = parameter.at("name"), wrong = name + "x";
-        for (const Json& answer : {peer.ask(raw::get, {{"names", {wrong}}}), peer.ask(raw::set, {{"parameters", {{wrong, parameter.at("default")}}}})}) {
+        for (const Json& answer : {peer.ask(raw::get, {{"names", {wrong}}}),
+                                   peer.ask(raw::set, {{"parameters", {{wrong, parameter.at("default")}}}})}) {
             CHECK(raw::error_of(answer) == "not_found");
             CHECK(raw::text_of(answer).find("mean " + name + "?") != std::string::npos);
         }
@@ -126,10 +130,13 @@ TEST_CASE("drone: of several parameters in one set either all change or none")
                 const Json both{{good.at("name"), value}, {bad.at("name"), Json::array()}};
                 CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", both}})) == "refused");
             }
-        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), value}, {"no-such-parameter", 1}}}})) == "not_found");
+        CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{good.at("name"), value}, {"no-such-parameter", 1}}}}))
+              == "not_found");
         const Json check = peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}, {"check_only", true}});
         CHECK(raw::error_of(check) == "");
-        CHECK(check.at("result") == Json{{"parameters", {{good.at("name"), value}}}, {"previous", {{good.at("name"), before.at(good.at("name"))}}}});
+        CHECK(check.at("result")
+              == Json{{"parameters", {{good.at("name"), value}}},
+                      {"previous", {{good.at("name"), before.at(good.at("name"))}}}});
         CHECK(get_all(peer) == before);
         const Json set = peer.ask(raw::set, {{"parameters", {{good.at("name"), value}}}});
         CHECK(raw::text_of(set) == "");
@@ -156,15 +163,24 @@ TEST_CASE("drone: requests with a wrong field are malformed, and the connection 
     const subject::Home home;
     const auto process = home.start();
     auto peer = home.meet();
-    std::vector<std::pair<int, Json>> wrong{
-        {raw::set, Json::object()}, {raw::set, {{"parameters", 1}}}, {raw::set, {{"parameters", Json::array()}}},
-        {raw::set, {{"parameters", Json::object()}, {"check_only", "yes"}}}, {raw::set, {{"parameters", Json::object()}, {"deadline_ms", -1}}},
-        {raw::get, {{"names", "all"}}}, {raw::get, {{"names", {1}}}},
-        {raw::connect, Json::object()}, {raw::connect, {{"from", "camera"}, {"input", "image"}}},
-        {raw::disconnect, Json::object()}, {raw::put, Json::object()}, {raw::put, {{"input", 1}, {"type", "a/b"}}},
-        {raw::halt, {{"policy", "never"}}}, {raw::register_, Json::object()}, {raw::register_, {{"epoch", -1}, {"output", "x"}, {"receiver", "r"}}}};
+    std::vector<std::pair<int, Json>> wrong{{raw::set, Json::object()},
+                                            {raw::set, {{"parameters", 1}}},
+                                            {raw::set, {{"parameters", Json::array()}}},
+                                            {raw::set, {{"parameters", Json::object()}, {"check_only", "yes"}}},
+                                            {raw::set, {{"parameters", Json::object()}, {"deadline_ms", -1}}},
+                                            {raw::get, {{"names", "all"}}},
+                                            {raw::get, {{"names", {1}}}},
+                                            {raw::connect, Json::object()},
+                                            {raw::connect, {{"from", "camera"}, {"input", "image"}}},
+                                            {raw::disconnect, Json::object()},
+                                            {raw::put, Json::object()},
+                                            {raw::put, {{"input", 1}, {"type", "a/b"}}},
+                                            {raw::halt, {{"policy", "never"}}},
+                                            {raw::register_, Json::object()},
+                                            {raw::register_, {{"epoch", -1}, {"output", "x"}, {"receiver", "r"}}}};
     for (const auto& input : subject::description().at("inputs"))
-        wrong.emplace_back(raw::connect, Json{{"from", {{"drone", "../x"}, {"output", "o"}}}, {"input", input.at("name")}});
+        wrong.emplace_back(raw::connect,
+                           Json{{"from", {{"drone", "../x"}, {"output", "o"}}}, {"input", input.at("name")}});
     for (const auto& [type, fields] : wrong) {
         CAPTURE(type);
         CAPTURE(fields);

@@ -49,7 +49,8 @@ int wait_until(int descriptor, short what, Clock::time_point until)
 
 }  // namespace
 
-std::string prefix(int type, int channel, std::uint32_t header_size, std::uint32_t body_size, const std::string& magic, int version)
+std::string prefix(int type, int channel, std::uint32_t header_size, std::uint32_t body_size, const std::string& magic,
+                   int version)
 {
     std::string bytes = magic;
     bytes += static_cast<char>(version);
@@ -62,12 +63,15 @@ std::string prefix(int type, int channel, std::uint32_t header_size, std::uint32
 
 std::string packet(int type, int channel, const std::string& header, const std::string& body)
 {
-    return prefix(type, channel, static_cast<std::uint32_t>(header.size()), static_cast<std::uint32_t>(body.size())) + header + body;
+    return prefix(type, channel, static_cast<std::uint32_t>(header.size()), static_cast<std::uint32_t>(body.size()))
+           + header + body;
 }
 
 std::string hello_packet(const std::string& name, const std::string& kind)
 {
-    const auto now = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+    const auto now =
+        std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+            .count();
     return packet(hello, 0, Json{{"name", name}, {"kind", kind}, {"epoch", now}, {"pid", ::getpid()}}.dump());
 }
 
@@ -157,8 +161,8 @@ std::optional<Packet> Peer::take()
     const std::size_t size = std::size_t{16} + header_size + body_size;
     if (buffer_.size() < size)
         return std::nullopt;
-    Packet packet{static_cast<unsigned char>(buffer_[5]), static_cast<int>(little_endian(buffer_, 6, 2)), buffer_.substr(16, header_size),
-                  buffer_.substr(std::size_t{16} + header_size, body_size)};
+    Packet packet{static_cast<unsigned char>(buffer_[5]), static_cast<int>(little_endian(buffer_, 6, 2)),
+                  buffer_.substr(16, header_size), buffer_.substr(std::size_t{16} + header_size, body_size)};
     buffer_.erase(0, size);
     return packet;
 }
@@ -184,7 +188,8 @@ std::optional<Packet> Peer::next(Milliseconds patience)
 std::optional<Packet> Peer::next_of(int type, Milliseconds patience, const std::function<void(const Packet&)>& seen)
 {
     const auto until = Clock::now() + patience;
-    while (auto packet = next(std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(until - Clock::now())))) {
+    while (auto packet =
+               next(std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(until - Clock::now())))) {
         if (packet->type == type)
             return packet;
         if (seen)
@@ -199,7 +204,8 @@ Json Peer::ask(int type, Json fields, int channel, const std::string& body, Mill
     if (!send(packet(type, channel, fields.dump(), body), patience))
         return nullptr;
     const auto until = Clock::now() + patience;
-    while (auto answer = next_of(confirmation, std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(until - Clock::now()))))
+    while (auto answer = next_of(
+               confirmation, std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(until - Clock::now()))))
         if (Json json = answer->json(); json.at("id") == last_id_)
             return json;
     return nullptr;
@@ -213,10 +219,12 @@ bool Peer::closed_within(Milliseconds patience)
     return ended_;
 }
 
-Listener::Listener(const std::filesystem::path& socket) : socket_(socket), descriptor_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0))
+Listener::Listener(const std::filesystem::path& socket)
+    : socket_(socket), descriptor_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0))
 {
     const sockaddr_un address = address_of(socket);
-    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || ::listen(descriptor_, 16) != 0)
+    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0
+        || ::listen(descriptor_, 16) != 0)
         throw std::runtime_error("cannot listen at " + socket.string() + ": " + std::strerror(errno));
 }
 

@@ -1,4 +1,5 @@
-// A peer written from SPEC.md alone, on plain POSIX sockets: it shares no code with libhive, so it can be wrong on purpose.
+// A peer written from SPEC.md alone, on plain POSIX sockets: it shares no code with libhive, so it can be wrong on
+// purpose.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,8 +18,26 @@ using Milliseconds = std::chrono::milliseconds;
 
 /// Section 2.
 enum Type : int {
-    hello = 1, ping = 2, pong = 3, register_ = 10, deregister = 11, request = 12, event = 20, notification = 21, exception = 22,
-    connect = 30, disconnect = 31, set = 32, get = 33, describe = 34, status = 35, halt = 36, resume = 37, stop = 38, put = 39, confirmation = 50
+    hello = 1,
+    ping = 2,
+    pong = 3,
+    register_ = 10,
+    deregister = 11,
+    request = 12,
+    event = 20,
+    notification = 21,
+    exception = 22,
+    connect = 30,
+    disconnect = 31,
+    set = 32,
+    get = 33,
+    describe = 34,
+    status = 35,
+    halt = 36,
+    resume = 37,
+    stop = 38,
+    put = 39,
+    confirmation = 50
 };
 
 struct Packet {
@@ -29,12 +48,14 @@ struct Packet {
 };
 
 /// The 16 bytes of section 2, whatever the numbers say.
-std::string prefix(int type, int channel, std::uint32_t header_size, std::uint32_t body_size, const std::string& magic = "HIVE", int version = 1);
+std::string prefix(int type, int channel, std::uint32_t header_size, std::uint32_t body_size,
+                   const std::string& magic = "HIVE", int version = 1);
 std::string packet(int type, int channel, const std::string& header, const std::string& body = {});
 /// A hello as this peer says it.
 std::string hello_packet(const std::string& name = "raw", const std::string& kind = "application");
 
-/// One end of a stream. Every wait has an end; while it waits for packets it keeps section 4.3: it answers pings and sends its own.
+/// One end of a stream. Every wait has an end; while it waits for packets it keeps section 4.3: it answers pings and
+/// sends its own.
 class Peer {
 public:
     explicit Peer(int descriptor) : descriptor_(descriptor) {}
@@ -46,14 +67,17 @@ public:
     Peer(Peer&& other) noexcept;
     Peer& operator=(Peer&& other) noexcept;
 
-    /// Writes all of it, or as much as the peer takes within `patience`. False when the peer has closed or does not read.
+    /// Writes all of it, or as much as the peer takes within `patience`. False when the peer has closed or does not
+    /// read.
     bool send(const std::string& bytes, Milliseconds patience = Milliseconds(5000));
     /// The next packet but ping and pong; nothing when the time is over or the stream has ended.
     std::optional<Packet> next(Milliseconds patience = Milliseconds(5000));
     /// The next packet of this type; others are dropped, but exceptions, events and notifications with `seen`.
-    std::optional<Packet> next_of(int type, Milliseconds patience = Milliseconds(5000), const std::function<void(const Packet&)>& seen = {});
+    std::optional<Packet> next_of(int type, Milliseconds patience = Milliseconds(5000),
+                                  const std::function<void(const Packet&)>& seen = {});
     /// Sends a request (with an id) and returns the confirmation's JSON; null when none came.
-    Json ask(int type, Json fields = Json::object(), int channel = 0, const std::string& body = {}, Milliseconds patience = Milliseconds(10'000));
+    Json ask(int type, Json fields = Json::object(), int channel = 0, const std::string& body = {},
+             Milliseconds patience = Milliseconds(10'000));
     /// Does the other end close within the time? What it sends meanwhile is dropped.
     bool closed_within(Milliseconds patience);
     [[nodiscard]] bool ended() const noexcept { return ended_; }

@@ -34,7 +34,8 @@ std::size_t threads(pid_t pid)
 
 }  // namespace
 
-TEST_CASE("drone: one that has nothing to do uses less than 2 % of a core; a source, which goes on capturing, less than 5 %")
+TEST_CASE(
+    "drone: one that has nothing to do uses less than 2 % of a core; a source, which goes on capturing, less than 5 %")
 {
     const subject::Home home;
     const auto process = home.start();
@@ -61,6 +62,7 @@ TEST_CASE("drone: descriptors and threads do not grow over 100 peers that come a
     const auto descriptors = hive::test::open_descriptors(process.pid()), tasks = threads(process.pid());
     for (int i = 0; i < 100; ++i)
         REQUIRE(raw::error_of(home.meet().ask(i % 2 ? raw::status : raw::describe)) == "");
-    CHECK(hive::test::eventually([&] { return hive::test::open_descriptors(process.pid()) <= descriptors; }, within(2000)));
+    CHECK(hive::test::eventually([&] { return hive::test::open_descriptors(process.pid()) <= descriptors; },
+                                 within(2000)));
     CHECK(threads(process.pid()) <= tasks);
 }

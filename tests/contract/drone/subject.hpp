@@ -1,4 +1,5 @@
-// The drone binary under test: told by the environment, so that one suite serves every drone, also one outside this build.
+// The drone binary under test: told by the environment, so that one suite serves every drone, also one outside this
+// build.
 #pragma once
 
 #include "raw_peer.hpp"
@@ -38,11 +39,15 @@ std::string written(double number);
 class Home {
 public:
     Home() = default;
-    [[nodiscard]] std::filesystem::path file(const std::string& ending) const { return swarm_.home() / ("subject" + ending); }
+    [[nodiscard]] std::filesystem::path file(const std::string& ending) const
+    {
+        return swarm_.home() / ("subject" + ending);
+    }
     /// Starts the drone and returns when it says hello.
     hive::test::Process start(const std::vector<std::string>& arguments = {}) const;
     /// Starts it and does not wait for anything.
-    [[nodiscard]] hive::test::Process launch(const std::vector<std::string>& arguments = {}, const std::string& log = "log") const;
+    [[nodiscard]] hive::test::Process launch(const std::vector<std::string>& arguments = {},
+                                             const std::string& log = "log") const;
     [[nodiscard]] raw::Peer meet() const { return raw::Peer::meet(file(".sock")); }
     [[nodiscard]] bool answers() const;
     [[nodiscard]] std::string log(const std::string& log = "log") const;

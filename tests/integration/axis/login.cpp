@@ -10,7 +10,8 @@
 using namespace stage;
 using namespace std::chrono_literals;
 
-TEST_CASE("axis login: pictures come with no login, basic, and digest with and without qop or with nonces that grow stale")
+TEST_CASE(
+    "axis login: pictures come with no login, basic, and digest with and without qop or with nonces that grow stale")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -19,7 +20,8 @@ TEST_CASE("axis login: pictures come with no login, basic, and digest with and w
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
     take_pictures(*collector, 2);
-    for (const std::string words : {"auth=basic", "auth=digest", "auth=digest&qop=off", "auth=basic_digest&qop=on", "auth=digest&nonce_uses=1"}) {
+    for (const std::string words :
+         {"auth=basic", "auth=digest", "auth=digest&qop=off", "auth=basic_digest&qop=on", "auth=digest&nonce_uses=1"}) {
         CAPTURE(words);
         camera.behave(words);
         application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // another link, which logs in anew
@@ -119,14 +121,16 @@ TEST_CASE("axis login: half a login in the environment is not tried; the drone s
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"auth=digest"});
-    const auto started = swarm.run({"/usr/bin/env", "HIVE_AXIS_USER=root", swarm.program("hive-axis").string(), "--name", "axis", "--set", "url=" + camera.url(),
-                                    "--set", "allow_address=127.0.0.1"});
+    const auto started =
+        swarm.run({"/usr/bin/env", "HIVE_AXIS_USER=root", swarm.program("hive-axis").string(), "--name", "axis",
+                   "--set", "url=" + camera.url(), "--set", "allow_address=127.0.0.1"});
     CHECK(started.exit_code != 0);
     CHECK(has(started.err, "HIVE_AXIS_PASSWORD is missing"));
     CHECK(camera.count("connections") == 0);
 }
 
-TEST_CASE("axis login: a password is neither on a command line nor in the log nor in a parameter, and a URL with one is refused")
+TEST_CASE("axis login: a password is neither on a command line nor in the log nor in a parameter, and a URL with one "
+          "is refused")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"auth=digest", "credentials=" + credentials_file(swarm, "root:hush-hush")});
@@ -137,7 +141,8 @@ TEST_CASE("axis login: a password is neither on a command line nor in the log no
     CHECK(refused.exit_code != 0);
     CHECK(has(refused.err, "credentials"));
     CHECK_FALSE(has(refused.out + refused.err, "hush-hush"));
-    const auto started = swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "url=http://root:hush-hush@127.0.0.1"});
+    const auto started = swarm.run(
+        {swarm.program("hive-axis").string(), "--name", "other", "--set", "url=http://root:hush-hush@127.0.0.1"});
     CHECK(started.exit_code != 0);
     CHECK_FALSE(has(started.out + started.err, "hush-hush"));
     CHECK_FALSE(has(text_of("/proc/" + std::to_string(drone.pid()) + "/cmdline"), "hush-hush"));

@@ -1,4 +1,5 @@
-// Everything that a camera can do wrong: no crash, no broken picture, a condition that says what it is, and pictures again afterwards.
+// Everything that a camera can do wrong: no crash, no broken picture, a condition that says what it is, and pictures
+// again afterwards.
 #include "stage.hpp"
 
 #include <doctest/doctest.h>
@@ -12,7 +13,8 @@ struct Wrong {
     const char *words, *undone, *condition;
 };
 
-void suffer(const EmulatedCamera& camera, hive::Application& application, hive::Collector& collector, const Wrong& wrong)
+void suffer(const EmulatedCamera& camera, hive::Application& application, hive::Collector& collector,
+            const Wrong& wrong)
 {
     CAPTURE(std::string(wrong.words));
     camera.behave(wrong.words);
@@ -31,10 +33,13 @@ TEST_CASE("axis misbehaviour: answers that are no pictures are told by their kin
     const auto drone = axis_drone(swarm, camera, {"resolution=160x120"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    for (const Wrong& wrong : {Wrong{"foreign=on", "foreign=off", "not a VAPIX device"}, {"html=on", "html=off", "not a picture: the camera sends text/html"},
-                               {"redirect=http://a:b@127.0.0.1:1/x?y", "redirect=", "http://127.0.0.1:"}, {"status=503", "status=200", "http://127.0.0.1:"},
+    for (const Wrong& wrong : {Wrong{"foreign=on", "foreign=off", "not a VAPIX device"},
+                               {"html=on", "html=off", "not a picture: the camera sends text/html"},
+                               {"redirect=http://a:b@127.0.0.1:1/x?y", "redirect=", "http://127.0.0.1:"},
+                               {"status=503", "status=200", "http://127.0.0.1:"},
                                {"huge_head=on", "huge_head=off", "the head of the answer is larger"},
-                               {"auth=digest", "auth=none", "auth_failed"}, {"unauthorised=on", "unauthorised=off", "auth_failed"}})
+                               {"auth=digest", "auth=none", "auth_failed"},
+                               {"unauthorised=on", "unauthorised=off", "auth_failed"}})
         suffer(camera, application, *collector, wrong);
     CHECK(has(swarm.log("axis"), "points to http://***@127.0.0.1:1/x (302), which is not followed"));
     CHECK(has(swarm.log("axis"), "answers with status 503"));
@@ -47,11 +52,16 @@ TEST_CASE("axis misbehaviour: broken streams give no broken picture")
     const auto drone = axis_drone(swarm, camera, {"resolution=160x120"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    for (const Wrong& wrong : {Wrong{"truncated=on&close_after=-1", "truncated=off&close_after=10", "stalled: no whole picture: it is cut short"},
-                               {"truncated=on&length=missing&close_after=-1", "truncated=off&length=right&close_after=10", "stalled: no whole picture"},
-                               {"length=short", "length=right", "the camera ended the stream"}, {"length=huge", "length=right", "a picture of more than 16 MiB"},
-                               {"endless_part=on", "endless_part=off", "a picture of more than 16 MiB"}, {"endless_head=on", "endless_head=off", "a head of more than 8 KiB"},
-                               {"cut_after=0", "cut_after=-1", "the camera ended the stream"}, {"close_after=0", "close_after=10", "the camera ended the stream"},
+    for (const Wrong& wrong : {Wrong{"truncated=on&close_after=-1", "truncated=off&close_after=10",
+                                     "stalled: no whole picture: it is cut short"},
+                               {"truncated=on&length=missing&close_after=-1",
+                                "truncated=off&length=right&close_after=10", "stalled: no whole picture"},
+                               {"length=short", "length=right", "the camera ended the stream"},
+                               {"length=huge", "length=right", "a picture of more than 16 MiB"},
+                               {"endless_part=on", "endless_part=off", "a picture of more than 16 MiB"},
+                               {"endless_head=on", "endless_head=off", "a head of more than 8 KiB"},
+                               {"cut_after=0", "cut_after=-1", "the camera ended the stream"},
+                               {"close_after=0", "close_after=10", "the camera ended the stream"},
                                {"bytes_per_s=100&close_after=-1", "bytes_per_s=0&close_after=10", "stalled"}})
         suffer(camera, application, *collector, wrong);
 }
@@ -63,14 +73,16 @@ TEST_CASE("axis misbehaviour: quirks of streams cost nothing")
     const auto drone = axis_drone(swarm, camera, {"resolution=160x120"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    for (const std::string words : {"boundary=dashed", "boundary=quoted", "boundary=tight", "length=missing", "line_end=lf", "garbage=on&length=right", "length=text&garbage=off"}) {
+    for (const std::string words : {"boundary=dashed", "boundary=quoted", "boundary=tight", "length=missing",
+                                    "line_end=lf", "garbage=on&length=right", "length=text&garbage=off"}) {
         CAPTURE(words);
         camera.behave(words);
         take_pictures(*collector, 10);
     }
 }
 
-TEST_CASE("axis misbehaviour: streams that are cut in the middle of a picture, again and again, give whole pictures only")
+TEST_CASE(
+    "axis misbehaviour: streams that are cut in the middle of a picture, again and again, give whole pictures only")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"cut_after=3", "fps=50"});
@@ -101,8 +113,10 @@ TEST_CASE("axis misbehaviour: a single picture that is cut or is none is not pas
     const EmulatedCamera camera(swarm);
     const auto drone = axis_drone(swarm, camera, {"resolution=160x120", "pace=demand"});
     auto application = swarm.application();
-    const auto collector = application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
+    const auto collector =
+        application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
     take_pictures(*collector, 3);
-    for (const Wrong& wrong : {Wrong{"truncated=on", "truncated=off", "no whole picture: it is cut short"}, {"html=on", "html=off", "not a picture: the camera sends text/html"}})
+    for (const Wrong& wrong : {Wrong{"truncated=on", "truncated=off", "no whole picture: it is cut short"},
+                               {"html=on", "html=off", "not a picture: the camera sends text/html"}})
         suffer(camera, application, *collector, wrong);
 }

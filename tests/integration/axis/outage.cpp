@@ -15,7 +15,9 @@ Milliseconds since(Clock::time_point begin) { return std::chrono::duration_cast<
 /// Empties what came before `begin`, then waits for the first picture captured after it.
 Milliseconds first_picture_after(hive::Collector& collector, Clock::time_point begin)
 {
-    const auto wall = std::chrono::duration_cast<std::chrono::microseconds>((std::chrono::system_clock::now() - (Clock::now() - begin)).time_since_epoch()).count();
+    const auto wall = std::chrono::duration_cast<std::chrono::microseconds>(
+                          (std::chrono::system_clock::now() - (Clock::now() - begin)).time_since_epoch())
+                          .count();
     while (const auto event = collector.next(patient(10'000ms)))
         if (event->identity.captured_us > wall)
             return since(begin);
@@ -24,7 +26,8 @@ Milliseconds first_picture_after(hive::Collector& collector, Clock::time_point b
 
 }  // namespace
 
-TEST_CASE("axis outage: a stall is noticed within 2.5 s, everything is answered within 100 ms meanwhile, and it ends with the next picture")
+TEST_CASE("axis outage: a stall is noticed within 2.5 s, everything is answered within 100 ms meanwhile, and it ends "
+          "with the next picture")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -42,7 +45,8 @@ TEST_CASE("axis outage: a stall is noticed within 2.5 s, everything is answered 
     }
     const auto noticed = since(begin);
     std::ranges::sort(answers);
-    MESSAGE("noticed after ", noticed.count(), " ms; ", answers.size(), " answers, the slowest but 1 % after ", answers[answers.size() * 99 / 100].count(), " ms");
+    MESSAGE("noticed after ", noticed.count(), " ms; ", answers.size(), " answers, the slowest but 1 % after ",
+            answers[answers.size() * 99 / 100].count(), " ms");
     CHECK(condition(application) == "stalled");
     CHECK(noticed <= patient(2500ms));
     CHECK(answers[answers.size() * 99 / 100] <= patient(100ms));
@@ -71,7 +75,8 @@ TEST_CASE("axis outage: the first picture comes within 2 s after the camera is b
     }
 }
 
-TEST_CASE("axis outage: a camera that takes connections and says nothing is told as stalled, and found soon when it speaks")
+TEST_CASE(
+    "axis outage: a camera that takes connections and says nothing is told as stalled, and found soon when it speaks")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"mute=on"});

@@ -30,10 +30,12 @@ TEST_CASE("axis settings: a set is answered with what the camera says to have, a
     const auto drone = axis_drone(swarm, camera);
     auto application = swarm.application();
     REQUIRE(comes_to_say(application, ""));
-    CHECK(application.set("axis", {{"brightness", 60}, {"exposure", "hold"}}) == Json{{"brightness", 60}, {"exposure", "hold"}});
+    CHECK(application.set("axis", {{"brightness", 60}, {"exposure", "hold"}})
+          == Json{{"brightness", 60}, {"exposure", "hold"}});
     CHECK(camera.parameter(brightness) == "60");
     CHECK(application.set("axis", {{"brightness", 73}}) == Json{{"brightness", 70}});
-    CHECK(application.get("axis", {"brightness", "exposure", "colour"}) == Json{{"brightness", 70}, {"exposure", "hold"}, {"colour", -1}});
+    CHECK(application.get("axis", {"brightness", "exposure", "colour"})
+          == Json{{"brightness", 70}, {"exposure", "hold"}, {"colour", -1}});
     CHECK(swarm.hivectl_done({"set", "axis", "colour=14"}) == "10\n");
     const int updates = camera.count("updates");
     application.set("axis", {{"colour", -1}});  // as the camera has it
@@ -70,7 +72,8 @@ TEST_CASE("axis settings: another resolution changes the pictures of a running s
     CHECK(camera.parameter("Image.I0.Appearance.Compression") == "70");
 }
 
-TEST_CASE("axis settings: values from before the camera was found are applied when it is, and told when it refuses them")
+TEST_CASE(
+    "axis settings: values from before the camera was found are applied when it is, and told when it refuses them")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"down=on"});
@@ -106,7 +109,8 @@ TEST_CASE("axis settings: with pace=demand the camera is asked for one picture f
     auto application = swarm.application();
     REQUIRE(comes_to_say(application, ""));
     CHECK(camera.count("pictures") == 0);
-    const auto collector = application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
+    const auto collector =
+        application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
     std::int64_t last = 0;
     for (int i = 0; i < 20; ++i) {
         const auto event = collector->next(patient(5000ms));
@@ -130,11 +134,13 @@ TEST_CASE("axis settings: without a camera the drone runs and says what it needs
 TEST_CASE("axis settings: a certificate that is not there is refused at once, at the start and by set")
 {
     const Swarm swarm;
-    const auto started = swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "certificate=/nowhere/x.pem"});
+    const auto started =
+        swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "certificate=/nowhere/x.pem"});
     CHECK(started.exit_code != 0);
     CHECK(has(started.err, "certificate: there is no file /nowhere/x.pem"));
     const auto drone = swarm.drone("axis", "axis", {"url=https://192.0.2.10"});
-    CHECK(has(swarm.hivectl({"set", "axis", "certificate=/nowhere/x.pem"}).err, "certificate: there is no file /nowhere/x.pem"));
+    CHECK(has(swarm.hivectl({"set", "axis", "certificate=/nowhere/x.pem"}).err,
+              "certificate: there is no file /nowhere/x.pem"));
     CHECK(swarm.hivectl_done({"get", "axis", "certificate"}).find("/nowhere") == std::string::npos);
 }
 
@@ -142,11 +148,14 @@ TEST_CASE("axis emulator: says which address or port it cannot have, with its wo
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
-    const std::string program = swarm.program("hive-axis-emulator").string(), taken = camera.url().substr(camera.url().rfind(':') + 1);
+    const std::string program = swarm.program("hive-axis-emulator").string(),
+                      taken = camera.url().substr(camera.url().rfind(':') + 1);
     for (const std::string word : {"port", "control"}) {
         const auto refused = swarm.run({program, word + "=" + taken});
         CHECK(refused.exit_code == 1);
-        CHECK(refused.err == "hive-axis-emulator: cannot listen at 127.0.0.1, " + word + "=" + taken + ": Address already in use\n");
+        CHECK(refused.err
+              == "hive-axis-emulator: cannot listen at 127.0.0.1, " + word + "=" + taken
+                     + ": Address already in use\n");
     }
     CHECK(has(swarm.run({program, "address=192.0.2.1"}).err, "cannot listen at 192.0.2.1, port=0: "));
     const auto wrong = swarm.run({program, "address=300.1.1.1"});
@@ -159,7 +168,8 @@ TEST_CASE("axis settings: the header of a picture has the fields that the page s
     const std::string page = text_of(HIVE_SOURCE_DIR "/drones/axis/README.md"), begin = "Its header: `";
     const std::size_t at = page.find(begin);
     REQUIRE(at != std::string::npos);
-    const Json example = Json::parse(page.substr(at + begin.size(), page.find('`', at + begin.size()) - at - begin.size()));
+    const Json example =
+        Json::parse(page.substr(at + begin.size(), page.find('`', at + begin.size()) - at - begin.size()));
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
     const auto drone = axis_drone(swarm, camera);

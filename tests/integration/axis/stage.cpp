@@ -14,7 +14,10 @@ namespace {
 
 axis::Access access_to(int port)
 {
-    return {.url = {"http", "127.0.0.1", port}, .credentials = {}, .certificate = {}, .addresses = axis::AddressRule("127.0.0.1")};
+    return {.url = {"http", "127.0.0.1", port},
+            .credentials = {},
+            .certificate = {},
+            .addresses = axis::AddressRule("127.0.0.1")};
 }
 
 int number_after(const std::string& text, const std::string& word)
@@ -49,7 +52,10 @@ std::string EmulatedCamera::control(const std::string& words) const
 
 void EmulatedCamera::behave(const std::string& words) const { control(words); }
 int EmulatedCamera::count(const std::string& what) const { return number_after(control(""), "\n" + what + "="); }
-std::string EmulatedCamera::parameter(const std::string& name) const { return axis::Camera(access_to(port_)).list({{name, ""}}).at(name); }
+std::string EmulatedCamera::parameter(const std::string& name) const
+{
+    return axis::Camera(access_to(port_)).list({{name, ""}}).at(name);
+}
 
 std::string credentials_file(const Swarm& swarm, const std::string& line)
 {
@@ -59,7 +65,8 @@ std::string credentials_file(const Swarm& swarm, const std::string& line)
     return path.string();
 }
 
-Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector<std::string> settings, const std::vector<std::string>& environment)
+Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector<std::string> settings,
+                   const std::vector<std::string>& environment)
 {
     settings.insert(settings.end(), {"url=" + camera.url(), "allow_address=127.0.0.1"});
     return swarm.drone("axis", "axis", settings, {}, environment);
@@ -91,13 +98,16 @@ bool comes_to_say(hive::Application& application, const std::string& beginning, 
     return eventually([&] { return says(application, beginning); }, patience);
 }
 
-bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning, Milliseconds patience)
+bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning,
+                  Milliseconds patience)
 {
-    return eventually([&] {
-        while (const auto event = collector.next(Milliseconds(1)))
-            check_picture(*event);
-        return says(application, beginning);
-    }, patience);
+    return eventually(
+        [&] {
+            while (const auto event = collector.next(Milliseconds(1)))
+                check_picture(*event);
+            return says(application, beginning);
+        },
+        patience);
 }
 
 void take_pictures(hive::Collector& collector, int count, Milliseconds patience)

@@ -38,16 +38,20 @@ private:
 std::string credentials_file(const Swarm& swarm, const std::string& line);
 
 /// A drone named axis that is told where the camera is.
-Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector<std::string> settings = {}, const std::vector<std::string>& environment = {});
+Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector<std::string> settings = {},
+                   const std::vector<std::string>& environment = {});
 
 std::string condition(hive::Application& application);
 /// Does the condition become one that begins so?
-bool comes_to_say(hive::Application& application, const std::string& beginning, Milliseconds patience = Milliseconds(6000));
+bool comes_to_say(hive::Application& application, const std::string& beginning,
+                  Milliseconds patience = Milliseconds(6000));
 
 /// As above, while the pictures are taken that come, each decoded strictly.
-bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning, Milliseconds patience);
+bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning,
+                  Milliseconds patience);
 
-/// Takes `count` pictures that were captured from now on and decodes each, strictly: throws when one is broken or does not come.
+/// Takes `count` pictures that were captured from now on and decodes each, strictly: throws when one is broken or does
+/// not come.
 void take_pictures(hive::Collector& collector, int count, Milliseconds patience = Milliseconds(5000));
 
 }  // namespace stage

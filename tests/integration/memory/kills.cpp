@@ -1,4 +1,5 @@
-// A thousand SIGKILLs of either end of shared memory: no slot, descriptor, mapping or memory is lost, no picture is broken.
+// A thousand SIGKILLs of either end of shared memory: no slot, descriptor, mapping or memory is lost, no picture is
+// broken.
 #include "peers.hpp"
 #include "process.hpp"
 
@@ -25,7 +26,8 @@ struct Usage {
     {
         std::ifstream maps("/proc/self/maps");
         const auto lines = std::count(std::istreambuf_iterator<char>(maps), {}, '\n');
-        return {hive::test::open_descriptors(::getpid()), static_cast<std::size_t>(lines), hive::test::resident_bytes(::getpid())};
+        return {hive::test::open_descriptors(::getpid()), static_cast<std::size_t>(lines),
+                hive::test::resident_bytes(::getpid())};
     }
 };
 
@@ -46,8 +48,9 @@ public:
         std::string name = (std::filesystem::temp_directory_path() / "hive-memory-XXXXXX").string();
         REQUIRE(::mkdtemp(name.data()) != nullptr);
         folder_ = name;
-        listener_ = hive::transport::listen(context, {hive::transport::Address::Scheme::unix_socket, path(), 0},
-                                            [this](std::shared_ptr<Connection> connection) { came = std::move(connection); });
+        listener_ =
+            hive::transport::listen(context, {hive::transport::Address::Scheme::unix_socket, path(), 0},
+                                    [this](std::shared_ptr<Connection> connection) { came = std::move(connection); });
     }
     ~Meeting()
     {

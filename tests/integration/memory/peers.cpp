@@ -21,10 +21,14 @@ unsigned char byte_of(int number) { return static_cast<unsigned char>(number * 7
 
 bool intact(const Body& body)
 {
-    return body.size() == picture_size && std::ranges::all_of(body.bytes(), [first = body.bytes()[0]](std::byte byte) { return byte == first; });
+    return body.size() == picture_size
+           && std::ranges::all_of(body.bytes(), [first = body.bytes()[0]](std::byte byte) { return byte == first; });
 }
 
-Producer::Producer(std::shared_ptr<Connection> connection, std::shared_ptr<Pool> pool) : connection_(std::move(connection)), pool_(std::move(pool)) {}
+Producer::Producer(std::shared_ptr<Connection> connection, std::shared_ptr<Pool> pool)
+    : connection_(std::move(connection)), pool_(std::move(pool))
+{
+}
 
 void Producer::start()
 {
@@ -81,15 +85,16 @@ int run_peer(const std::string& role, const std::string& path)
     asio::io_context context;
     std::unique_ptr<Producer> producer;
     std::unique_ptr<Receiver> receiver;
-    hive::transport::dial(context, {hive::transport::Address::Scheme::unix_socket, path, 0}, std::chrono::seconds(5),
-                          [&](std::shared_ptr<Connection> connection, const std::exception_ptr&) {
-                              if (!connection)
-                                  return;
-                              if (role == "producer")
-                                  (producer = std::make_unique<Producer>(std::move(connection), std::make_shared<Pool>()))->start();
-                              else
-                                  (receiver = std::make_unique<Receiver>(std::move(connection)))->start();
-                          });
+    hive::transport::dial(
+        context, {hive::transport::Address::Scheme::unix_socket, path, 0}, std::chrono::seconds(5),
+        [&](std::shared_ptr<Connection> connection, const std::exception_ptr&) {
+            if (!connection)
+                return;
+            if (role == "producer")
+                (producer = std::make_unique<Producer>(std::move(connection), std::make_shared<Pool>()))->start();
+            else
+                (receiver = std::make_unique<Receiver>(std::move(connection)))->start();
+        });
     context.run_for(std::chrono::seconds(20));
     return 0;
 }

@@ -26,7 +26,10 @@ Process viewer(const Swarm& swarm, int port, std::vector<std::string> settings =
 }
 
 hive::Json status_at(int port) { return get(port, "/status.json").json(); }
-bool shows(int port) { return eventually([&] { return status_at(port).at("number") > 0; }, Milliseconds(10'000)); }
+bool shows(int port)
+{
+    return eventually([&] { return status_at(port).at("number") > 0; }, Milliseconds(10'000));
+}
 
 /// A JPEG file that no encoder of ours makes again.
 std::string jpeg_file(const std::filesystem::path& path)
@@ -92,7 +95,8 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
     const auto good = jpeg_file(swarm.home() / "one.jpg");
     const auto put = [&](const std::string& jpeg) {
         const auto bytes = std::make_shared<const std::string>(jpeg);
-        application.put({"view", "image"}, hive::Json::object(), {std::as_bytes(std::span(*bytes)), bytes}, "image/jpeg");
+        application.put({"view", "image"}, hive::Json::object(), {std::as_bytes(std::span(*bytes)), bytes},
+                        "image/jpeg");
     };
     std::string damaged = good;
     damaged.replace(damaged.size() * 3 / 4, 12, "\xFF\xC4\x12\x34\xFF\xC4\x12\x34\xFF\xC4\x12\x34");
@@ -122,7 +126,8 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
     REQUIRE(eventually([&] { return status_at(port).at("rate") == 0; }, Milliseconds(10'000)));
     const auto number = status_at(port).at("number");
     std::set<std::string> snapshots, streamed;
-    REQUIRE(eventually([&] { return snapshots.insert(get(port, "/picture.jpg").body), snapshots.size() >= 3; }, Milliseconds(8000)));
+    REQUIRE(eventually([&] { return snapshots.insert(get(port, "/picture.jpg").body), snapshots.size() >= 3; },
+                       Milliseconds(8000)));
     CHECK(snapshots.size() <= 4);
     for (int i = 0; i < 200 && streamed.size() < 3; ++i) {
         const auto picture = client.next_picture();
@@ -161,7 +166,8 @@ TEST_CASE("view: a port that is taken refuses the set with the reason, and the o
     CHECK(application.status("other").at("condition").get<std::string>().find("http=PORT") != std::string::npos);
     const hive::Json both{{"http", port}, {"quality", 50}};
     CHECK_THROWS_WITH_AS(application.set("other", both), doctest::Contains("in use"), hive::Error);
-    CHECK_THROWS_WITH_AS(application.set("view", {{"bind", "example.com"}}), doctest::Contains("not an address"), hive::Error);
+    CHECK_THROWS_WITH_AS(application.set("view", {{"bind", "example.com"}}), doctest::Contains("not an address"),
+                         hive::Error);
     CHECK_THROWS_WITH_AS(application.set("view", {{"window", "on"}}), doctest::Contains("--http"), hive::Error);
     CHECK(get(port, "/").code == 200);
     CHECK(application.get("other", {"quality"}).at("quality") == 80);
@@ -172,8 +178,11 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     const Swarm swarm;
     const int port = http::free_port();
     const auto camera = swarm.drone("camera", "camera");
-    auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port), "--encoding", "jpeg:60"}, "seen");
-    REQUIRE(eventually([&] { return swarm.log("seen").find("http://127.0.0.1:" + std::to_string(port) + "/\n") != std::string::npos; }, Milliseconds(15'000)));
+    auto process =
+        swarm.hivectl_running({"view", "camera", "--http", std::to_string(port), "--encoding", "jpeg:60"}, "seen");
+    REQUIRE(eventually(
+        [&] { return swarm.log("seen").find("http://127.0.0.1:" + std::to_string(port) + "/\n") != std::string::npos; },
+        Milliseconds(15'000)));
     REQUIRE(shows(port));
     CHECK(get(port, "/picture.jpg").picture().rows == 480);
     const auto edges = hive::Json::parse(swarm.hivectl_done({"edges", "--json"}));
@@ -187,7 +196,8 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
         CHECK_FALSE_MESSAGE(std::filesystem::exists(swarm.home() / ("viewer" + std::string(ending))), ending);
 }
 
-TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice at once, as of timeout, leaves nothing running either")
+TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice at once, as of timeout, leaves "
+          "nothing running either")
 {
     const Swarm swarm;
     const int port = http::free_port();
@@ -197,9 +207,11 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
         const auto name = "seen-" + std::to_string(round);
         auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port)}, name);
         if (round % 2 == 0)
-            REQUIRE(eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)));
+            REQUIRE(
+                eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)));
         else
-            REQUIRE(eventually([&] { return std::filesystem::exists(swarm.home() / "viewer.log"); }, Milliseconds(15'000)));
+            REQUIRE(
+                eventually([&] { return std::filesystem::exists(swarm.home() / "viewer.log"); }, Milliseconds(15'000)));
         process.signal(SIGTERM);
         std::this_thread::sleep_for(Milliseconds(round * 5));
         process.signal(SIGTERM);
@@ -218,7 +230,8 @@ TEST_CASE("hivectl view: the drone ends with the command, even if that is killed
     auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port)}, "seen");
     REQUIRE(eventually([&] { return swarm.log("seen").find("http://") != std::string::npos; }, Milliseconds(15'000)));
     process.kill();
-    CHECK(eventually([&] { return swarm.application().drones() == std::vector<std::string>{"camera"}; }, Milliseconds(5000)));
+    CHECK(eventually([&] { return swarm.application().drones() == std::vector<std::string>{"camera"}; },
+                     Milliseconds(5000)));
     CHECK_FALSE(std::filesystem::exists(swarm.home() / "viewer.state"));
 }
 
@@ -230,7 +243,9 @@ TEST_CASE("hivectl view: several that begin at once show each in a drone of its 
     for (const char* name : {"a", "b", "c"})
         views.push_back(swarm.hivectl_running({"view", "camera", "--http", std::to_string(http::free_port())}, name));
     for (const char* name : {"a", "b", "c"})
-        REQUIRE_MESSAGE(eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)), swarm.log(name));
+        REQUIRE_MESSAGE(
+            eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)),
+            swarm.log(name));
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera", "viewer", "viewer-2", "viewer-3"});
     for (auto& view : views) {
         view.signal(SIGINT);
@@ -239,12 +254,14 @@ TEST_CASE("hivectl view: several that begin at once show each in a drone of its 
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
-TEST_CASE("hivectl view: without a display it names --http; a drone that sends no pictures is told so; nothing is left running")
+TEST_CASE("hivectl view: without a display it names --http; a drone that sends no pictures is told so; nothing is left "
+          "running")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera");
     const auto ticker = swarm.drone("ticker", "ticker");
-    const auto refused = swarm.run({"/usr/bin/env", "-u", "DISPLAY", swarm.program("hivectl").string(), "view", "camera"});
+    const auto refused =
+        swarm.run({"/usr/bin/env", "-u", "DISPLAY", swarm.program("hivectl").string(), "view", "camera"});
     CHECK(refused.exit_code == 5);
     CHECK(refused.err.find("--http PORT") != std::string::npos);
     CHECK(swarm.hivectl({"view", "nobody", "--http", "8080"}).exit_code == 3);

@@ -26,7 +26,10 @@ sockaddr_in loopback(int port)
 
 }  // namespace
 
-cv::Mat decoded(const std::string& jpeg) { return cv::imdecode(std::vector<unsigned char>(jpeg.begin(), jpeg.end()), cv::IMREAD_UNCHANGED); }
+cv::Mat decoded(const std::string& jpeg)
+{
+    return cv::imdecode(std::vector<unsigned char>(jpeg.begin(), jpeg.end()), cv::IMREAD_UNCHANGED);
+}
 cv::Mat Reply::picture() const { return decoded(body); }
 
 Client::Client(int port, int receive_bytes) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
@@ -40,7 +43,10 @@ Client::Client(int port, int receive_bytes) : socket_(::socket(AF_INET, SOCK_STR
 
 Client::~Client() { ::close(socket_); }
 
-bool Client::send(const std::string& bytes) { return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()); }
+bool Client::send(const std::string& bytes)
+{
+    return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
+}
 
 bool Client::fill(Clock::time_point until)
 {

@@ -34,7 +34,8 @@ bool installed(const std::string& program)
 class TestScreen {
 public:
     explicit TestScreen(const Swarm& swarm)
-        : server_({"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"}, {}, swarm.home() / "number", swarm.home() / "xvfb.log")
+        : server_({"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"}, {},
+                  swarm.home() / "number", swarm.home() / "xvfb.log")
     {
         REQUIRE(eventually([&] { return text_of(swarm.home() / "number").ends_with('\n'); }, Milliseconds(20'000)));
         const std::string number = text_of(swarm.home() / "number");
@@ -53,18 +54,22 @@ public:
         XWindowAttributes shape{};
         if (!XGetWindowAttributes(display_, window, &shape))
             return {};
-        XImage* image = XGetImage(display_, window, 0, 0, static_cast<unsigned>(shape.width), static_cast<unsigned>(shape.height), AllPlanes, ZPixmap);
+        XImage* image = XGetImage(display_, window, 0, 0, static_cast<unsigned>(shape.width),
+                                  static_cast<unsigned>(shape.height), AllPlanes, ZPixmap);
         if (!image)
             return {};
         cv::Scalar mean, deviation;
-        cv::meanStdDev(cv::Mat(image->height, image->width, CV_8UC4, image->data, static_cast<std::size_t>(image->bytes_per_line)), mean, deviation);
+        cv::meanStdDev(
+            cv::Mat(image->height, image->width, CV_8UC4, image->data, static_cast<std::size_t>(image->bytes_per_line)),
+            mean, deviation);
         XDestroyImage(image);
         return {{shape.width, shape.height}, deviation[0]};
     }
     void press_q(Window window) const
     {
         XEvent event{};
-        event.xkey = {KeyPress, 0, True, display_, window, DefaultRootWindow(display_), 0, CurrentTime, 1, 1, 1, 1, 0, XKeysymToKeycode(display_, XK_q), True};
+        event.xkey = {KeyPress, 0, True, display_, window, DefaultRootWindow(display_),      0,   CurrentTime,
+                      1,        1, 1,    1,        0,      XKeysymToKeycode(display_, XK_q), True};
         XSendEvent(display_, window, True, KeyPressMask, &event);
         event.type = KeyRelease;
         XSendEvent(display_, window, True, KeyReleaseMask, &event);
@@ -89,7 +94,8 @@ private:
     {
         char* text = nullptr;
         XWindowAttributes shape{};
-        const bool here = XFetchName(display_, above, &text) && text && title == text && XGetWindowAttributes(display_, above, &shape) && shape.map_state == IsViewable;
+        const bool here = XFetchName(display_, above, &text) && text && title == text
+                          && XGetWindowAttributes(display_, above, &shape) && shape.map_state == IsViewable;
         if (text)
             XFree(text);
         if (here)
@@ -110,7 +116,8 @@ private:
 
 }  // namespace
 
-TEST_CASE("view window: shows the picture in its size; q or closing it ends the drone; it can be hidden and shown again")
+TEST_CASE(
+    "view window: shows the picture in its size; q or closing it ends the drone; it can be hidden and shown again")
 {
     if (!installed("Xvfb"))
         return;
@@ -119,7 +126,8 @@ TEST_CASE("view window: shows the picture in its size; q or closing it ends the 
     const auto camera = swarm.drone("camera", "camera");
     auto application = swarm.application();
     const auto window = [&] { return screen.find("camera.image - Hive view"); };
-    for (const auto& end : {std::function([&] { screen.press_q(window()); }), std::function([&] { screen.close(window()); })}) {
+    for (const auto& end :
+         {std::function([&] { screen.press_q(window()); }), std::function([&] { screen.close(window()); })}) {
         auto view = swarm.drone("view", "view", {}, {}, {"DISPLAY=" + screen.name});
         application.connect({"camera", ""}, {"view", ""});
         REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(20'000)));
@@ -148,7 +156,8 @@ TEST_CASE("view window: the text on a picture that stays is written anew")
     REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(20'000)));
     swarm.hivectl_done({"halt", "camera"});
     std::set<double> looks;  // a few are of pictures that were on their way
-    CHECK(eventually([&] { return looks.insert(screen.look(window()).second), looks.size() >= 6; }, Milliseconds(12'000)));
+    CHECK(eventually([&] { return looks.insert(screen.look(window()).second), looks.size() >= 6; },
+                     Milliseconds(12'000)));
 }
 
 TEST_CASE("hivectl view: ends well when its window is closed")
@@ -158,8 +167,9 @@ TEST_CASE("hivectl view: ends well when its window is closed")
     const Swarm swarm;
     const TestScreen screen(swarm);
     const auto camera = swarm.drone("camera", "camera");
-    Process process({"/usr/bin/env", "HIVE_HOME=" + swarm.home().string(), "DISPLAY=" + screen.name, swarm.program("hivectl").string(), "view", "camera"}, {},
-                    swarm.home() / "hivectl.log");
+    Process process({"/usr/bin/env", "HIVE_HOME=" + swarm.home().string(), "DISPLAY=" + screen.name,
+                     swarm.program("hivectl").string(), "view", "camera"},
+                    {}, swarm.home() / "hivectl.log");
     REQUIRE(eventually([&] { return screen.find("camera.image - Hive view") != 0; }, Milliseconds(20'000)));
     screen.close(screen.find("camera.image - Hive view"));
     CHECK(process.wait(Milliseconds(5000)) == 0);
@@ -176,14 +186,16 @@ TEST_CASE("view page: a browser shows the picture and the numbers")
     const auto view = swarm.drone("view", "view", {"http=" + std::to_string(port)}, {}, {"DISPLAY="});
     swarm.application().connect({"camera", ""}, {"view", ""});
     const auto file = (swarm.home() / "page.png").string();
-    const auto finished = swarm.run({"/usr/bin/chromium", "--headless", "--no-sandbox", "--disable-gpu", "--user-data-dir=" + (swarm.home() / "profile").string(),
-                                     "--hide-scrollbars", "--window-size=800,720", "--timeout=8000", "--screenshot=" + file,
-                                     "http://127.0.0.1:" + std::to_string(port) + "/"}, Milliseconds(60'000));
+    const auto finished = swarm.run({"/usr/bin/chromium", "--headless", "--no-sandbox", "--disable-gpu",
+                                     "--user-data-dir=" + (swarm.home() / "profile").string(), "--hide-scrollbars",
+                                     "--window-size=800,720", "--timeout=8000", "--screenshot=" + file,
+                                     "http://127.0.0.1:" + std::to_string(port) + "/"},
+                                    Milliseconds(60'000));
     CAPTURE(finished.err);
     const cv::Mat page = cv::imread(file);
     REQUIRE(page.size() == cv::Size(800, 720));
     const cv::Scalar middle = cv::mean(page.rowRange(250, 450));
-    CHECK(middle[2] > middle[0] + 20);  // bricks are red, the page around them is not
+    CHECK(middle[2] > middle[0] + 20);                     // bricks are red, the page around them is not
     const cv::Mat light = page(cv::Rect(14, 12, 16, 22));  // green: pictures come
     cv::Mat green;
     cv::inRange(light, cv::Scalar(90, 180, 30), cv::Scalar(170, 255, 100), green);

@@ -17,7 +17,10 @@ namespace {
 /// A server with pictures to give; counts how many were decoded.
 class Stage {
 public:
-    explicit Stage(view::Server::Settings settings = {}) : exchange_(view::Picture::of_notice("no picture yet")), server_(settings, exchange_) {}
+    explicit Stage(view::Server::Settings settings = {})
+        : exchange_(view::Picture::of_notice("no picture yet")), server_(settings, exchange_)
+    {
+    }
     /// Noise of `width` pixels, so that it can be told from others and is long when encoded.
     void put(int width, int height = 30)
     {
@@ -27,7 +30,8 @@ public:
             cv::randu(noise, 0, 255);
             return noise;
         };
-        exchange_.put(std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{pixels, nullptr}, view::Picture::Look{.overlay = false}));
+        exchange_.put(std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{pixels, nullptr},
+                                                            view::Picture::Look{.overlay = false}));
         server_.wake();
     }
     [[nodiscard]] int port() const { return server_.port(); }
@@ -59,7 +63,8 @@ TEST_CASE("view server: page, snapshot and status over HTTP; what it says may no
     const auto page = get(stage.port(), "/?some=query");
     CHECK(page.code == 200);
     CHECK(page.body.starts_with("<!DOCTYPE html>"));
-    for (const char* header : {"Content-Security-Policy: default-src 'self'", "X-Content-Type-Options: nosniff", "Cross-Origin-Resource-Policy: same-origin"})
+    for (const char* header : {"Content-Security-Policy: default-src 'self'", "X-Content-Type-Options: nosniff",
+                               "Cross-Origin-Resource-Policy: same-origin"})
         CHECK(page.head.find(header) != std::string::npos);
     CHECK(get(stage.port(), "/picture.jpg").picture().cols == 50);
     CHECK(get(stage.port(), "/status.json").json().at("number") == 1);
@@ -97,7 +102,8 @@ TEST_CASE("view server: nothing is decoded while nobody looks, and each picture 
     CHECK(stage.decoded == 21);
 }
 
-TEST_CASE("view server: a browser that does not read costs the others nothing, and finds the newest when it reads again")
+TEST_CASE(
+    "view server: a browser that does not read costs the others nothing, and finds the newest when it reads again")
 {
     Stage stage;
     Client reading(stage.port()), stopped(stage.port(), 16 * 1024);
@@ -181,9 +187,10 @@ TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes
     Client reading(stage.port());
     reading.send(http::request_for("/stream.mjpg"));
     REQUIRE(next_width(reading) == notice_width);
-    for (const std::string& request : {"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: " + std::string(100'000, 'x') + "\r\n\r\n",
-                                       "GET /" + std::string(100'000, 'x') + " HTTP/1.1\r\n\r\n", std::string(100'000, '\xFF'), std::string("\r\n\r\n\r\n"),
-                                       std::string("GET / HT"), std::string()}) {
+    for (const std::string& request :
+         {"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: " + std::string(100'000, 'x') + "\r\n\r\n",
+          "GET /" + std::string(100'000, 'x') + " HTTP/1.1\r\n\r\n", std::string(100'000, '\xFF'),
+          std::string("\r\n\r\n\r\n"), std::string("GET / HT"), std::string()}) {
         CAPTURE(request.size());
         Client client(stage.port());
         client.send(request);
@@ -192,7 +199,8 @@ TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes
     Client slow(stage.port());  // never idle, never complete
     CHECK(eventually([&] { return !slow.send("x") || slow.closed_within(Milliseconds(1)); }, Milliseconds(5000)));
     stage.put(77);
-    CHECK(eventually([&] { return next_width(reading) == 77; }, Milliseconds(5000)));  // the last one may have been repeated meanwhile
+    CHECK(eventually([&] { return next_width(reading) == 77; },
+                     Milliseconds(5000)));  // the last one may have been repeated meanwhile
 }
 
 TEST_CASE("view server: more connections than it takes wait, until one ends")

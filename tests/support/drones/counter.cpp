@@ -7,7 +7,12 @@ void counter(hive::Drone& drone)
 {
     std::int64_t count = 0;
     const auto total = drone.output("total", "application/json", "in the header: count");
-    drone.on_event("tick", "application/octet-stream", [&](const hive::Event&) { total.emit({{"count", ++count}}); }, "what is counted");
+    drone.on_event(
+        "tick", "application/octet-stream",
+        [&](const hive::Event&) {
+            total.emit({{"count", ++count}});
+        },
+        "what is counted");
     drone.run();
 }
 
@@ -15,5 +20,6 @@ void counter(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {.kind = "counter", .summary = "Counts events, for tests.", .stateful = true}, counter);
+    return hive::run_drone(argc, argv, {.kind = "counter", .summary = "Counts events, for tests.", .stateful = true},
+                           counter);
 }

@@ -17,26 +17,39 @@ void sleeper(hive::Drone& drone)
 {
     int work_ms = 0, most_ms = 600'000, throw_at = 0, thrown_at = 0;
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
-    drone.parameter("most_ms", most_ms, hive::at_least(0).in("ms"), "a longer work_ms is refused by this drone's own code");
-    drone.parameter("throw_at", throw_at, hive::at_least(0), "throws once, on the first event with this sequence number or a later one; 0: never");
-    const auto result = drone.output("result", "application/json", "in the header: seq and index of the input, its age when the work was done");
+    drone.parameter("most_ms", most_ms, hive::at_least(0).in("ms"),
+                    "a longer work_ms is refused by this drone's own code");
+    drone.parameter("throw_at", throw_at, hive::at_least(0),
+                    "throws once, on the first event with this sequence number or a later one; 0: never");
+    const auto result = drone.output("result", "application/json",
+                                     "in the header: seq and index of the input, its age when the work was done");
     drone.on_change([&] {
         if (work_ms > most_ms)
             throw std::runtime_error("work_ms " + std::to_string(work_ms) + " is more than " + std::to_string(most_ms));
     });
-    drone.on_event("image", "*/*", [&](const hive::Event& event) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(work_ms));
-        if (throw_at != thrown_at && throw_at > 0 && event.identity.sequence >= throw_at) {
-            thrown_at = throw_at;
-            throw std::runtime_error("event " + std::to_string(event.identity.sequence) + " is not to my taste");
-        }
-        if (event.body.size() == event.size && event.header.contains("sum") && event.header["sum"] != sum_of(event.body))
-            throw std::runtime_error("the bytes of event " + std::to_string(event.identity.sequence) + " have changed on the way");
-        result.emit({{"seq", event.identity.sequence}, {"index", event.header.value("index", std::int64_t{0})}, {"age_us", event.age().count()}});
-    }, "anything");
+    drone.on_event(
+        "image", "*/*",
+        [&](const hive::Event& event) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(work_ms));
+            if (throw_at != thrown_at && throw_at > 0 && event.identity.sequence >= throw_at) {
+                thrown_at = throw_at;
+                throw std::runtime_error("event " + std::to_string(event.identity.sequence) + " is not to my taste");
+            }
+            if (event.body.size() == event.size && event.header.contains("sum")
+                && event.header["sum"] != sum_of(event.body))
+                throw std::runtime_error("the bytes of event " + std::to_string(event.identity.sequence)
+                                         + " have changed on the way");
+            result.emit({{"seq", event.identity.sequence},
+                         {"index", event.header.value("index", std::int64_t{0})},
+                         {"age_us", event.age().count()}});
+        },
+        "anything");
     drone.run();
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { return hive::run_drone(argc, argv, {"sleeper", "Sleeps over each event, for tests."}, sleeper); }
+int main(int argc, char** argv)
+{
+    return hive::run_drone(argc, argv, {"sleeper", "Sleeps over each event, for tests."}, sleeper);
+}

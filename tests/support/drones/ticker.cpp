@@ -19,12 +19,15 @@ std::vector<unsigned char> bytes_of(std::int64_t index, int size)
 
 class Ticker {
 public:
-    explicit Ticker(hive::Drone& drone) : drone_(drone), tick_(drone.output("tick", "application/octet-stream", "the bytes; the header has index and sum"))
+    explicit Ticker(hive::Drone& drone)
+        : drone_(drone),
+          tick_(drone.output("tick", "application/octet-stream", "the bytes; the header has index and sum"))
     {
         drone.parameter("fps", fps_, hive::between(0.1, 100'000).in("fps"), "with pace=live");
         drone.parameter("bytes", bytes_, hive::between(0, 16 << 20).in("B"), "of one body");
         drone.parameter("padding", padding_, hive::between(0, 60'000).in("B"), "of text in the header");
-        drone.parameter("pace", pace_, hive::one_of({"live", "demand"}), "live never waits; demand gives the next one when all receivers ask");
+        drone.parameter("pace", pace_, hive::one_of({"live", "demand"}),
+                        "live never waits; demand gives the next one when all receivers ask");
         drone.parameter("count", count_, hive::at_least(0), "how many in all; 0: no end");
         drone.on_change([this] { begin_ = Clock::now(), made_since_ = 0; });
         drone.main([this] { return step(); });
@@ -39,7 +42,9 @@ private:
         }
         if (pace_ == "demand")
             return tick_.asked() ? (emit(true), 0us) : 1s;
-        const auto due = begin_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(static_cast<double>(made_since_) / fps_));
+        const auto due = begin_
+                         + std::chrono::duration_cast<Clock::duration>(
+                             std::chrono::duration<double>(static_cast<double>(made_since_) / fps_));
         if (Clock::now() >= due) {
             ++made_since_;
             emit(false);
@@ -54,8 +59,10 @@ private:
         const auto sum = std::accumulate(body.begin(), body.end(), std::int64_t{0});
         hive::Json header{{"index", made_}, {"sum", sum}};
         for (int left = padding_; left > 0; left -= 10'000)
-            header["padding-" + std::to_string(left)] = std::string(static_cast<std::size_t>(std::min(left, 10'000)), 'p');
-        tick_.emit_captured(std::chrono::system_clock::now(), lossless, std::move(header), [&] { return hive::Body(std::move(body)); });
+            header["padding-" + std::to_string(left)] =
+                std::string(static_cast<std::size_t>(std::min(left, 10'000)), 'p');
+        tick_.emit_captured(std::chrono::system_clock::now(), lossless, std::move(header),
+                            [&] { return hive::Body(std::move(body)); });
     }
 
     hive::Drone& drone_;

@@ -15,7 +15,8 @@ namespace {
 
 const cv::Vec3b black(0, 0, 0), green(60, 220, 60);
 
-cv::Mat drawn(const Marks& marks, const Drawing& drawing = {}, const cv::Mat& picture = cv::Mat(200, 300, CV_8UC3, cv::Scalar::all(0)))
+cv::Mat drawn(const Marks& marks, const Drawing& drawing = {},
+              const cv::Mat& picture = cv::Mat(200, 300, CV_8UC3, cv::Scalar::all(0)))
 {
     cv::Mat result;
     drawing.draw(picture, marks, result);
@@ -24,7 +25,10 @@ cv::Mat drawn(const Marks& marks, const Drawing& drawing = {}, const cv::Mat& pi
 
 cv::Vec3b at(const cv::Mat& picture, int x, int y) { return picture.at<cv::Vec3b>(y, x); }
 
-cv::Vec3b bytes(const cv::Scalar& colour) { return {static_cast<uchar>(colour[0]), static_cast<uchar>(colour[1]), static_cast<uchar>(colour[2])}; }
+cv::Vec3b bytes(const cv::Scalar& colour)
+{
+    return {static_cast<uchar>(colour[0]), static_cast<uchar>(colour[1]), static_cast<uchar>(colour[2])};
+}
 
 /// Pixels that are not black, in a part of the picture.
 int lit(const cv::Mat& picture, const cv::Rect& part)
@@ -53,7 +57,8 @@ TEST_CASE("drawing: a box is framed and nothing else is touched, nor is the pict
 TEST_CASE("drawing: without marks the picture stays as it is, a grey one becomes BGR")
 {
     CHECK(lit(drawn({}), {0, 0, 300, 200}) == 0);
-    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, cv::Mat(200, 300, CV_8UC1, cv::Scalar::all(9)));
+    const auto picture =
+        drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, cv::Mat(200, 300, CV_8UC1, cv::Scalar::all(9)));
     CHECK(picture.type() == CV_8UC3);
     CHECK(at(picture, 140, 80) == cv::Vec3b(9, 9, 9));
     CHECK(at(picture, 100, 80) == green);
@@ -78,7 +83,8 @@ TEST_CASE("drawing: the thickness is that of the lines")
     CHECK(at(drawn(marks, thick), 103, 80) == green);
 }
 
-TEST_CASE("drawing: a label stands above its box, inside where there is no room, and not at all when it is switched off")
+TEST_CASE(
+    "drawing: a label stands above its box, inside where there is no room, and not at all when it is switched off")
 {
     const cv::Rect above(100, 75, 60, 23), inside(103, 3, 60, 10);
     const Mark low{.box = {100, 100, 80, 60}, .label = "person"}, high{.box = {100, 0, 80, 60}, .label = "person"};
@@ -99,7 +105,9 @@ TEST_CASE("drawing: a label at the right edge is moved into the picture")
 TEST_CASE("drawing: a trail is an open line, a hull a closed one, fingers are dots")
 {
     const std::vector<cv::Point2d> corners{{20, 20}, {80, 20}, {80, 80}, {20, 80}};
-    const auto shaped = [&](Shape::Form form) { return drawn({.all = {{.box = {250, 150, 10, 10}, .shapes = {{form, corners}}}}}); };
+    const auto shaped = [&](Shape::Form form) {
+        return drawn({.all = {{.box = {250, 150, 10, 10}, .shapes = {{form, corners}}}}});
+    };
     const auto trail = shaped(Shape::Form::line), hull = shaped(Shape::Form::outline), dots = shaped(Shape::Form::dots);
     for (const auto* picture : {&trail, &hull})
         CHECK(at(*picture, 50, 20) == green);
@@ -128,7 +136,10 @@ TEST_CASE("drawing: what lies outside, or is turned inside out, harms nothing")
 {
     const double far = 1e6;
     const Marks marks{.all = {{.box = {-far, -far, 2 * far, 2 * far}, .label = "all"},
-                              {.box = {far, far, far, far}, .id = "1", .label = "none", .shapes = {{Shape::Form::outline, {{-far, 5}, {far, 7}}}}},
+                              {.box = {far, far, far, far},
+                               .id = "1",
+                               .label = "none",
+                               .shapes = {{Shape::Form::outline, {{-far, 5}, {far, 7}}}}},
                               {.box = {50, 50, -20, -20}, .label = "inside out"},
                               {.box = {10, 10, 0, 0}, .shapes = {{Shape::Form::line, {{1, 1}}}}}}};
     const auto picture = drawn(marks);

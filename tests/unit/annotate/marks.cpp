@@ -89,8 +89,10 @@ TEST_CASE("marks: arrays of points are shapes, in both ways of writing them; wha
 
 TEST_CASE("marks: what has no place, or an impossible one, is no mark")
 {
-    for (const json& value : {json(nullptr), json(1), json("x"), json::array(), json{{"x", 1}, {"y", 2}, {"w", 3}}, json{{"x", "1"}, {"y", 2}, {"w", 3}, {"h", 4}},
-                              json{{"x", 1e300}, {"y", 2}, {"w", 3}, {"h", 4}}, json{{"x", 1}, {"y", 2}, {"w", true}, {"h", 4}}})
+    for (const json& value :
+         {json(nullptr), json(1), json("x"), json::array(), json{{"x", 1}, {"y", 2}, {"w", 3}},
+          json{{"x", "1"}, {"y", 2}, {"w", 3}, {"h", 4}}, json{{"x", 1e300}, {"y", 2}, {"w", 3}, {"h", 4}},
+          json{{"x", 1}, {"y", 2}, {"w", true}, {"h", 4}}})
         CHECK(marks_in({{"things", json::array({value})}, {"thing", value}}).all.empty());
     CHECK(marks_in(json::array({box})).all.empty());
     CHECK(marks_in({{"width", -1}, {"height", 480}}).seen.empty());

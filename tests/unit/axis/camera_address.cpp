@@ -70,8 +70,10 @@ TEST_CASE("url: scheme, host and port")
 
 TEST_CASE("url: what is no place of a camera is refused with a reason, and a password in it is not repeated")
 {
-    for (const char* url : {"", "192.0.2.10", "ftp://x", "file:///etc/passwd", "http://", "http://:80", "http://x:0", "http://x:99999", "http://x:", "http://x:8a",
-                            "http://x/axis-cgi", "http://x?y", "http://x#y", "http://a b", "http://[::1", "http://[x]", "http://x\ny", "HTTP://x", "gopher://x"})
+    for (const char* url :
+         {"", "192.0.2.10", "ftp://x", "file:///etc/passwd", "http://", "http://:80", "http://x:0", "http://x:99999",
+          "http://x:", "http://x:8a", "http://x/axis-cgi", "http://x?y", "http://x#y", "http://a b", "http://[::1",
+          "http://[x]", "http://x\ny", "HTTP://x", "gopher://x"})
         CHECK_MESSAGE(refusal(url).starts_with("url: "), url);
     const std::string secret = refusal("http://root:se/cret@192.0.2.10");
     CHECK(secret.find("credentials") != std::string::npos);
@@ -89,10 +91,12 @@ TEST_CASE("url: a text for the log shows no password, no query and no control ch
 TEST_CASE("addresses: this machine, its neighbours and groups are refused, in every notation, unless they are named")
 {
     const AddressRule usual;
-    for (const char* text : {"127.0.0.1", "127.9.9.9", "0.0.0.0", "0.1.2.3", "169.254.169.254", "224.0.0.1", "255.255.255.255", "::", "::1", "::7f00:1", "fe80::1",
-                             "febf::1", "ff02::1", "::ffff:127.0.0.1", "::ffff:169.254.169.254"})
+    for (const char* text :
+         {"127.0.0.1", "127.9.9.9", "0.0.0.0", "0.1.2.3", "169.254.169.254", "224.0.0.1", "255.255.255.255",
+          "::", "::1", "::7f00:1", "fe80::1", "febf::1", "ff02::1", "::ffff:127.0.0.1", "::ffff:169.254.169.254"})
         CHECK_MESSAGE(!allows(usual, text), text);
-    for (const char* text : {"192.0.2.10", "10.0.0.1", "172.16.0.1", "192.168.0.90", "2001:db8::1", "fd00::1", "::ffff:192.0.2.10"})
+    for (const char* text :
+         {"192.0.2.10", "10.0.0.1", "172.16.0.1", "192.168.0.90", "2001:db8::1", "fd00::1", "::ffff:192.0.2.10"})
         CHECK_MESSAGE(allows(usual, text), text);
     const AddressRule named("127.0.0.1,fe80::1");
     CHECK(allows(named, "127.0.0.1"));
@@ -113,12 +117,15 @@ TEST_CASE("addresses: what is no internet address at all is refused")
 TEST_CASE("certificate: a file that is not there or has none is refused by its name")
 {
     CHECK_NOTHROW(check_certificate(""));
-    CHECK_NOTHROW(check_certificate(File("of the door\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n", 0644).path));
-    CHECK_THROWS_WITH_AS(check_certificate("/nowhere/at/all"), "certificate: there is no file /nowhere/at/all", std::runtime_error);
+    CHECK_NOTHROW(check_certificate(
+        File("of the door\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n", 0644).path));
+    CHECK_THROWS_WITH_AS(check_certificate("/nowhere/at/all"), "certificate: there is no file /nowhere/at/all",
+                         std::runtime_error);
     CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no file /tmp"), std::runtime_error);
     const File key("-----BEGIN PRIVATE KEY-----\n", 0600), empty("", 0600);
     for (const auto* file : {&key, &empty})
-        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " has none").c_str()), std::runtime_error);
+        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " has none").c_str()),
+                             std::runtime_error);
 }
 
 TEST_CASE("credentials: from a file that its owner alone can read")
@@ -126,8 +133,10 @@ TEST_CASE("credentials: from a file that its owner alone can read")
     CHECK(read_credentials(File("root:pa:ss\r\nmore", 0600).path) == Credentials{"root", "pa:ss"});
     CHECK(read_credentials(File("root:", 0400).path) == Credentials{"root", ""});
     for (const mode_t mode : {0640, 0604, 0644, 0660, 0601})
-        CHECK_THROWS_WITH_AS(read_credentials(File("root:pass", mode).path), doctest::Contains("chmod 600"), std::runtime_error);
-    CHECK_THROWS_WITH_AS(read_credentials(File("rootpass", 0600).path), doctest::Contains("user:password"), std::runtime_error);
+        CHECK_THROWS_WITH_AS(read_credentials(File("root:pass", mode).path), doctest::Contains("chmod 600"),
+                             std::runtime_error);
+    CHECK_THROWS_WITH_AS(read_credentials(File("rootpass", 0600).path), doctest::Contains("user:password"),
+                         std::runtime_error);
     CHECK_THROWS_AS(read_credentials(File("", 0600).path), std::runtime_error);
     CHECK_THROWS_WITH_AS(read_credentials("/nowhere/at/all"), doctest::Contains("/nowhere/at/all"), std::runtime_error);
     CHECK_THROWS_WITH_AS(read_credentials("/tmp"), doctest::Contains("not a file"), std::runtime_error);

@@ -28,10 +28,12 @@ std::string nonce_in(const std::string& challenge)
 
 std::string digest(const axis::Credentials& who, const std::string& nonce, const std::string& uri, bool qop)
 {
-    const std::string common = "Digest username=\"" + who.user + "\", realm=\"AXIS_00408C\", nonce=\"" + nonce + "\", uri=\"" + uri + "\"";
+    const std::string common =
+        "Digest username=\"" + who.user + "\", realm=\"AXIS_00408C\", nonce=\"" + nonce + "\", uri=\"" + uri + "\"";
     if (!qop)
         return common + ", response=\"" + digest_response(who, "AXIS_00408C", nonce, "GET", uri) + "\"";
-    return common + ", cnonce=\"abc\", nc=00000001, qop=auth, response=\"" + digest_response(who, "AXIS_00408C", nonce, "GET", uri, "00000001", "abc", "auth") + "\"";
+    return common + ", cnonce=\"abc\", nc=00000001, qop=auth, response=\""
+           + digest_response(who, "AXIS_00408C", nonce, "GET", uri, "00000001", "abc", "auth") + "\"";
 }
 
 }  // namespace
@@ -44,13 +46,15 @@ TEST_CASE("md5: the test suite of RFC 1321")
     CHECK(md5("message digest") == "f96b697d7cb7938d525a2f31aaf161d0");
     CHECK(md5("abcdefghijklmnopqrstuvwxyz") == "c3fcd3d76192e4007dfb496cca67e13b");
     CHECK(md5("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789") == "d174ab98d277d9f5a5611c2c9f419d9f");
-    CHECK(md5("12345678901234567890123456789012345678901234567890123456789012345678901234567890") == "57edf4a22be3c955ac49da2e2107b67a");
+    CHECK(md5("12345678901234567890123456789012345678901234567890123456789012345678901234567890")
+          == "57edf4a22be3c955ac49da2e2107b67a");
 }
 
 TEST_CASE("digest: the example of RFC 2617, section 3.5")
 {
-    CHECK(digest_response({"Mufasa", "Circle Of Life"}, "testrealm@host.com", "dcd98b7102dd2f0e8b11d0f600bfb0c093", "GET", "/dir/index.html", "00000001", "0a4f113b",
-                          "auth") == "6629fae49393a05397450978507c4ef1");
+    CHECK(digest_response({"Mufasa", "Circle Of Life"}, "testrealm@host.com", "dcd98b7102dd2f0e8b11d0f600bfb0c093",
+                          "GET", "/dir/index.html", "00000001", "0a4f113b", "auth")
+          == "6629fae49393a05397450978507c4ef1");
 }
 
 TEST_CASE("login: both schemes are offered, either is taken, wrong ones are not")
@@ -104,7 +108,11 @@ TEST_CASE("emulated parameters: an update sets what it can and names what it can
     ParameterStore store("00408C");
     CHECK(store.update({{"root.ImageSource.I0.Sensor.Brightness", "63"}}, 1) == "OK\r\n");
     CHECK(store.number("ImageSource.I0.Sensor.Brightness") == 63);
-    const auto refused = store.update({{"Image.I0.Appearance.Resolution", "9x9"}, {"Image.I0.Appearance.Compression", "10"}, {"Brand.Brand", "x"}, {"No", "1"}}, 1);
+    const auto refused = store.update({{"Image.I0.Appearance.Resolution", "9x9"},
+                                       {"Image.I0.Appearance.Compression", "10"},
+                                       {"Brand.Brand", "x"},
+                                       {"No", "1"}},
+                                      1);
     CHECK(axis::parse_parameters(refused).errors.size() == 3);
     CHECK(refused.starts_with("# Error: Error setting 'root.Image.I0.Appearance.Resolution' to '9x9'!"));
     CHECK(store.number("Image.I0.Appearance.Compression") == 10);
@@ -130,7 +138,8 @@ TEST_CASE("behaviour: words are set by name, mistakes are told with what there i
 
 TEST_CASE("request: path, query and the fields that matter, in any case")
 {
-    const auto request = parse_request("GET /axis-cgi/param.cgi?action=update&A=x%20%26y HTTP/1.1\r\nHost: x\r\nAUTHORIZATION:  Basic abc\r\nContent-Length: 12\r\n\r\n");
+    const auto request = parse_request("GET /axis-cgi/param.cgi?action=update&A=x%20%26y HTTP/1.1\r\nHost: "
+                                       "x\r\nAUTHORIZATION:  Basic abc\r\nContent-Length: 12\r\n\r\n");
     REQUIRE(request);
     CHECK(request->path == "/axis-cgi/param.cgi");
     CHECK(request->word("A") == "x &y");
@@ -159,7 +168,8 @@ TEST_CASE("stream: the reader takes every boundary, line end and length that sti
                     const auto name = axis::boundary_of(stream_type(behaviour));
                     REQUIRE(name);
                     axis::MultipartReader reader(*name);
-                    reader.feed(stream_part(behaviour, jpeg) + stream_part(behaviour, jpeg) + stream_part(behaviour, jpeg));
+                    reader.feed(stream_part(behaviour, jpeg) + stream_part(behaviour, jpeg)
+                                + stream_part(behaviour, jpeg));
                     for (int i = 0; i < 2; ++i) {
                         const auto part = reader.next();
                         REQUIRE(part);

@@ -16,18 +16,26 @@ const Credentials someone{"root", "pass"};
 
 Access access(const CameraUrl& url, std::optional<Credentials> credentials, bool basic_over_http = false)
 {
-    return {.url = url, .credentials = std::move(credentials), .basic_over_http = basic_over_http, .certificate = {}, .addresses = {}};
+    return {.url = url,
+            .credentials = std::move(credentials),
+            .basic_over_http = basic_over_http,
+            .certificate = {},
+            .addresses = {}};
 }
 
 Head unauthorised(std::vector<std::string> challenges) { return {401, "text/html", "", std::move(challenges)}; }
 
-Trouble of_code(int code, long problem = 0) { return error_of_transfer(access(plain, std::nullopt), {}, code, problem).trouble(); }
+Trouble of_code(int code, long problem = 0)
+{
+    return error_of_transfer(access(plain, std::nullopt), {}, code, problem).trouble();
+}
 
 }  // namespace
 
 TEST_CASE("http errors: a refused login counts only if the password was sent")
 {
-    const Head basic = unauthorised({"Basic realm=\"AXIS_1\""}), digest = unauthorised({"Basic realm=\"AXIS_1\"", "DIGEST realm=\"AXIS_1\", nonce=\"1\""});
+    const Head basic = unauthorised({"Basic realm=\"AXIS_1\""}),
+               digest = unauthorised({"Basic realm=\"AXIS_1\"", "DIGEST realm=\"AXIS_1\", nonce=\"1\""});
     CHECK(error_of_status(access(plain, std::nullopt), digest).trouble() == Trouble::login_needed);
     CHECK(error_of_status(access(plain, someone), basic).trouble() == Trouble::login_needed);
     CHECK(error_of_status(access(plain, someone, true), basic).trouble() == Trouble::login_refused);
@@ -64,5 +72,6 @@ TEST_CASE("http errors: a certificate that cannot be read any more is named")
     Access with_file = access(encrypted, std::nullopt);
     with_file.certificate = "/somewhere/camera.pem";
     const std::string text = error_of_transfer(with_file, {}, CURLE_SSL_CACERT_BADFILE, 0).what();
-    CHECK(text == "no encrypted connection to https://192.0.2.10: the certificate in /somewhere/camera.pem cannot be read");
+    CHECK(text
+          == "no encrypted connection to https://192.0.2.10: the certificate in /somewhere/camera.pem cannot be read");
 }

@@ -28,12 +28,14 @@ TEST_CASE("lifeline: a camera that answers wrongly is tried after 0.5 s, doublin
     CHECK(line.next_try() == start + 500ms);
 }
 
-TEST_CASE("lifeline: a camera that is not there or says nothing is tried every half second, so that it is found when it is back")
+TEST_CASE("lifeline: a camera that is not there or says nothing is tried every half second, so that it is found when "
+          "it is back")
 {
     Lifeline line(start);
     for (int i = 0; i < 5; ++i)
         line.failed(CameraError(Trouble::refused_status, ""), start);
-    for (const auto trouble : {Trouble::refused, Trouble::no_route, Trouble::no_answer, Trouble::silent, Trouble::refused}) {
+    for (const auto trouble :
+         {Trouble::refused, Trouble::no_route, Trouble::no_answer, Trouble::silent, Trouble::refused}) {
         line.failed(CameraError(trouble, ""), start);
         CHECK(line.next_try() == start + 500ms);
     }
@@ -98,7 +100,8 @@ TEST_CASE("lifeline: a password is tried three times, then not until it changes"
     CHECK(line.next_try() == start + 9s);
 }
 
-TEST_CASE("lifeline: a password that is tried no more is tried once more for each time that somebody wants it, and the text says how")
+TEST_CASE("lifeline: a password that is tried no more is tried once more for each time that somebody wants it, and the "
+          "text says how")
 {
     Lifeline line(start);
     const CameraError wrong(Trouble::login_refused, "wrong password");
@@ -107,7 +110,9 @@ TEST_CASE("lifeline: a password that is tried no more is tried once more for eac
     line.once_more(start + 9s);
     CHECK(line.next_try() < start + 9s);  // it is being tried anyway
     line.failed(wrong, start);
-    CHECK(line.condition(start) == "auth_failed: wrong password; to try it again, touch the file of credentials or set credentials again, also to the same");
+    CHECK(line.condition(start)
+          == "auth_failed: wrong password; to try it again, touch the file of credentials or set credentials again, "
+             "also to the same");
     for (const auto now : {start + 9s, start + 99s}) {
         line.once_more(now);
         CHECK_FALSE(line.locked_out());

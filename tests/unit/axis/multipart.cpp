@@ -94,8 +94,9 @@ TEST_CASE("multipart: dashes of the boundary may be too many or too few, where i
 
 TEST_CASE("multipart: unknown fields, a preamble, garbage between parts and a closing boundary are passed over")
 {
-    check_parts("hello\r\n\r\n" + part(one, "X-Axis: 1\r\nnonsense\r\nContent-Length: " + std::to_string(one.size()) + "\r\n") + "\xFF\xD8 -- --my \xFF\xD9\r\n" +
-                    counted(two) + "--myboundary--\r\n",
+    check_parts("hello\r\n\r\n"
+                    + part(one, "X-Axis: 1\r\nnonsense\r\nContent-Length: " + std::to_string(one.size()) + "\r\n")
+                    + "\xFF\xD8 -- --my \xFF\xD9\r\n" + counted(two) + "--myboundary--\r\n",
                 {one, two});
 }
 

@@ -7,8 +7,11 @@ using namespace axis;
 
 TEST_CASE("parameters: names lose their root, values keep everything after the first equals sign")
 {
-    const auto list = parse_parameters("root.Image.I0.Appearance.Resolution=640x480\r\nBrand.Brand=AXIS\nroot.A.B=x=y\nroot.Empty=\r\n");
-    CHECK(list.values == Parameters{{"Image.I0.Appearance.Resolution", "640x480"}, {"Brand.Brand", "AXIS"}, {"A.B", "x=y"}, {"Empty", ""}});
+    const auto list = parse_parameters(
+        "root.Image.I0.Appearance.Resolution=640x480\r\nBrand.Brand=AXIS\nroot.A.B=x=y\nroot.Empty=\r\n");
+    CHECK(list.values
+          == Parameters{
+              {"Image.I0.Appearance.Resolution", "640x480"}, {"Brand.Brand", "AXIS"}, {"A.B", "x=y"}, {"Empty", ""}});
     CHECK(list.errors.empty());
 }
 

@@ -13,24 +13,31 @@ namespace {
 /// An encoder that writes down what it does, and the two threads as queues that the test runs by hand.
 class Workshop {
 public:
-    Encoder encoder{.encodings = {"loud"},
-                    .type = [](const std::string&) { return std::string("text/loud"); },
-                    .encode = [this](const Event& event, const std::string& encoding) { return encode(event, encoding); }};
+    Encoder encoder{
+        .encodings = {"loud"},
+        .type = [](const std::string&) { return std::string("text/loud"); },
+        .encode = [this](const Event& event, const std::string& encoding) { return encode(event, encoding); }};
     std::deque<std::function<void()>> jobs, tasks;
     std::vector<std::string> encoded;      ///< "loud of 1", in order
     std::vector<std::string> transmitted;  ///< "1 to 7 as text/loud"
     std::vector<std::string> problems;
     bool throws = false;
 
-    Dispatch dispatch{encoder, {.transmit =
-                                    [this](const ReceiverTable::Send& send, const Emission& form) {
-                                        transmitted.push_back(number(form.event()) + " to " + std::to_string(send.receiver) + " as " + form.event().type);
-                                    },
-                                .not_encoded = [this](const EmissionPtr&, const Error& problem) { problems.emplace_back(problem.what()); },
-                                .on_encoder_thread = [this](std::function<void()> job) { jobs.push_back(std::move(job)); },
-                                .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
+    Dispatch dispatch{
+        encoder,
+        {.transmit =
+             [this](const ReceiverTable::Send& send, const Emission& form) {
+                 transmitted.push_back(number(form.event()) + " to " + std::to_string(send.receiver) + " as "
+                                       + form.event().type);
+             },
+         .not_encoded = [this](const EmissionPtr&, const Error& problem) { problems.emplace_back(problem.what()); },
+         .on_encoder_thread = [this](std::function<void()> job) { jobs.push_back(std::move(job)); },
+         .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
 
-    void send(ReceiverTable::Id receiver, const EmissionPtr& event, const std::string& encoding) { dispatch.send({receiver, event, Delivery::data, {}}, encoding); }
+    void send(ReceiverTable::Id receiver, const EmissionPtr& event, const std::string& encoding)
+    {
+        dispatch.send({receiver, event, Delivery::data, {}}, encoding);
+    }
     void run_jobs() { run(jobs); }
     void run_tasks() { run(tasks); }
     void run_all()
@@ -70,7 +77,8 @@ TEST_CASE("dispatch: what needs no encoding leaves at once, without the encoder 
     CHECK(shop.jobs.empty());
 }
 
-TEST_CASE("dispatch: an event that three receivers get in one encoding is encoded once, and once more for another encoding")
+TEST_CASE(
+    "dispatch: an event that three receivers get in one encoding is encoded once, and once more for another encoding")
 {
     Workshop shop;
     const auto event = emission(1);
@@ -80,7 +88,8 @@ TEST_CASE("dispatch: an event that three receivers get in one encoding is encode
     CHECK(shop.transmitted.empty());
     shop.run_all();
     CHECK(shop.encoded == Words{"loud of 1", "loud:2 of 1"});
-    CHECK(shop.transmitted == Words{"1 to 1 as text/loud", "1 to 2 as text/loud", "1 to 3 as text/loud", "1 to 4 as text/loud"});
+    CHECK(shop.transmitted
+          == Words{"1 to 1 as text/loud", "1 to 2 as text/loud", "1 to 3 as text/loud", "1 to 4 as text/loud"});
     shop.send(5, event, "loud");  // later, as with first_frame
     CHECK(shop.transmitted.back() == "1 to 5 as text/loud");
     CHECK(shop.jobs.empty());
@@ -98,7 +107,8 @@ TEST_CASE("dispatch: the rendition says what it is, and its header is encoded on
     CHECK(arrived.type == "text/loud");
     CHECK(arrived.size == 4);
     CHECK(arrived.identity.sequence == 1);
-    CHECK(rendition->packet(protocol::PacketType::event, 1).header == rendition->packet(protocol::PacketType::event, 2).header);
+    CHECK(rendition->packet(protocol::PacketType::event, 1).header
+          == rendition->packet(protocol::PacketType::event, 2).header);
 }
 
 TEST_CASE("dispatch: nothing overtakes an event that is being encoded, but other receivers do not wait")
@@ -110,7 +120,8 @@ TEST_CASE("dispatch: nothing overtakes an event that is being encoded, but other
     shop.send(1, emission(3), "loud");
     CHECK(shop.transmitted == Words{"2 to 2 as image/jpeg"});
     shop.run_all();
-    CHECK(shop.transmitted == Words{"2 to 2 as image/jpeg", "1 to 1 as text/loud", "2 to 1 as image/jpeg", "3 to 1 as text/loud"});
+    CHECK(shop.transmitted
+          == Words{"2 to 2 as image/jpeg", "1 to 1 as text/loud", "2 to 1 as image/jpeg", "3 to 1 as text/loud"});
     shop.send(1, emission(4), "");
     CHECK(shop.transmitted.back() == "4 to 1 as image/jpeg");
 }
@@ -179,7 +190,8 @@ TEST_CASE("dispatch: the receipt is held while the event waits for its encoding,
 TEST_CASE("dispatch: a job that ends after the module's end does nothing")
 {
     std::function<void()> job, task;
-    Encoder encoder{.encodings = {"loud"}, .type = {}, .encode = [](const Event& event, const std::string&) { return event; }};
+    Encoder encoder{
+        .encodings = {"loud"}, .type = {}, .encode = [](const Event& event, const std::string&) { return event; }};
     int transmitted = 0;
     {
         Dispatch dispatch(encoder, {.transmit = [&](const ReceiverTable::Send&, const Emission&) { ++transmitted; },

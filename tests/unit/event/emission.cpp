@@ -58,7 +58,10 @@ TEST_CASE("emission: group, turn and attempt of shared work travel in the header
 TEST_CASE("emission: a header over the limit is refused where it is made")
 {
     Event event = emission(1)->event();
-    event.header = {{"text", std::string(15'000, 'x')}, {"more", std::string(15'000, 'y')}, {"and", std::string(15'000, 'z')}, {"so", std::string(15'000, 'a')},
+    event.header = {{"text", std::string(15'000, 'x')},
+                    {"more", std::string(15'000, 'y')},
+                    {"and", std::string(15'000, 'z')},
+                    {"so", std::string(15'000, 'a')},
                     {"on", std::string(15'000, 'b')}};
     CHECK_THROWS_AS(Emission{event}, Error);
 }
@@ -106,7 +109,8 @@ namespace {
 std::string outcome(const std::string& header)
 {
     try {
-        const auto event = event_from_packet({PacketType::event, 1, std::make_shared<const std::string>(header), emission(1)->event().body});
+        const auto event = event_from_packet(
+            {PacketType::event, 1, std::make_shared<const std::string>(header), emission(1)->event().body});
         return std::string(Emission(event).packet(PacketType::event, 1).header_text()) + std::to_string(event.size);
     } catch (const Error& error) {
         return std::string(info(error.code()).token);
@@ -136,19 +140,22 @@ std::string repeated(const std::string& text, std::size_t times)
 
 }  // namespace
 
-TEST_CASE("emission: a header is read the same directly and as JSON, whichever byte of it is changed, left out or doubled")
+TEST_CASE(
+    "emission: a header is read the same directly and as JSON, whichever byte of it is changed, left out or doubled")
 {
     const std::string header = full_header();
     REQUIRE(outcome(header) == header + "10");
     const std::string bytes = std::string("\"\\{}[],:0-19.eE tn\x7f\xc3") + '\0';
     for (std::size_t i = 0; i < header.size(); ++i) {
-        std::vector<std::string> changed{header.substr(0, i) + header.substr(i + 1), header.substr(0, i) + header.substr(i), header.substr(0, i)};
+        std::vector<std::string> changed{header.substr(0, i) + header.substr(i + 1),
+                                         header.substr(0, i) + header.substr(i), header.substr(0, i)};
         changed[1].insert(i, 1, header[i]);
         for (const char byte : bytes)
             (changed.emplace_back(header))[i] = byte;
         for (const auto& text : changed)
             if (outcome(text) != outcome_in_general(text))
-                FAIL_CHECK(text << " is read as " << outcome(text) << ", and in general as " << outcome_in_general(text));
+                FAIL_CHECK(text << " is read as " << outcome(text) << ", and in general as "
+                                << outcome_in_general(text));
     }
 }
 

@@ -23,7 +23,8 @@ const Encoder pictures{.encodings = {"jpeg", "png", "raw"},
 
 protocol::Registration registration(const std::string& encoding = {}, const std::string& accepts = "image/*")
 {
-    protocol::Registration result{.id = 1, .epoch = 1, .output = "image", .receiver = "face.image", .accepts = accepts, .options = {}};
+    protocol::Registration result{
+        .id = 1, .epoch = 1, .output = "image", .receiver = "face.image", .accepts = accepts, .options = {}};
     result.options.encoding = encoding;
     return result;
 }
@@ -35,7 +36,10 @@ Event event_of(const std::string& type)
     return event;
 }
 
-std::string chosen(const protocol::Registration& asked, Way way, const std::string& type) { return EncodingChoice(pictures, asked, way).of(event_of(type)); }
+std::string chosen(const protocol::Registration& asked, Way way, const std::string& type)
+{
+    return EncodingChoice(pictures, asked, way).of(event_of(type));
+}
 
 Errc refusal(const Encoder& encoder, const protocol::Registration& asked)
 {

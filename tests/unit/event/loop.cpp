@@ -41,7 +41,8 @@ struct Running {
 
 }  // namespace
 
-TEST_CASE("loop: a thread that finds the turn free runs a task at once, after what was posted, and is served what is ready")
+TEST_CASE(
+    "loop: a thread that finds the turn free runs a task at once, after what was posted, and is served what is ready")
 {
     Loop loop;  // without its thread, so the turn is free
     std::vector<int> order;
@@ -135,7 +136,8 @@ TEST_CASE("loop: a thread that waits lets another one in, and asks again when it
 {
     Running running;
     std::atomic<bool> done = false;
-    auto waiting = std::async(std::launch::async, [&] { running.loop.wait(in(long_enough), [&] { return done.load(); }); });
+    auto waiting =
+        std::async(std::launch::async, [&] { running.loop.wait(in(long_enough), [&] { return done.load(); }); });
     for (int i = 0; i < 100; ++i) {
         std::thread::id by;
         running.loop.call([&] { by = self(); });
@@ -146,7 +148,8 @@ TEST_CASE("loop: a thread that waits lets another one in, and asks again when it
     CHECK(waiting.wait_for(long_enough / 2) == std::future_status::ready);
 }
 
-TEST_CASE("loop: a thread that performs one task after the other does not keep the network thread from running what is ready")
+TEST_CASE(
+    "loop: a thread that performs one task after the other does not keep the network thread from running what is ready")
 {
     Running running;
     std::atomic<std::thread::id> ran_on{};

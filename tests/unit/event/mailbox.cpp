@@ -32,7 +32,7 @@ TEST_CASE("mailbox: commands overtake events, and events keep their order")
     mailbox.push([&] { ++commands; });
     auto first = mailbox.pop();
     REQUIRE(first);
-    std::get<Mailbox::Command>(*first)();
+    std::get<Mailbox::Command> (*first)();
     CHECK(commands == 1);
     CHECK(next_sequence(mailbox) == 1);
     CHECK(next_sequence(mailbox) == 2);

@@ -17,7 +17,8 @@ TEST_CASE("matcher: events of one capture make a set, whichever comes first, in 
     CHECK(c.matcher.counts().unmatched == 0);
 }
 
-TEST_CASE("matcher: a slow detector's boxes find their pictures among those that came since, and what it left out is counted as missing marks")
+TEST_CASE("matcher: a slow detector's boxes find their pictures among those that came since, and what it left out is "
+          "counted as missing marks")
 {
     Case c;
     c.give("image", {1, 2, 3, 4});
@@ -29,7 +30,8 @@ TEST_CASE("matcher: a slow detector's boxes find their pictures among those that
     CHECK(c.waiting() == 2);
 }
 
-TEST_CASE("matcher: marks of a picture that this end never got are counted as missing image when a later picture has come")
+TEST_CASE(
+    "matcher: marks of a picture that this end never got are counted as missing image when a later picture has come")
 {
     Case c;
     c.give("image", {1});
@@ -87,10 +89,12 @@ TEST_CASE("matcher: a second event of a capture at the same input is refused whi
     CHECK(c.matcher.counts().sets == 1);
 }
 
-TEST_CASE("matcher: workers that share a job keep no order, so a late answer still finds its picture, and its source is not held up for it")
+TEST_CASE("matcher: workers that share a job keep no order, so a late answer still finds its picture, and its source "
+          "is not held up for it")
 {
     Case c;
-    const Made one{.lossless = true, .sender = "face-1", .group = "faces"}, two{.lossless = true, .sender = "face-2", .group = "faces"};
+    const Made one{.lossless = true, .sender = "face-1", .group = "faces"},
+        two{.lossless = true, .sender = "face-2", .group = "faces"};
     c.give("image", {1, 2, 3, 4, 5, 6}, lossless);
     CHECK(c.give("marks", {2}, two) == Sets{{2, 2}});
     CHECK(c.give("marks", {4}, two) == Sets{{4, 4}});

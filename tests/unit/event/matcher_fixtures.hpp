@@ -30,8 +30,14 @@ struct Made {
 inline Event event(const std::string& input, std::int64_t sequence, const Made& made = {})
 {
     Event event;
-    event.identity = {.source = "camera", .epoch = made.epoch, .sequence = sequence, .captured_us = made.captured_us < 0 ? 10'000 * sequence : made.captured_us,
-                      .lossless = made.lossless, .group = made.group, .part = made.part, .hops = {}};
+    event.identity = {.source = "camera",
+                      .epoch = made.epoch,
+                      .sequence = sequence,
+                      .captured_us = made.captured_us < 0 ? 10'000 * sequence : made.captured_us,
+                      .lossless = made.lossless,
+                      .group = made.group,
+                      .part = made.part,
+                      .hops = {}};
     event.sender = made.sender.empty() ? "sender of " + input : made.sender;
     event.output = "out";
     event.input = input;
@@ -43,10 +49,14 @@ inline Event event(const std::string& input, std::int64_t sequence, const Made& 
 /// A matcher that is told the time by the tests, and remembers which receipts are still held.
 class Case {
 public:
-    explicit Case(Match match = Match::exact(), const std::vector<std::string>& inputs = {"image", "marks"}) : matcher(inputs, match) {}
+    explicit Case(Match match = Match::exact(), const std::vector<std::string>& inputs = {"image", "marks"})
+        : matcher(inputs, match)
+    {
+    }
 
     /// Gives events to an input; returns what the sets that became complete are made of.
-    std::vector<Sequences> give(const std::string& input, std::initializer_list<std::int64_t> sequences, const Made& made = {})
+    std::vector<Sequences> give(const std::string& input, std::initializer_list<std::int64_t> sequences,
+                                const Made& made = {})
     {
         for (const auto sequence : sequences) {
             auto fresh = event(input, sequence, made);

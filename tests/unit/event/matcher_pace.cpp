@@ -5,7 +5,8 @@ namespace hive::event {
 
 using namespace matching;
 
-TEST_CASE("matcher: live events give back their receipts when they have to wait, the one that completes a set keeps its own")
+TEST_CASE(
+    "matcher: live events give back their receipts when they have to wait, the one that completes a set keeps its own")
 {
     Case c;
     c.give("image", {1, 2, 3});
@@ -56,7 +57,8 @@ TEST_CASE("matcher: one event larger than all that may wait still waits")
     CHECK(c.give("marks", {1}) == Sets{{1, 1}});
 }
 
-TEST_CASE("matcher: of lossless events four may wait before their source is held up, and it goes on as they find their partners")
+TEST_CASE("matcher: of lossless events four may wait before their source is held up, and it goes on as they find their "
+          "partners")
 {
     Case c;
     c.give("image", {1, 2, 3, 4}, lossless);

@@ -5,7 +5,8 @@ namespace hive::event {
 
 using namespace matching;
 
-TEST_CASE("matcher: within a time each event of the slower input gets the nearest of the other, when no nearer one can come")
+TEST_CASE(
+    "matcher: within a time each event of the slower input gets the nearest of the other, when no nearer one can come")
 {
     Case c(Match::within(50ms));
     c.give("image", {1}, {.captured_us = 0});
@@ -51,7 +52,8 @@ TEST_CASE("matcher: within a time a pair that nothing more comes for is made whe
     CHECK(c.matcher.counts().unmatched == 0);
 }
 
-TEST_CASE("matcher: within a time two sources on demand go in step: the one that is ahead is held up, the one behind is not")
+TEST_CASE(
+    "matcher: within a time two sources on demand go in step: the one that is ahead is held up, the one behind is not")
 {
     Case c(Match::within(1ms));
     for (std::int64_t i = 1; i <= 6; ++i)

@@ -28,7 +28,8 @@ TEST_CASE("module: a lossless result without any receiver holds up the intakes u
 TEST_CASE("module: an exception that a lossless event has caused holds up nothing, whether there are results or not")
 {
     Alone alone;
-    Outlet& exceptions = alone.module.add_outlet({"exceptions", "application/x-hive-exception", ""}, PacketType::exception);
+    Outlet& exceptions =
+        alone.module.add_outlet({"exceptions", "application/x-hive-exception", ""}, PacketType::exception);
     alone.module.emit(exceptions, emission(1, true));
     CHECK_FALSE(alone.module.paused());
     alone.module.add_outlet({"result", "application/json", ""});

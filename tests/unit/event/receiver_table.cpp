@@ -10,7 +10,10 @@ namespace {
 struct OneReceiver {
     explicit OneReceiver(const ConnectionOptions& options) { table.add(1, "face.image", epoch, options, start); }
 
-    Sequences offer(std::int64_t sequence, bool lossless = false) { return deliver(table.offer(emission(sequence, lossless), false, start)); }
+    Sequences offer(std::int64_t sequence, bool lossless = false)
+    {
+        return deliver(table.offer(emission(sequence, lossless), false, start));
+    }
     Sequences ask(std::int64_t id, std::int64_t done = 0) { return deliver(table.request(1, epoch, id, done, start)); }
     Sequences deliver(const ReceiverTable::Decisions& decisions)
     {
@@ -225,7 +228,14 @@ TEST_CASE("receiver table: an event is acknowledged once its receivers of bodies
 {
     ReceiverTable table;
     table.add(1, "collector", epoch, window(2), start);
-    table.add(2, "watcher that asks no more", epoch, [] { auto options = window(1); options.delivery = Delivery::notification; return options; }(), start);
+    table.add(
+        2, "watcher that asks no more", epoch,
+        [] {
+            auto options = window(1);
+            options.delivery = Delivery::notification;
+            return options;
+        }(),
+        start);
     table.offer(emission(1), false, start);
     bool acknowledged = false;
     Event event = emission(2, true)->event();

@@ -12,7 +12,8 @@ using namespace std::chrono_literals;
 
 /// Workers 1 to n in one group, and a transport that writes at once.
 struct Workers {
-    explicit Workers(int count, const ConnectionOptions& options = sharing(), ReceiverTable::Defences defences = {true}) : table(defences)
+    explicit Workers(int count, const ConnectionOptions& options = sharing(), ReceiverTable::Defences defences = {true})
+        : table(defences)
     {
         for (int id = 1; id <= count; ++id)
             table.add(static_cast<ReceiverTable::Id>(id), "face-" + std::to_string(id), epoch, options, now);
@@ -35,8 +36,14 @@ struct Workers {
         }
         return result;
     }
-    auto offer(std::int64_t sequence, bool lossless = true) { return got(table.offer(emission(sequence, lossless), false, now)); }
-    auto done(ReceiverTable::Id id, std::int64_t count, int size = 1) { return got(table.request(id, epoch, count + size, count, now)); }
+    auto offer(std::int64_t sequence, bool lossless = true)
+    {
+        return got(table.offer(emission(sequence, lossless), false, now));
+    }
+    auto done(ReceiverTable::Id id, std::int64_t count, int size = 1)
+    {
+        return got(table.request(id, epoch, count + size, count, now));
+    }
     auto pass(Clock::duration time)
     {
         now += time;
@@ -220,7 +227,8 @@ TEST_CASE("group: work of a source on demand waits for a crashed last member to 
     CHECK(workers.got(workers.table.add(7, "face-1", epoch, sharing(), workers.now)) == Got{{7, {1}}});
 }
 
-TEST_CASE("group: work of a live source waits for a crashed last member too, without holding up or costing the source anything")
+TEST_CASE("group: work of a live source waits for a crashed last member too, without holding up or costing the source "
+          "anything")
 {
     Workers workers(1);
     workers.offer(1, false);
@@ -282,7 +290,8 @@ TEST_CASE("group: the last member that leaves on purpose ends the work: what is 
     CHECK(balanced(workers.group()));
 }
 
-TEST_CASE("group: of the groups without members only the last are remembered, and what waited in a forgotten one is given up")
+TEST_CASE(
+    "group: of the groups without members only the last are remembered, and what waited in a forgotten one is given up")
 {
     Workers workers(0);
     const auto member_of = [&](std::size_t number) {

@@ -9,7 +9,8 @@ namespace {
 Event answer(std::int64_t sequence, int attempt, const char* output = "faces", int part = 0)
 {
     Event event;
-    event.identity = {.source = "camera", .epoch = 1, .sequence = sequence, .attempt = attempt, .part = part, .hops = {}};
+    event.identity = {
+        .source = "camera", .epoch = 1, .sequence = sequence, .attempt = attempt, .part = part, .hops = {}};
     event.kind = "face";
     event.output = output;
     return event;

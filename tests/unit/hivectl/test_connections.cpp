@@ -13,15 +13,32 @@ namespace {
 
 Answer camera(std::int64_t epoch, std::int64_t uptime_us, std::int64_t produced, std::int64_t skipped)
 {
-    const Json receiver{{"receiver", "face.image"}, {"transfer", "sync"}, {"window", 2}, {"encoding", "as it is"}, {"produced", produced}, {"delivered", produced - skipped}, {"skipped", skipped}};
-    return {"camera", Json{{"epoch", epoch}, {"state", "busy"}, {"uptime_us", uptime_us},
-                           {"outputs", Json::array({Json{{"name", "image"}, {"produced", produced}, {"receivers", Json::array({receiver})}}})}}, {}};
+    const Json receiver{{"receiver", "face.image"}, {"transfer", "sync"},   {"window", 2},
+                        {"encoding", "as it is"},   {"produced", produced}, {"delivered", produced - skipped},
+                        {"skipped", skipped}};
+    return {
+        "camera",
+        Json{{"epoch", epoch},
+             {"state", "busy"},
+             {"uptime_us", uptime_us},
+             {"outputs",
+              Json::array({Json{{"name", "image"}, {"produced", produced}, {"receivers", Json::array({receiver})}}})}},
+        {}};
 }
 
 Answer face(std::int64_t uptime_us, std::int64_t busy_us, std::int64_t processed)
 {
-    return {"face", Json{{"epoch", 1}, {"state", "busy"}, {"uptime_us", uptime_us}, {"busy_us", busy_us}, {"events", Json{{"processed", processed}}},
-                         {"inputs", Json::array({Json{{"input", "image"}, {"from", "camera.image"}, {"state", "connected"}, {"last_age_us", 40'000}}})}}, {}};
+    return {
+        "face",
+        Json{{"epoch", 1},
+             {"state", "busy"},
+             {"uptime_us", uptime_us},
+             {"busy_us", busy_us},
+             {"events", Json{{"processed", processed}}},
+             {"inputs",
+              Json::array({Json{
+                  {"input", "image"}, {"from", "camera.image"}, {"state", "connected"}, {"last_age_us", 40'000}}})}},
+        {}};
 }
 
 }  // namespace
@@ -60,7 +77,8 @@ TEST_CASE("connections: what only one end knows says which one")
     const auto sender_only = connection_rows({camera(1, 0, 10, 4)});
     REQUIRE(sender_only.size() == 1);
     CHECK(sender_only[0].text("known_by") == "sender");
-    const auto receiver_only = connection_rows({face(0, 0, 0), {"camera", {}, hive::Error(hive::Errc::timeout, "silent")}});
+    const auto receiver_only =
+        connection_rows({face(0, 0, 0), {"camera", {}, hive::Error(hive::Errc::timeout, "silent")}});
     REQUIRE(receiver_only.size() == 1);
     CHECK(receiver_only[0].text("known_by") == "receiver");
     CHECK(receiver_only[0]["delivered"].is_null());
@@ -68,7 +86,8 @@ TEST_CASE("connections: what only one end knows says which one")
 
 TEST_CASE("rates: differences over the time between, and the busiest receiver is marked slowest")
 {
-    const auto rates = rates_between({camera(1, 1'000'000, 10, 4), face(1'000'000, 500'000, 5)}, {camera(1, 3'000'000, 50, 24), face(3'000'000, 2'000'000, 25)}, 2s);
+    const auto rates = rates_between({camera(1, 1'000'000, 10, 4), face(1'000'000, 500'000, 5)},
+                                     {camera(1, 3'000'000, 50, 24), face(3'000'000, 2'000'000, 25)}, 2s);
     REQUIRE(rates.drones.size() == 2);
     CHECK(rates.drones[0].number("out_per_s") == doctest::Approx(20));
     CHECK(rates.drones[1].number("in_per_s") == doctest::Approx(10));

@@ -10,10 +10,10 @@ TEST_CASE("printable: nothing that steers a terminal passes, everything else doe
 {
     CHECK(printable("caf\xC3\xA9 \xE2\x82\xAC \xF0\x9F\x90\x9D") == "caf\xC3\xA9 \xE2\x82\xAC \xF0\x9F\x90\x9D");
     CHECK(printable("a\x1b[31m\n\t\x7f") == "a\\x1b[31m\\n\\t\\x7f");
-    CHECK(printable("\xC2\x9B") == "\\x9b");            // the 8-bit control sequence introducer
-    CHECK(printable("\xE2\x80\xAE") == "\\u202e");      // right-to-left override
-    CHECK(printable("\xFF\xC3") == "\\xff\\xc3");       // not UTF-8
-    CHECK(printable("\xE0\x80") == "\\xe0\\x80");       // cut off
+    CHECK(printable("\xC2\x9B") == "\\x9b");        // the 8-bit control sequence introducer
+    CHECK(printable("\xE2\x80\xAE") == "\\u202e");  // right-to-left override
+    CHECK(printable("\xFF\xC3") == "\\xff\\xc3");   // not UTF-8
+    CHECK(printable("\xE0\x80") == "\\xe0\\x80");   // cut off
 }
 
 TEST_CASE("json text: control characters that JSON allows are escapes too, so it stays one line and the same value")

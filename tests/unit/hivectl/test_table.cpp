@@ -16,9 +16,10 @@ const std::vector<Row> rows{{{"name", "camera"}, {"uptime_us", 1500}, {"n", 7}, 
 
 TEST_CASE("table: texts stand left, numbers right, what is unknown is a dash, and no line ends with blanks")
 {
-    CHECK(table_text(columns, rows) == "NAME    UPTIME    N\n"
-                                       "camera    1 ms    7  <-\n"
-                                       "f\xC3\xA9           -  123\n");
+    CHECK(table_text(columns, rows)
+          == "NAME    UPTIME    N\n"
+             "camera    1 ms    7  <-\n"
+             "f\xC3\xA9           -  123\n");
 }
 
 TEST_CASE("table: without rows there is no line of titles, and the JSON is an empty array")
@@ -29,7 +30,9 @@ TEST_CASE("table: without rows there is no line of titles, and the JSON is an em
 
 TEST_CASE("table: JSON has the same rows with raw numbers, in the order of the fields")
 {
-    CHECK(json_array(rows) == "[{\"name\":\"camera\",\"uptime_us\":1500,\"n\":7,\"mark\":\"<-\"},{\"name\":\"f\xC3\xA9\",\"uptime_us\":null,\"n\":123}]");
+    CHECK(json_array(rows)
+          == "[{\"name\":\"camera\",\"uptime_us\":1500,\"n\":7,\"mark\":\"<-\"},{\"name\":\"f\xC3\xA9\",\"uptime_us\":"
+             "null,\"n\":123}]");
 }
 
 TEST_CASE("table: a line end in a value does not make a line")

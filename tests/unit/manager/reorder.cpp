@@ -14,11 +14,17 @@ const Reorder::TimePoint start{};
 Identity identity(std::int64_t sequence, bool lossless = true, std::int64_t epoch = 1)
 {
     // Live shared work: the source skips two of three, the turns are without gaps.
-    return {.source = "camera", .epoch = epoch, .sequence = lossless ? sequence : 3 * sequence, .lossless = lossless,
-            .group = lossless ? "" : "workers", .turn = lossless ? 0 : sequence, .attempt = lossless ? 0 : 1};
+    return {.source = "camera",
+            .epoch = epoch,
+            .sequence = lossless ? sequence : 3 * sequence,
+            .lossless = lossless,
+            .group = lossless ? "" : "workers",
+            .turn = lossless ? 0 : sequence,
+            .attempt = lossless ? 0 : 1};
 }
 
-void push(Reorder& reorder, std::initializer_list<std::int64_t> sequences, bool lossless = true, Reorder::TimePoint now = start)
+void push(Reorder& reorder, std::initializer_list<std::int64_t> sequences, bool lossless = true,
+          Reorder::TimePoint now = start)
 {
     for (const auto sequence : sequences) {
         Event event;

@@ -8,8 +8,10 @@ using namespace hive;
 
 namespace {
 
-const Json object = Json::parse(R"({"text":"a","name":"face-1","bad_name":"../x","number":5,"negative":-5,"fraction":1.5,"whole":1.0,
-    "huge":18446744073709551615,"edge":9007199254740992,"beyond":9007199254740993,"flag":true,"object":{"a":1},"array":[1],"null":null})");
+const Json object =
+    Json::parse(R"({"text":"a","name":"face-1","bad_name":"../x","number":5,"negative":-5,"fraction":1.5,"whole":1.0,
+    "huge":18446744073709551615,"edge":9007199254740992,"beyond":9007199254740993,
+     "flag":true,"object":{"a":1},"array":[1],"null":null})");
 
 /// The text of the error that reading throws; empty if it does not.
 template <class Read>
@@ -56,8 +58,10 @@ TEST_CASE("fields: a wrong value is told by message, field and what it must be")
 {
     CHECK_EQ(complaint([](const Fields& f) { return f.text("number"); }), "test: \"number\" must be a string");
     CHECK_EQ(complaint([](const Fields& f) { return f.name("bad_name"); }), "test: \"bad_name\" must be a name");
-    CHECK_EQ(complaint([](const Fields& f) { return f.integer("number", 6, 9); }), "test: \"number\" must be a whole number from 6 to 9");
-    CHECK_EQ(complaint([](const Fields& f) { return f.flag_or("number", true); }), "test: \"number\" must be true or false");
+    CHECK_EQ(complaint([](const Fields& f) { return f.integer("number", 6, 9); }),
+             "test: \"number\" must be a whole number from 6 to 9");
+    CHECK_EQ(complaint([](const Fields& f) { return f.flag_or("number", true); }),
+             "test: \"number\" must be true or false");
     CHECK_EQ(complaint([](const Fields& f) { return f.object("array"); }), "test: \"array\" must be an object");
     CHECK_EQ(complaint([](const Fields& f) { return f.array("object"); }), "test: \"object\" must be an array");
 }

@@ -69,6 +69,7 @@ TEST_CASE("interface: a drone of many ports still fits a header")
 {
     Interface wide = face();
     for (int i = 0; i < 200; ++i)
-        wide.outputs.push_back({"output-" + std::to_string(i), "application/json", "one of many, with a help text of its own"});
+        wide.outputs.push_back(
+            {"output-" + std::to_string(i), "application/json", "one of many, with a help text of its own"});
     CHECK_EQ(to_json(interface_from_json(parse_json(to_text(to_json(wide))))), to_json(wide));
 }

@@ -125,7 +125,8 @@ TEST_CASE("json: refused texts leave less than 2 MB of memory behind")
     }
 }
 
-TEST_CASE("json: the worst text of 64 KiB is parsed within 2 ms, or as fast as without limits where the machine is slow")
+TEST_CASE(
+    "json: the worst text of 64 KiB is parsed within 2 ms, or as fast as without limits where the machine is slow")
 {
     for (const auto& row : worst_texts()) {
         CAPTURE(row.name);

@@ -11,7 +11,9 @@ using namespace hive;
 TEST_CASE("name: the error says what was given and what a name is, safely")
 {
     CHECK_THROWS_WITH_AS(require_name("a\x1b[31m", "drone"),
-                         "\"a\\u001b[31m\" is not a drone name: 1 to 64 letters, digits, '_', '.' or '-', starting with a letter or digit", Error);
+                         "\"a\\u001b[31m\" is not a drone name: 1 to 64 letters, digits, '_', '.' or '-', starting "
+                         "with a letter or digit",
+                         Error);
     CHECK_EQ(require_name("face-1", "drone"), "face-1");
 }
 

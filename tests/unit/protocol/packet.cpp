@@ -49,7 +49,8 @@ TEST_CASE("prefix: a mismatch of versions names both")
 {
     auto bytes = encode({PacketType::ping, 0, 0, 0});
     bytes[4] = 9;
-    CHECK_THROWS_WITH_AS((void)decode_prefix(bytes.data(), {}), "the peer speaks version 9 of the protocol, this end version 1", Error);
+    CHECK_THROWS_WITH_AS((void)decode_prefix(bytes.data(), {}),
+                         "the peer speaks version 9 of the protocol, this end version 1", Error);
 }
 
 TEST_CASE("prefix: the limits are those of the caller")

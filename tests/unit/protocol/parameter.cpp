@@ -39,7 +39,8 @@ TEST_CASE("parameter: a refusal names parameter, value and what is allowed")
     CHECK_EQ(refusal(scale, 9), "scale=9: must be a number, 1.01 to 2");
     CHECK_EQ(refusal(quality, "high"), "quality=\"high\": must be a whole number, 1 to 100 %");
     CHECK_EQ(refusal(format, "gif"), "format=\"gif\": must be one of these, jpeg | png");
-    CHECK_EQ(refusal({"on", ParameterType::flag, true, std::nullopt, std::nullopt, {}, "", ""}, "maybe"), "on=\"maybe\": must be on or off");
+    CHECK_EQ(refusal({"on", ParameterType::flag, true, std::nullopt, std::nullopt, {}, "", ""}, "maybe"),
+             "on=\"maybe\": must be on or off");
 }
 
 TEST_CASE("parameter: a refusal repeats no more than the beginning of a giant value")

@@ -10,7 +10,10 @@ using namespace hive;
 
 TEST_CASE("text: bytes that are not UTF-8 become U+FFFD instead of an exception")
 {
-    CHECK_EQ(to_text(Json("a\xff" "b")), "\"a\xEF\xBF\xBD" "b\"");
+    CHECK_EQ(to_text(Json("a\xff"
+                          "b")),
+             "\"a\xEF\xBF\xBD"
+             "b\"");
     CHECK_NOTHROW(parse_json(to_text(Json{{"\xc3", "\xf0\x9f"}})));
 }
 
@@ -24,8 +27,13 @@ TEST_CASE("quotes: control characters of C0, DEL and C1 are escaped, letters are
 {
     CHECK_EQ(in_quotes("a\x1b[31m\n\"\\"), "\"a\\u001b[31m\\n\\\"\\\\\"");
     CHECK_EQ(in_quotes("a\x7f"), "\"a\\u007f\"");
-    CHECK_EQ(in_quotes("\xc2\x9b" "31m \xc2\x80 \xc2\x9f"), "\"\\u009b31m \\u0080 \\u009f\"");
-    CHECK_EQ(in_quotes("Gr\xc3\xb6\xc3\x9f" "e \xc2\xa0"), "\"Gr\xc3\xb6\xc3\x9f" "e \xc2\xa0\"");
+    CHECK_EQ(in_quotes("\xc2\x9b"
+                       "31m \xc2\x80 \xc2\x9f"),
+             "\"\\u009b31m \\u0080 \\u009f\"");
+    CHECK_EQ(in_quotes("Gr\xc3\xb6\xc3\x9f"
+                       "e \xc2\xa0"),
+             "\"Gr\xc3\xb6\xc3\x9f"
+             "e \xc2\xa0\"");
 }
 
 TEST_CASE("quotes: no byte that a terminal obeys comes out, whatever goes in")

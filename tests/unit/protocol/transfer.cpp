@@ -14,7 +14,8 @@ TEST_CASE("tokens: each word gives its enumerator and back")
         CHECK_EQ(from_token<State>(token(value), "state"), value);
     for (const auto value : {ExceptionPolicy::skip, ExceptionPolicy::halt})
         CHECK_EQ(from_token<ExceptionPolicy>(token(value), "policy"), value);
-    CHECK_THROWS_WITH_AS(from_token<Transfer>("fast", "transfer"), "transfer must be one of sync, stream, not \"fast\"", Error);
+    CHECK_THROWS_WITH_AS(from_token<Transfer>("fast", "transfer"), "transfer must be one of sync, stream, not \"fast\"",
+                         Error);
 }
 
 TEST_CASE("options: defaults are the paper's synchronized transfer of one event at a time")
@@ -25,8 +26,12 @@ TEST_CASE("options: defaults are the paper's synchronized transfer of one event 
 
 TEST_CASE("options: every field survives the way")
 {
-    const ConnectionOptions shared{.transfer = Transfer::synchronized, .delivery = Delivery::data, .window = 64, .group = "workers",
-                                   .lease = 2500ms, .encoding = "jpeg:80"};
+    const ConnectionOptions shared{.transfer = Transfer::synchronized,
+                                   .delivery = Delivery::data,
+                                   .window = 64,
+                                   .group = "workers",
+                                   .lease = 2500ms,
+                                   .encoding = "jpeg:80"};
     ConnectionOptions watching;
     watching.transfer = Transfer::streaming;
     watching.delivery = Delivery::notification;
@@ -40,21 +45,29 @@ TEST_CASE("options: what does not go with a group is refused with both named")
     for (const char* option : {R"("transfer":"stream")", R"("delivery":"notify")", R"("first_frame":true)"})
         CHECK_THROWS_AS(connection_options(parse_json(R"({"group":"workers",)" + std::string(option) + "}")), Error);
     CHECK_THROWS_WITH_AS(connection_options(parse_json(R"({"group":"workers","first_frame":true})")),
-                         "a group gives each event to one member: first_frame, which begins with an event that others may have had, does not go with it", Error);
+                         "a group gives each event to one member: first_frame, which begins with an event that others "
+                         "may have had, does not go with it",
+                         Error);
 }
 
 TEST_CASE("encoding: a word in lower case, with a number if wanted")
 {
     for (const char* text : {"raw", "jpeg:80", "h264", "x-y:000001"})
         CHECK_MESSAGE(is_encoding(text), text);
-    for (const char* text : {"", ":", "jpeg:", ":80", "Jpeg", "jpeg:80:1", "jpeg:-1", "jpeg: 80", "1x", "-x", "image/jpeg", "jpeg:1234567", "\xC3\xA9"})
+    for (const char* text : {"", ":", "jpeg:", ":80", "Jpeg", "jpeg:80:1", "jpeg:-1", "jpeg: 80", "1x", "-x",
+                             "image/jpeg", "jpeg:1234567", "\xC3\xA9"})
         CHECK_FALSE_MESSAGE(is_encoding(text), text);
 }
 
 TEST_CASE("registration: every field survives the way")
 {
-    protocol::Registration registration{.id = 3, .epoch = max_json_integer, .output = "image", .receiver = "face.image",
-                                        .accepts = "image/*", .stateful = true, .options = {}};
+    protocol::Registration registration{.id = 3,
+                                        .epoch = max_json_integer,
+                                        .output = "image",
+                                        .receiver = "face.image",
+                                        .accepts = "image/*",
+                                        .stateful = true,
+                                        .options = {}};
     registration.options.window = 4;
     const auto read = protocol::registration_from_json(parse_json(to_text(to_json(registration))));
     CHECK_EQ(to_json(read), to_json(registration));
@@ -64,7 +77,8 @@ TEST_CASE("registration: every field survives the way")
 TEST_CASE("confirmation: every error code survives the way")
 {
     for (int i = 0; i <= static_cast<int>(Errc::io); ++i) {
-        const protocol::Confirmation refused{.id = 1, .result = {}, .ok = false, .code = static_cast<Errc>(i), .text = "why"};
+        const protocol::Confirmation refused{
+            .id = 1, .result = {}, .ok = false, .code = static_cast<Errc>(i), .text = "why"};
         const auto read = protocol::confirmation_from_json(parse_json(to_text(to_json(refused))));
         CHECK_FALSE(read.ok);
         CHECK_EQ(read.code, refused.code);
@@ -74,5 +88,6 @@ TEST_CASE("confirmation: every error code survives the way")
 
 TEST_CASE("confirmation: no result is an empty one")
 {
-    CHECK_EQ(to_text(to_json(protocol::Confirmation{.id = 1, .result = {}, .ok = true, .code = {}, .text = {}})), R"({"id":1,"result":{}})");
+    CHECK_EQ(to_text(to_json(protocol::Confirmation{.id = 1, .result = {}, .ok = true, .code = {}, .text = {}})),
+             R"({"id":1,"result":{}})");
 }

@@ -37,12 +37,16 @@ inline std::string bytes_of(const fs::path& path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-inline void write_bytes(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes; }
+inline void write_bytes(const fs::path& path, const std::string& bytes)
+{
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
 
 /// Event i of the test recordings: of two outputs in turn, 100 ms apart, the body "body i" three times.
 inline std::string text_of(int i)
 {
-    return R"({"sender":"camera","output":")" + std::string(i % 2 ? "image" : "boxes") + R"(","type":"a/b","seq":)" + std::to_string(i) + "}";
+    return R"({"sender":"camera","output":")" + std::string(i % 2 ? "image" : "boxes") + R"(","type":"a/b","seq":)"
+           + std::to_string(i) + "}";
 }
 inline std::string body_of(int i)
 {
@@ -53,10 +57,14 @@ inline std::string body_of(int i)
 inline bool append(recording::Writer& writer, int i, Clock::time_point begin = {})
 {
     const std::string body = body_of(i);
-    return writer.append({"camera", i % 2 ? "image" : "boxes", "a/b"}, text_of(i), std::as_bytes(std::span(body)), true, begin + std::chrono::milliseconds(100 * i));
+    return writer.append({"camera", i % 2 ? "image" : "boxes", "a/b"}, text_of(i), std::as_bytes(std::span(body)), true,
+                         begin + std::chrono::milliseconds(100 * i));
 }
 
-inline recording::WriterSettings settings(const fs::path& path) { return {.path = path, .overwrite = false, .limits = {}, .sync = std::chrono::milliseconds(0)}; }
+inline recording::WriterSettings settings(const fs::path& path)
+{
+    return {.path = path, .overwrite = false, .limits = {}, .sync = std::chrono::milliseconds(0)};
+}
 
 /// A recording of so many events; its bytes.
 inline std::string record(const fs::path& path, int events)

@@ -77,7 +77,8 @@ TEST_CASE("recording: an empty one is whole; what is none is refused")
         CHECK_THROWS_AS(Reader(folder / name), std::runtime_error);
 }
 
-TEST_CASE("recording: a file that is there is refused, unless it may be replaced; so are folders, missing folders and a file that is being recorded")
+TEST_CASE("recording: a file that is there is refused, unless it may be replaced; so are folders, missing folders and "
+          "a file that is being recorded")
 {
     const Folder folder;
     record(folder / "a", 3);
@@ -195,8 +196,12 @@ TEST_CASE("recording: ports have the names of the outputs; where they are the sa
             text += port.name + ":" + port.types + " ";
         return text;
     };
-    CHECK(names({{"camera", "image", "image/raw"}, {"face", "faces", "application/json"}, {"camera", "image", "image/jpeg"}}) == "image:image/raw,image/jpeg faces:application/json ");
+    CHECK(names({{"camera", "image", "image/raw"},
+                 {"face", "faces", "application/json"},
+                 {"camera", "image", "image/jpeg"}})
+          == "image:image/raw,image/jpeg faces:application/json ");
     CHECK(names({{"left", "image", "a/b"}, {"right", "image", "a/b"}}) == "left-image:a/b right-image:a/b ");
     CHECK(names({{"face", "exceptions", "a/b"}}) == "face-exceptions:a/b ");
-    CHECK(names({{"a", "b-c", "x/y"}, {"a-b", "c", "x/y"}, {"z", "b-c", "x/y"}, {"z", "c", "x/y"}}) == "a-b-c:x/y output-2:x/y z-b-c:x/y z-c:x/y ");
+    CHECK(names({{"a", "b-c", "x/y"}, {"a-b", "c", "x/y"}, {"z", "b-c", "x/y"}, {"z", "c", "x/y"}})
+          == "a-b-c:x/y output-2:x/y z-b-c:x/y z-c:x/y ");
 }

@@ -25,7 +25,8 @@ std::vector<std::size_t> ends_of(const fs::path& path)
 std::string forged(const recording::Prefix& prefix, const std::string& rest)
 {
     const auto head = recording::encode(prefix);
-    return std::string(recording::file_magic) + std::string(reinterpret_cast<const char*>(head.data()), head.size()) + rest;
+    return std::string(recording::file_magic) + std::string(reinterpret_cast<const char*>(head.data()), head.size())
+           + rest;
 }
 
 }  // namespace
@@ -95,8 +96,10 @@ TEST_CASE("recording: sizes that the file cannot hold allocate nothing, whatever
 {
     const Folder folder;
     using recording::Kind;
-    const recording::Prefix huge_body{.kind = Kind::event, .body_size = 0xFFFFFFFF}, huge_text{.kind = Kind::event, .text_size = 0xFFFFFFFF},
-        huge_end{.kind = Kind::end, .text_size = 0xFFFFFFFF, .body_size = 0xFFFFFFFF}, far_track{.kind = Kind::event, .track = 0xFFFFFFFF, .text_size = 2};
+    const recording::Prefix huge_body{.kind = Kind::event, .body_size = 0xFFFFFFFF},
+        huge_text{.kind = Kind::event, .text_size = 0xFFFFFFFF},
+        huge_end{.kind = Kind::end, .text_size = 0xFFFFFFFF, .body_size = 0xFFFFFFFF},
+        far_track{.kind = Kind::event, .track = 0xFFFFFFFF, .text_size = 2};
     for (const auto& prefix : {huge_body, huge_text, huge_end, far_track}) {
         write_bytes(folder / "forged", forged(prefix, "{}"));
         Reader reader(folder / "forged");
@@ -114,14 +117,18 @@ TEST_CASE("recording: an end that lies about places and names is not followed ou
 {
     const Folder folder;
     const std::string whole = record(folder / "whole", events);
-    const auto end = static_cast<std::size_t>(recording::number_in(std::as_bytes(std::span(whole)).subspan(whole.size() - 16, 8)));
+    const auto end =
+        static_cast<std::size_t>(recording::number_in(std::as_bytes(std::span(whole)).subspan(whole.size() - 16, 8)));
     const auto with_end = [&](const std::string& text, const std::string& index) {
         const auto crc = [](const std::string& bytes) { return recording::crc(std::as_bytes(std::span(bytes))); };
-        const auto head = recording::encode({recording::Kind::end, 0, static_cast<std::uint32_t>(text.size()), static_cast<std::uint32_t>(index.size()), 0, crc(text), crc(index)});
-        write_bytes(folder / "lie", whole.substr(0, end) + std::string(reinterpret_cast<const char*>(head.data()), head.size()) + text + index + whole.substr(whole.size() - 16));
+        const auto head = recording::encode({recording::Kind::end, 0, static_cast<std::uint32_t>(text.size()),
+                                             static_cast<std::uint32_t>(index.size()), 0, crc(text), crc(index)});
+        write_bytes(folder / "lie", whole.substr(0, end)
+                                        + std::string(reinterpret_cast<const char*>(head.data()), head.size()) + text
+                                        + index + whole.substr(whole.size() - 16));
     };
     std::string lying_index(40, '\xFF');
-    lying_index[15] = lying_index[35] = '\0';  // a time that can be
+    lying_index[15] = lying_index[35] = '\0';                         // a time that can be
     lying_index.replace(0, 8, std::string("\x09\0\0\0\0\0\0\0", 8));  // the middle of a record
     recording::Summary summary;
     summary.ended = "stopped";

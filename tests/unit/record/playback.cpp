@@ -35,7 +35,8 @@ TEST_CASE("playback: a range begins and ends where it says, once or again and ag
     CHECK(times(all, false, 100).size() == 30);
 }
 
-TEST_CASE("playback: the first event comes again as long after the last as the events are apart, and a turn takes at least 100 ms")
+TEST_CASE("playback: the first event comes again as long after the last as the events are apart, and a turn takes at "
+          "least 100 ms")
 {
     const auto pause = [](const fs::path& file, const replay::Range& range) {
         Playback playback(file, range);

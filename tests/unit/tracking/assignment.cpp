@@ -15,7 +15,8 @@ namespace {
 
 double sum_of(const CostTable& costs, const std::vector<Pair>& pairs)
 {
-    return std::accumulate(pairs.begin(), pairs.end(), 0.0, [&](double sum, const Pair& pair) { return sum + costs.at(pair.row, pair.column); });
+    return std::accumulate(pairs.begin(), pairs.end(), 0.0,
+                           [&](double sum, const Pair& pair) { return sum + costs.at(pair.row, pair.column); });
 }
 
 /// The least sum over all ways to give each of the fewer a partner among the more.
@@ -40,7 +41,8 @@ CostTable random_costs(std::mt19937& random, std::size_t rows, std::size_t colum
     CostTable costs(rows, columns);
     for (std::size_t row = 0; row < rows; ++row)
         for (std::size_t column = 0; column < columns; ++column)
-            costs.at(row, column) = few_values ? static_cast<double>(random() % 3) : static_cast<double>(random() % 100000) / 1000 - 50;
+            costs.at(row, column) =
+                few_values ? static_cast<double>(random() % 3) : static_cast<double>(random() % 100000) / 1000 - 50;
     return costs;
 }
 
@@ -90,7 +92,8 @@ TEST_CASE("assignment: a table as large as a tracker makes it, whose best pairs 
     CostTable costs(size, size);
     for (std::size_t row = 0; row < size; ++row)
         for (std::size_t column = 0; column < size; ++column)
-            costs.at(row, column) = (row * 7 + 3) % size == column ? 0.25 : 1 + static_cast<double>((row * 31 + column * 17) % 97);
+            costs.at(row, column) =
+                (row * 7 + 3) % size == column ? 0.25 : 1 + static_cast<double>((row * 31 + column * 17) % 97);
     const auto pairs = assign(costs);
     REQUIRE(pairs.size() == size);
     for (const Pair& pair : pairs)

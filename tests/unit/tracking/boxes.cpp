@@ -28,7 +28,10 @@ TEST_CASE("boxes: the only array of boxes is found, whatever its name and whatev
 {
     const std::vector<Box> one{{1, 2, 3, 4}};
     CHECK(boxes_in(Json::parse(R"({"faces":[{"x":1,"y":2,"w":3,"h":4}],"width":640,"height":480})"), "") == one);
-    CHECK(boxes_in(Json::parse(R"({"objects":[{"x":1.0,"y":2,"w":3,"h":4,"class":"dog","score":0.5}],"labels":["dog"]})"), "") == one);
+    CHECK(
+        boxes_in(Json::parse(R"({"objects":[{"x":1.0,"y":2,"w":3,"h":4,"class":"dog","score":0.5}],"labels":["dog"]})"),
+                 "")
+        == one);
     CHECK(boxes_in(Json::parse(R"({"boxes":[],"width":640,"height":480,"learned":7})"), "").empty());
 }
 
@@ -42,8 +45,10 @@ TEST_CASE("boxes: of several arrays the name chooses")
 
 TEST_CASE("boxes: what is no box is refused")
 {
-    for (const char* text : {R"({})", R"({"boxes":{}})", R"({"boxes":[1]})", R"({"boxes":[{"x":1,"y":2,"w":3}]})", R"({"boxes":[{"x":"1","y":2,"w":3,"h":4}]})",
-                             R"({"boxes":[{"x":1,"y":2,"w":0,"h":4}]})", R"({"boxes":[{"x":1,"y":2,"w":3,"h":-4}]})", R"({"boxes":[{"x":1e300,"y":2,"w":3,"h":4}]})"}) {
+    for (const char* text :
+         {R"({})", R"({"boxes":{}})", R"({"boxes":[1]})", R"({"boxes":[{"x":1,"y":2,"w":3}]})",
+          R"({"boxes":[{"x":"1","y":2,"w":3,"h":4}]})", R"({"boxes":[{"x":1,"y":2,"w":0,"h":4}]})",
+          R"({"boxes":[{"x":1,"y":2,"w":3,"h":-4}]})", R"({"boxes":[{"x":1e300,"y":2,"w":3,"h":4}]})"}) {
         CAPTURE(text);
         CHECK(refusal(Json::parse(text)) == hive::Errc::malformed);
     }
@@ -54,10 +59,19 @@ TEST_CASE("boxes: what is no box is refused")
 
 TEST_CASE("boxes: as many tracks as there may be fit into a header")
 {
-    track::Track one{.id = 1234567, .box = {-1234.56, 1234.56, 1234.56, 1234.56}, .age = 12345, .seconds = 12345.6789, .speed_x = -1234.56,
-                     .speed_y = 1234.56, .hits = 12345, .missing = 100, .confirmed = false};
+    track::Track one{.id = 1234567,
+                     .box = {-1234.56, 1234.56, 1234.56, 1234.56},
+                     .age = 12345,
+                     .seconds = 12345.6789,
+                     .speed_x = -1234.56,
+                     .speed_y = 1234.56,
+                     .hits = 12345,
+                     .missing = 100,
+                     .confirmed = false};
     const std::string text = hive::to_text({{"tracks", track::to_json(std::vector(track::most_boxes, one))}});
     CHECK(text.size() < 60 * 1024);
-    CHECK(track::to_json({one})[0] == Json::parse(R"({"id":1234567,"x":-1234.6,"y":1234.6,"w":1234.6,"h":1234.6,"vx":-1234.6,"vy":1234.6,"speed":1745.9,
+    CHECK(track::to_json({one})[0]
+          == Json::parse(
+              R"({"id":1234567,"x":-1234.6,"y":1234.6,"w":1234.6,"h":1234.6,"vx":-1234.6,"vy":1234.6,"speed":1745.9,
         "age":12345,"seconds":12345.679,"hits":12345,"missing":100,"confirmed":false})"));
 }

@@ -29,7 +29,10 @@ public:
         return image;
     }
     [[nodiscard]] static cv::Point middle(int index) { return {20 + 2 * (index - 20), 60}; }
-    [[nodiscard]] static cv::Rect2d box(int index) { return {middle(index).x - radius - 0.0, 60.0 - radius, 2 * radius + 1, 2 * radius + 1}; }
+    [[nodiscard]] static cv::Rect2d box(int index)
+    {
+        return {middle(index).x - radius - 0.0, 60.0 - radius, 2 * radius + 1, 2 * radius + 1};
+    }
 
 private:
     static constexpr int radius = 12;
@@ -132,7 +135,8 @@ TEST_CASE("foreground: at most so many blobs, and those the largest; specks and 
     const Foreground found = finder.find(dots);
     CHECK(found.blobs.size() == ForegroundFinder::most_blobs);
     CHECK(std::ranges::count(found.blobs, 4, &background::Blob::area) == 240);
-    CHECK(std::ranges::is_sorted(found.blobs, {}, [](const background::Blob& blob) { return std::pair(blob.box.y, blob.box.x); }));
+    CHECK(std::ranges::is_sorted(found.blobs, {},
+                                 [](const background::Blob& blob) { return std::pair(blob.box.y, blob.box.x); }));
     finder.min_area = 3;
     CHECK(finder.find(dots).blobs.size() == 240);
     finder.open = 2;
@@ -148,7 +152,8 @@ TEST_CASE("foreground: a method that nobody knows is refused")
 
 TEST_CASE("foreground: on the clip of two blobs the mask is the true one")
 {
-    const auto clip = media::shared("media/bgs_two_blobs_brick.mp4"), truth = media::shared("media/bgs_two_blobs_brick_mask.avi");
+    const auto clip = media::shared("media/bgs_two_blobs_brick.mp4"),
+               truth = media::shared("media/bgs_two_blobs_brick_mask.avi");
     if (!clip || !truth)
         return;
     for (const char* method : {"mog2", "knn"}) {

@@ -47,15 +47,18 @@ scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
 
 void report(const std::string& what, const scoring::Identities& score)
 {
-    MESSAGE(what, ": ", score.switches, " identity switches, ", score.covered, " of ", score.truths, " true boxes followed, ", score.false_tracks,
-            " boxes of tracks that follow nothing");
+    MESSAGE(what, ": ", score.switches, " identity switches, ", score.covered, " of ", score.truths,
+            " true boxes followed, ", score.false_tracks, " boxes of tracks that follow nothing");
 }
 
 }  // namespace
 
-TEST_CASE("identities: walkers of the scene that cross and hide one another keep their ids, but for one crossing in many")
+TEST_CASE(
+    "identities: walkers of the scene that cross and hide one another keep their ids, but for one crossing in many")
 {
-    struct Bound { int walkers, switches; };
+    struct Bound {
+        int walkers, switches;
+    };
     for (const Bound bound : {Bound{1, 0}, {2, 1}, {4, 6}}) {
         const auto score = on_scene(bound.walkers, 1, 900);
         report(std::to_string(bound.walkers) + " walkers", score);
@@ -84,7 +87,8 @@ TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the tr
 
 TEST_CASE("identities: pedestrians in the open, by background subtraction alone")
 {
-    const auto clip = media::shared("media/pedestrians_0001-0400.avi"), list = media::shared("media/pedestrians_0001-0400.gt.csv");
+    const auto clip = media::shared("media/pedestrians_0001-0400.avi"),
+               list = media::shared("media/pedestrians_0001-0400.gt.csv");
     if (!clip || !list)
         return;
     auto truth = media::ground_truth(*list);
@@ -100,6 +104,6 @@ TEST_CASE("identities: pedestrians in the open, by background subtraction alone"
         score.add(tracker.next(number / 10.0, boxes_of(finder.find(half), 2)), truth[number], 0.3);
     }
     report("background", score);
-    CHECK(score.switches <= 30);                    // people who stand still melt into the background, groups into one box
+    CHECK(score.switches <= 30);  // people who stand still melt into the background, groups into one box
     CHECK(score.covered >= 0.5 * score.truths);
 }

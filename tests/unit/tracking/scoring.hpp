@@ -15,7 +15,8 @@ namespace scoring {
 
 using media::TrueBox;
 
-/// Counts as in "CLEAR MOT" (Bernardin and Stiefelhagen, 2008): a thing keeps its track while that is near enough; another one is a switch.
+/// Counts as in "CLEAR MOT" (Bernardin and Stiefelhagen, 2008): a thing keeps its track while that is near enough;
+/// another one is a switch.
 class Identities {
 public:
     int truths = 0, covered = 0, switches = 0, false_tracks = 0;
@@ -23,7 +24,8 @@ public:
     void add(std::span<const track::Track> tracks, std::span<const TrueBox> truth, double enough)
     {
         std::vector<track::Track> left;
-        std::ranges::copy_if(tracks, std::back_inserter(left), [](const track::Track& one) { return one.confirmed && one.missing == 0; });
+        std::ranges::copy_if(tracks, std::back_inserter(left),
+                             [](const track::Track& one) { return one.confirmed && one.missing == 0; });
         std::vector<TrueBox> open;
         for (const TrueBox& thing : truth)
             if (!keep(thing, left, enough))
@@ -45,7 +47,8 @@ private:
         const auto known = last_.find(thing.id);
         if (known == last_.end())
             return false;
-        const auto kept = std::ranges::find_if(left, [&](const track::Track& one) { return one.id == known->second && overlap_of(thing, one) >= enough; });
+        const auto kept = std::ranges::find_if(
+            left, [&](const track::Track& one) { return one.id == known->second && overlap_of(thing, one) >= enough; });
         if (kept == left.end())
             return false;
         left.erase(kept);
@@ -55,7 +58,8 @@ private:
 
     void find(const TrueBox& thing, std::vector<track::Track>& left, double enough)
     {
-        const auto best = std::ranges::max_element(left, {}, [&](const track::Track& one) { return overlap_of(thing, one); });
+        const auto best =
+            std::ranges::max_element(left, {}, [&](const track::Track& one) { return overlap_of(thing, one); });
         if (best == left.end() || overlap_of(thing, *best) < enough)
             return;
         const auto [known, first] = last_.try_emplace(thing.id, best->id);

@@ -125,7 +125,8 @@ TEST_CASE("tracker: two that cross keep their ids, whether both are seen all the
 
 TEST_CASE("tracker: two that melt into one box for a while keep their ids, their speeds and their sizes")
 {
-    const Walk right{0, 50, 120, 0}, left{300, 60, -120, 0};  // their boxes touch from 1.08 s to 1.42 s; then they are one for 1.2 s
+    const Walk right{0, 50, 120, 0},
+        left{300, 60, -120, 0};  // their boxes touch from 1.08 s to 1.42 s; then they are one for 1.2 s
     Tracker tracker;
     tracker.forget = 10;
     auto tracks = follow(tracker, {right, left}, 0, 26);
@@ -224,7 +225,8 @@ TEST_CASE("tracker: there are never more tracks than may be, and the same boxes 
         for (int picture = 0; picture < 6; ++picture) {
             std::vector<Box> boxes;
             for (std::size_t i = 0; i < track::most_boxes; ++i)
-                boxes.push_back({static_cast<double>(i % 16) * 50 + (picture % 2) * 30, static_cast<double>(i / 16) * 50, 20, 20});
+                boxes.push_back(
+                    {static_cast<double>(i % 16) * 50 + (picture % 2) * 30, static_cast<double>(i / 16) * 50, 20, 20});
             all.push_back(tracker.next(picture * rate, boxes));
             CHECK(all.back().size() <= track::most_boxes);
         }

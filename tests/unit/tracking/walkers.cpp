@@ -35,7 +35,8 @@ cv::Mat differing(const cv::Mat& a, const cv::Mat& b)
 
 }  // namespace
 
-TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the walkers (but for swinging hands and feet), and fills them")
+TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the walkers (but for swinging hands and "
+          "feet), and fills them")
 {
     for (const cv::Size size : {cv::Size(640, 480), cv::Size(320, 240)}) {
         const Scene scene(with_walkers(4, size)), empty(with_walkers(0, size));
@@ -49,7 +50,8 @@ TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the w
                 CHECK((box & cv::Rect2d({}, cv::Size2d(size))) == box);
                 CHECK(cv::countNonZero(drawn(cv::Rect(box))) > 0.25 * box.area());
             }
-            // Those that are hardly in the picture yet are not told; everything else is, but for swinging hands and feet.
+            // Those that are hardly in the picture yet are not told; everything else is, but for swinging hands and
+            // feet.
             drawn.colRange(0, size.width / 10).setTo(0);
             drawn.colRange(size.width - size.width / 10, size.width).setTo(0);
             const int all = cv::countNonZero(drawn);

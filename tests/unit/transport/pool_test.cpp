@@ -14,7 +14,10 @@ namespace {
 
 constexpr std::size_t picture = 100'000;
 
-std::shared_ptr<Pool> pool_of(std::size_t bytes = 64u << 20) { return std::make_shared<Pool>(Pool::Limits{.bytes = bytes, .segment_bytes = 1u << 20}); }
+std::shared_ptr<Pool> pool_of(std::size_t bytes = 64u << 20)
+{
+    return std::make_shared<Pool>(Pool::Limits{.bytes = bytes, .segment_bytes = 1u << 20});
+}
 
 Body filled(Pool& pool, unsigned char with, std::size_t size = picture)
 {

@@ -58,7 +58,9 @@ TEST_CASE("packet reader: every size of pieces gives the same packets")
     PacketWriter writer;
     writer.push(make_packet(PacketType::hello, "{}"), {});
     for (int i = 0; i < 20; ++i)
-        writer.push(make_packet(PacketType::event, std::to_string(i), 3, std::string(static_cast<std::size_t>(i * i * 97), static_cast<char>('a' + i))), {});
+        writer.push(make_packet(PacketType::event, std::to_string(i), 3,
+                                std::string(static_cast<std::size_t>(i * i * 97), static_cast<char>('a' + i))),
+                    {});
     const auto bytes = drain(writer);
     const auto whole = read_in_pieces(bytes, bytes.size());
     REQUIRE(whole.size() == 21);

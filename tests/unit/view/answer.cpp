@@ -16,13 +16,20 @@ namespace {
 class Page {
 public:
     Page() : exchange(view::Picture::of_notice("no picture yet")) {}
-    view::Answer ask(view::Request request, view::Browsers browsers = {0, 8}) const { return answer_to(request, exchange, bind_, browsers); }
-    view::Answer get(std::string_view path, view::Browsers browsers = {0, 8}) const { return ask({"GET", path, "127.0.0.1:8080"}, browsers); }
+    view::Answer ask(view::Request request, view::Browsers browsers = {0, 8}) const
+    {
+        return answer_to(request, exchange, bind_, browsers);
+    }
+    view::Answer get(std::string_view path, view::Browsers browsers = {0, 8}) const
+    {
+        return ask({"GET", path, "127.0.0.1:8080"}, browsers);
+    }
     void put()
     {
         view::Origin origin{"face.annotated", "camera", 7, {64, 48}, std::chrono::system_clock::now(), 29.84};
-        exchange.put(std::make_shared<const view::Picture>(origin, view::Picture::Content{[] { return cv::Mat(48, 64, CV_8UC1, cv::Scalar::all(1)); }, nullptr},
-                                                           view::Picture::Look{}));
+        exchange.put(std::make_shared<const view::Picture>(
+            origin, view::Picture::Content{[] { return cv::Mat(48, 64, CV_8UC1, cv::Scalar::all(1)); }, nullptr},
+            view::Picture::Look{}));
     }
     view::Exchange exchange;
 
@@ -103,10 +110,20 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
     page.put();
     const auto newest = page.exchange.newest();
     const auto now = view::status_of(newest, 1, newest.since + 150ms, *newest.picture->origin().captured + 200ms);
-    CHECK(now == json{{"sender", "face.annotated"}, {"source", "camera"}, {"sequence", 7}, {"number", 1}, {"width", 64}, {"height", 48},
-                      {"rate", 29.8}, {"age_ms", 200}, {"since_ms", 150}, {"browsers", 1}});
+    CHECK(now
+          == json{{"sender", "face.annotated"},
+                  {"source", "camera"},
+                  {"sequence", 7},
+                  {"number", 1},
+                  {"width", 64},
+                  {"height", 48},
+                  {"rate", 29.8},
+                  {"age_ms", 200},
+                  {"since_ms", 150},
+                  {"browsers", 1}});
     CHECK(view::status_of(newest, 1, newest.since + 2s).at("rate") == 0);
-    auto slow = std::make_shared<const view::Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = 0.2}, view::Picture::Content{}, view::Picture::Look{});
+    auto slow = std::make_shared<const view::Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = 0.2},
+                                                      view::Picture::Content{}, view::Picture::Look{});
     const view::Exchange::Newest one_in_five_seconds{slow, 2, newest.since};
     CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 9s).at("rate") == 0.2);
     CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 10s).at("rate") == 0);

@@ -10,15 +10,18 @@ using view::Address, view::host_fits;
 TEST_CASE("host: at a loopback address, that address and localhost are answered, with any port or none")
 {
     const Address bind("127.0.0.1", 8080);
-    for (const char* host : {"localhost", "LocalHost:8080", "127.0.0.1", "127.0.0.1:8080", "127.0.0.1:1", "[::1]", "[::1]:8080", "127.1.2.3"})
+    for (const char* host : {"localhost", "LocalHost:8080", "127.0.0.1", "127.0.0.1:8080", "127.0.0.1:1", "[::1]",
+                             "[::1]:8080", "127.1.2.3"})
         CHECK_MESSAGE(host_fits(host, bind), host);
 }
 
 TEST_CASE("host: names of others are refused, whatever they look like; so is what is no host")
 {
     for (const char* bind : {"127.0.0.1", "0.0.0.0", "::", "192.168.1.5"})
-        for (const char* host : {"evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example", "localhost@evil.example", "",
-                                 "127.0.0.1:8080:1", "127.0.0.1:80a", "[::1", "[::1]x", "::1", "127.1", "0x7f000001", "2130706433", "localhost.", " localhost", ":80"})
+        for (const char* host :
+             {"evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example",
+              "localhost@evil.example", "", "127.0.0.1:8080:1", "127.0.0.1:80a", "[::1", "[::1]x", "::1", "127.1",
+              "0x7f000001", "2130706433", "localhost.", " localhost", ":80"})
             CHECK_FALSE_MESSAGE(host_fits(host, Address(bind, 8080)), bind, " ", host);
 }
 

@@ -39,15 +39,16 @@ TEST_CASE("overlay: the caption covers a strip at the lower edge alone, and the 
         CHECK(cv::norm(upper, cv::Mat(upper.size(), CV_8UC3, cv::Scalar::all(120)), cv::NORM_INF) == 0);
         double darkest = 0, brightest = 0;
         cv::minMaxLoc(lower.reshape(1), &darkest, &brightest);
-        CHECK(darkest < 60);      // the strip
-        CHECK(brightest > 200);   // the letters
+        CHECK(darkest < 60);     // the strip
+        CHECK(brightest > 200);  // the letters
     }
 }
 
 TEST_CASE("overlay: the letters shrink until the text fits the width")
 {
     const auto right_edge = [](int width) {
-        const cv::Mat drawn = view::with_caption(cv::Mat(480, width, CV_8UC3, cv::Scalar::all(0)), "a-drone-with-a-long-name.annotated from camera-2  29.8 fps");
+        const cv::Mat drawn = view::with_caption(cv::Mat(480, width, CV_8UC3, cv::Scalar::all(0)),
+                                                 "a-drone-with-a-long-name.annotated from camera-2  29.8 fps");
         cv::Mat columns;
         cv::reduce(drawn.reshape(1, drawn.rows), columns, 0, cv::REDUCE_MAX);
         std::vector<cv::Point> lit;

@@ -26,7 +26,13 @@ const cv::Mat grey(120, 160, CV_8UC3, cv::Scalar::all(90));
 TEST_CASE("picture: nothing is decoded until somebody looks, then once for all who do")
 {
     int decoded = 0;
-    const Picture picture({}, {[&] { ++decoded; return grey; }, nullptr}, {});
+    const Picture picture({},
+                          {[&] {
+                               ++decoded;
+                               return grey;
+                           },
+                           nullptr},
+                          {});
     CHECK(decoded == 0);
     std::vector<view::Jpeg> seen(4);
     {
@@ -45,7 +51,13 @@ TEST_CASE("picture: without overlay a JPEG stays as it came and is not decoded; 
 {
     const auto came = jpeg_of(grey);
     bool decoded = false;
-    const auto content = [&] { return Picture::Content{[&] { decoded = true; return grey; }, came}; };
+    const auto content = [&] {
+        return Picture::Content{[&] {
+                                    decoded = true;
+                                    return grey;
+                                },
+                                came};
+    };
     CHECK(Picture({}, content(), {.overlay = false}).jpeg() == came);
     CHECK_FALSE(decoded);
     CHECK(*Picture({"camera.image", "camera"}, content(), {.overlay = true}).jpeg() != *came);
@@ -56,7 +68,9 @@ TEST_CASE("picture: a lower quality takes fewer bytes")
 {
     cv::Mat noise(240, 320, CV_8UC3);
     cv::randu(noise, 0, 255);
-    const auto size = [&](int quality) { return Picture({}, {[&] { return noise; }, nullptr}, {false, quality}).jpeg()->size(); };
+    const auto size = [&](int quality) {
+        return Picture({}, {[&] { return noise; }, nullptr}, {false, quality}).jpeg()->size();
+    };
     CHECK(size(30) < size(90));
 }
 
@@ -64,7 +78,8 @@ TEST_CASE("picture: one that is damaged, or too long for a JPEG, becomes a notic
 {
     const Picture damaged({}, {[]() -> cv::Mat { throw std::runtime_error("the JPEG is cut short"); }, nullptr}, {});
     CHECK(cv::norm(damaged.shown(), view::notice("the JPEG is cut short")) == 0);
-    const Picture longest({}, {[] { return cv::Mat(1, 70'000, CV_8UC1, cv::Scalar::all(0)); }, nullptr}, {.overlay = false});
+    const Picture longest({}, {[] { return cv::Mat(1, 70'000, CV_8UC1, cv::Scalar::all(0)); }, nullptr},
+                          {.overlay = false});
     CHECK(longest.shown().cols == 70'000);
     CHECK(cv::imdecode(*longest.jpeg(), cv::IMREAD_COLOR).size() == view::notice("").size());
 }
@@ -75,7 +90,9 @@ TEST_CASE("exchange: a slow reader finds the newest; what nobody looked at is go
     CHECK(exchange.newest().number == 0);
     std::weak_ptr<const Picture> first;
     for (int i = 1; i <= 3; ++i) {
-        const auto picture = std::make_shared<const Picture>(view::Origin{.sender = {}, .source = {}, .sequence = i}, Picture::Content{[] { return grey; }, nullptr}, Picture::Look{});
+        const auto picture =
+            std::make_shared<const Picture>(view::Origin{.sender = {}, .source = {}, .sequence = i},
+                                            Picture::Content{[] { return grey; }, nullptr}, Picture::Look{});
         exchange.put(picture);
         if (i == 1)
             first = picture;
@@ -85,11 +102,23 @@ TEST_CASE("exchange: a slow reader finds the newest; what nobody looked at is go
     CHECK(first.expired());
 }
 
-TEST_CASE("picture: captioned anew it has no rate, another text, the same pixels, which are not decoded again, and the same problem")
+TEST_CASE("picture: captioned anew it has no rate, another text, the same pixels, which are not decoded again, and the "
+          "same problem")
 {
     int decoded = 0;
-    const view::Origin origin{.sender = "camera.image", .source = "camera", .sequence = 7, .size = grey.size(), .captured = std::chrono::system_clock::now(), .rate = 29.8};
-    const Picture picture(origin, {[&] { ++decoded; return grey; }, nullptr}, {});
+    const view::Origin origin{.sender = "camera.image",
+                              .source = "camera",
+                              .sequence = 7,
+                              .size = grey.size(),
+                              .captured = std::chrono::system_clock::now(),
+                              .rate = 29.8};
+    const Picture picture(origin,
+                          {[&] {
+                               ++decoded;
+                               return grey;
+                           },
+                           nullptr},
+                          {});
     const auto before = picture.jpeg();
     const auto anew = picture.captioned_anew();
     REQUIRE(anew);
@@ -98,20 +127,29 @@ TEST_CASE("picture: captioned anew it has no rate, another text, the same pixels
     CHECK(*anew->jpeg() != *before);
     CHECK(decoded == 1);
     int tried = 0;
-    const Picture damaged({}, {[&]() -> cv::Mat { ++tried; throw std::runtime_error("cut short"); }, nullptr}, {});
+    const Picture damaged({},
+                          {[&]() -> cv::Mat {
+                               ++tried;
+                               throw std::runtime_error("cut short");
+                           },
+                           nullptr},
+                          {});
     CHECK(cv::norm(damaged.shown(), damaged.captioned_anew()->shown()) == 0);
     CHECK(tried == 1);
     CHECK_FALSE(Picture(origin, {[] { return grey; }, nullptr}, {.overlay = false}).captioned_anew());
 }
 
-TEST_CASE("exchange: when no more pictures come, the text on the last is to be written anew once a second, for all who look")
+TEST_CASE(
+    "exchange: when no more pictures come, the text on the last is to be written anew once a second, for all who look")
 {
     const view::Exchange::Time begin{1000s};
     view::Exchange exchange(Picture::of_notice("no picture yet"));
     CHECK(exchange.newest(begin).version == exchange.newest(begin + 1h).version);
     const auto put = [&](double rate, bool overlay) {
-        exchange.put(std::make_shared<const Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = rate}, Picture::Content{[] { return grey; }, nullptr},
-                                                     Picture::Look{.overlay = overlay}), begin);
+        exchange.put(std::make_shared<const Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = rate},
+                                                     Picture::Content{[] { return grey; }, nullptr},
+                                                     Picture::Look{.overlay = overlay}),
+                     begin);
         return exchange.newest(begin);
     };
     const auto first = put(29.8, true);

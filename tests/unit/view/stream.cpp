@@ -8,16 +8,21 @@ using view::Exchange;
 
 namespace {
 
-view::Jpeg bytes(const std::string& text) { return std::make_shared<const std::vector<unsigned char>>(text.begin(), text.end()); }
+view::Jpeg bytes(const std::string& text)
+{
+    return std::make_shared<const std::vector<unsigned char>>(text.begin(), text.end());
+}
 
 std::shared_ptr<const view::Picture> picture(const std::string& jpeg)
 {
-    return std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{{}, bytes(jpeg)}, view::Picture::Look{.overlay = false});
+    return std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{{}, bytes(jpeg)},
+                                                 view::Picture::Look{.overlay = false});
 }
 
 std::string part(const std::string& jpeg)
 {
-    return "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg.size()) + "\r\n\r\n" + jpeg + "\r\n--picture\r\n";
+    return "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg.size()) + "\r\n\r\n" + jpeg
+           + "\r\n--picture\r\n";
 }
 
 /// What a reader gets that takes `step` bytes at a time, until there is nothing.
@@ -33,7 +38,8 @@ const Exchange::Time now{1000s};
 
 }  // namespace
 
-TEST_CASE("stream: each picture once, in parts that end with the boundary of the next, whatever the reader takes at a time")
+TEST_CASE(
+    "stream: each picture once, in parts that end with the boundary of the next, whatever the reader takes at a time")
 {
     for (const std::size_t step : {1UL, 7UL, 1000UL}) {
         Exchange exchange(picture("notice"));

@@ -78,7 +78,10 @@ private:
 
 class ScriptedSource : public Source {
 public:
-    ScriptedSource(std::shared_ptr<Script> script, std::shared_ptr<Bell> gone) : script_(std::move(script)), gone_(std::move(gone)) {}
+    ScriptedSource(std::shared_ptr<Script> script, std::shared_ptr<Bell> gone)
+        : script_(std::move(script)), gone_(std::move(gone))
+    {
+    }
     ~ScriptedSource() override { gone_->ring(); }
     std::optional<Frame> next() override { return script_->next(); }
 
@@ -209,8 +212,8 @@ TEST_CASE("capture: a camera that ends is told as lost and opened again")
 TEST_CASE("capture: a source that does not open is told by its reason")
 {
     Bell news;
-    const Capture capture([]() -> std::unique_ptr<Source> { throw std::runtime_error("no such camera"); }, 0, Capture::AtEnd::open_again,
-                          [&] { news.ring(); });
+    const Capture capture([]() -> std::unique_ptr<Source> { throw std::runtime_error("no such camera"); }, 0,
+                          Capture::AtEnd::open_again, [&] { news.ring(); });
     REQUIRE(news.wait_for(1));
     CHECK(capture.condition() == "no such camera");
 }

@@ -102,10 +102,16 @@ TEST_CASE("scene: what it cannot be is refused")
 
 TEST_CASE("scene: a face finder finds 99 of 100 faces and hardly anything else")
 {
-    struct Case { cv::Size size; Background background; int faces; };
+    struct Case {
+        cv::Size size;
+        Background background;
+        int faces;
+    };
     face::FaceFinder finder;
     finder.load(face::default_cascade);
-    for (const Case& seen : {Case{{640, 480}, Background::brick, 1}, {{320, 240}, Background::noise, 1}, {{640, 480}, Background::plain, 3}}) {
+    for (const Case& seen : {Case{{640, 480}, Background::brick, 1},
+                             {{320, 240}, Background::noise, 1},
+                             {{640, 480}, Background::plain, 3}}) {
         const Scene scene(settings(seen.size, seen.background, seen.faces));
         overlap::Score score;
         for (int index = 0; index < 100; ++index) {

@@ -72,7 +72,8 @@ TEST_CASE("source: a refusal says what is missing")
 
 TEST_CASE("source: a URL with a password is refused, and the refusal does not repeat it")
 {
-    for (const char* url : {"http://root:secret@camera/mjpg", "rtsp://root:secret@camera", "https://secret@camera/?a=b"}) {
+    for (const char* url :
+         {"http://root:secret@camera/mjpg", "rtsp://root:secret@camera", "https://secret@camera/?a=b"}) {
         CHECK(contains(refusal(url), "refused"));
         CHECK_FALSE(contains(refusal(url), "secret"));
     }
@@ -97,7 +98,8 @@ TEST_CASE("source: a folder gives its pictures by name, once or again and again"
 {
     const media::Folder folder;
     for (const int i : {3, 1, 2})
-        media::write(folder.path() / (std::to_string(i) + ".png"), media::encoded(".png", cv::Mat(4, 4, CV_8UC3, cv::Scalar::all(i))));
+        media::write(folder.path() / (std::to_string(i) + ".png"),
+                     media::encoded(".png", cv::Mat(4, 4, CV_8UC3, cv::Scalar::all(i))));
     media::write(folder.path() / "notes.txt", {'x'});
     const auto source = open_source(once(folder.path().string()));
     for (int i = 0; i < 3; ++i) {
@@ -170,8 +172,12 @@ TEST_CASE("source: a video gives every picture once, or begins again")
 
 TEST_CASE("source: the media's videos and the GIF have as many pictures as they should")
 {
-    struct Case { const char* name; int pictures; };
-    for (const Case& video : {Case{"face_over_brick.mp4", 120}, {"head-pose-face-detection-male.gif", 62}, {"asl_thanks.mkv", 51}})
+    struct Case {
+        const char* name;
+        int pictures;
+    };
+    for (const Case& video :
+         {Case{"face_over_brick.mp4", 120}, {"head-pose-face-detection-male.gif", 62}, {"asl_thanks.mkv", 51}})
         if (const auto path = media::shared(std::string("media/") + video.name)) {
             const auto source = open_source(once(path->string()));
             int count = 0;

@@ -64,10 +64,15 @@ TEST_CASE("face finder: with other parameters it still gives the boxes of a plai
 
 TEST_CASE("face finder: the known faces of the photographs are found")
 {
-    struct Case { const char* name; cv::Rect2d box; };
+    struct Case {
+        const char* name;
+        cv::Rect2d box;
+    };
     FaceFinder finder = loaded_finder();
-    for (const Case& known : {Case{"astronaut.png", {177, 66, 95, 95}}, {"grace_hopper_512x512.jpg", {153, 85, 228, 228}},
-                              {"messi5.jpg", {226, 94, 38, 38}}, {"chessboard_man.jpg", {135, 215, 57, 57}}})
+    for (const Case& known : {Case{"astronaut.png", {177, 66, 95, 95}},
+                              {"grace_hopper_512x512.jpg", {153, 85, 228, 228}},
+                              {"messi5.jpg", {226, 94, 38, 38}},
+                              {"chessboard_man.jpg", {135, 215, 57, 57}}})
         if (const auto path = media::shared(std::string("media/") + known.name)) {
             overlap::Score score;
             score.add(finder.find(cv::imread(path->string())), {known.box}, 0.9);
@@ -80,10 +85,21 @@ TEST_CASE("face finder: 13 of the 18 faces of the group pictures are found, and 
 {
     using Boxes = std::vector<cv::Rect2d>;
     const std::map<std::string, Boxes> groups{
-        {"faces_2007_007763.jpg", {{194, 90, 37, 37}, {158, 114, 37, 37}, {381, 89, 45, 44}, {94, 198, 37, 37}, {178, 214, 37, 37},
-                                   {294, 86, 37, 37}, {309, 233, 45, 44}}},
-        {"faces_2008_002079.jpg", {{407, 166, 37, 37}, {122, 134, 37, 37}, {346, 138, 37, 37}, {433, 171, 53, 52}, {62, 134, 37, 37},
-                                   {41, 194, 44, 44}}},
+        {"faces_2007_007763.jpg",
+         {{194, 90, 37, 37},
+          {158, 114, 37, 37},
+          {381, 89, 45, 44},
+          {94, 198, 37, 37},
+          {178, 214, 37, 37},
+          {294, 86, 37, 37},
+          {309, 233, 45, 44}}},
+        {"faces_2008_002079.jpg",
+         {{407, 166, 37, 37},
+          {122, 134, 37, 37},
+          {346, 138, 37, 37},
+          {433, 171, 53, 52},
+          {62, 134, 37, 37},
+          {41, 194, 44, 44}}},
         {"faces_2008_001009.jpg", {{145, 79, 76, 76}, {125, 214, 90, 91}}},
         {"faces_2008_001322.jpg", {{104, 162, 76, 76}, {232, 218, 63, 63}, {344, 155, 90, 90}}}};
     if (!media::shared("media/faces_2008_001322.jpg"))

@@ -15,7 +15,8 @@ namespace media {
 
 using Bytes = std::vector<unsigned char>;
 
-/// `$HIVE_SHARED/<name>`, or beside the source tree `../shared/<name>`; says that it skips and gives nothing if there is none.
+/// `$HIVE_SHARED/<name>`, or beside the source tree `../shared/<name>`; says that it skips and gives nothing if there
+/// is none.
 std::optional<std::filesystem::path> shared(const std::string& name);
 /// The files of the media folder with one of these suffixes, sorted; empty (and said) without one.
 std::vector<std::filesystem::path> pictures(const std::vector<std::string>& suffixes);

@@ -38,8 +38,10 @@ void check_like_opencv(const media::Bytes& bytes, const std::string& type)
 media::Bytes with_orientation(const media::Bytes& jpeg, unsigned char orientation, bool big_endian)
 {
     const media::Bytes segment{0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0, 0};
-    const media::Bytes big{'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0};
-    const media::Bytes little{'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0};
+    const media::Bytes big{'M', 'M', 0, 42, 0, 0, 0,           8, 0, 1, 1, 0x12, 0,
+                           3,   0,   0, 0,  1, 0, orientation, 0, 0, 0, 0, 0,    0};
+    const media::Bytes little{'I', 'I', 42, 0, 8, 0,           0, 0, 1, 0, 0x12, 1, 3,
+                              0,   1,   0,  0, 0, orientation, 0, 0, 0, 0, 0,    0, 0};
     media::Bytes result;
     std::copy(jpeg.begin(), jpeg.begin() + 2, std::back_inserter(result));
     std::ranges::copy(segment, std::back_inserter(result));

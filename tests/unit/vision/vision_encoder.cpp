@@ -46,7 +46,10 @@ Errc refusal(const std::string& encoding)
 }
 
 /// How far two pictures are apart, grey levels on average.
-double distance(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total() * a.elemSize()); }
+double distance(const cv::Mat& a, const cv::Mat& b)
+{
+    return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total() * a.elemSize());
+}
 
 }  // namespace
 
@@ -78,7 +81,8 @@ TEST_CASE("encoder: png keeps every pixel, of a grey picture the grey")
 
 TEST_CASE("encoder: rows with gaps between them are encoded like the same picture without")
 {
-    const cv::Mat whole = media::sample({50, 20}, CV_8UC3), padded(20, 64, CV_8UC3, cv::Scalar::all(0)), part = padded.colRange(0, 50);
+    const cv::Mat whole = media::sample({50, 20}, CV_8UC3), padded(20, 64, CV_8UC3, cv::Scalar::all(0)),
+                  part = padded.colRange(0, 50);
     whole.copyTo(part);
     Event event = raw_event(whole);
     event.header["stride"] = 64 * 3;
@@ -100,7 +104,9 @@ TEST_CASE("encoder: a word without a number leaves its own type untouched, byte 
 TEST_CASE("encoder: a quality that was asked for is always the one that comes")
 {
     const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
-    const auto bytes = [&](const Event& event, const char* encoding) { return encoder.encode(event, encoding).body.size(); };
+    const auto bytes = [&](const Event& event, const char* encoding) {
+        return encoder.encode(event, encoding).body.size();
+    };
     const Event raw = raw_event(picture), jpeg = jpeg_event(picture);
     CHECK(bytes(raw, "jpeg:30") < bytes(raw, "jpeg:80"));
     CHECK(bytes(raw, "jpeg:80") == bytes(raw, "jpeg"));
@@ -116,7 +122,8 @@ TEST_CASE("encoder: it knows raw, png, jpeg and the qualities 1 to 100, and refu
     CHECK(encoder.type("jpeg:100") == "image/jpeg");
     for (const char* unknown : {"webp", "jpeg:0", "jpeg:101", "jpeg:999999", "png:3", "raw:1", "jpeg:8x"})
         CHECK_MESSAGE(refusal(unknown) == Errc::invalid_argument, unknown);
-    CHECK_THROWS_WITH_AS(encoder.type("webp"), "there is no encoding \"webp\"; there is raw, png, jpeg, and jpeg:1 to jpeg:100", hive::Error);
+    CHECK_THROWS_WITH_AS(encoder.type("webp"),
+                         "there is no encoding \"webp\"; there is raw, png, jpeg, and jpeg:1 to jpeg:100", hive::Error);
 }
 
 TEST_CASE("encoder: a picture that is damaged is refused, not encoded in part")

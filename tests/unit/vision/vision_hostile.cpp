@@ -34,7 +34,8 @@ double milliseconds_to_refuse(const Body& body, const std::string& type)
     for (int i = 0; i < 3; ++i) {
         const auto begin = std::chrono::steady_clock::now();
         refusal(body, type);
-        best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+        best =
+            std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     }
     return best;
 }
@@ -64,12 +65,14 @@ media::Bytes with_scans(const media::Bytes& jpeg, int scans)
     const std::size_t first = find_marker(jpeg, 0xDA, 0xDA), second = find_marker(jpeg, 0xC4, 0xDA, first + 2);
     media::Bytes result(jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(first));
     for (int i = 0; i < scans; ++i)
-        result.insert(result.end(), jpeg.begin() + static_cast<std::ptrdiff_t>(first), jpeg.begin() + static_cast<std::ptrdiff_t>(second));
+        result.insert(result.end(), jpeg.begin() + static_cast<std::ptrdiff_t>(first),
+                      jpeg.begin() + static_cast<std::ptrdiff_t>(second));
     result.insert(result.end(), {0xFF, 0xD9});
     return result;
 }
 
-const std::vector<std::vector<int>> jpeg_kinds{{}, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}, {cv::IMWRITE_JPEG_RST_INTERVAL, 1}};
+const std::vector<std::vector<int>> jpeg_kinds{
+    {}, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}, {cv::IMWRITE_JPEG_RST_INTERVAL, 1}};
 
 }  // namespace
 
@@ -90,9 +93,11 @@ TEST_CASE("hostile JPEG: one that is cut short anywhere is refused, with or with
 
 TEST_CASE("hostile JPEG: a progressive one cut exactly between two scans is refused")
 {
-    const media::Bytes whole = media::encoded(".jpg", media::sample({160, 120}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+    const media::Bytes whole =
+        media::encoded(".jpg", media::sample({160, 120}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
     int cuts = 0;
-    for (std::size_t at = find_marker(whole, 0xDA, 0xDA); (at = find_marker(whole, 0xC4, 0xDA, at + 2)) < whole.size();) {
+    for (std::size_t at = find_marker(whole, 0xDA, 0xDA);
+         (at = find_marker(whole, 0xC4, 0xDA, at + 2)) < whole.size();) {
         if (whole[at + 1] >= 0xD0 && whole[at + 1] <= 0xD9)
             continue;
         media::Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at));
@@ -106,10 +111,13 @@ TEST_CASE("hostile JPEG: a progressive one cut exactly between two scans is refu
 
 TEST_CASE("hostile JPEG: a size over the limit is refused within 5 ms")
 {
-    struct Case { unsigned width, height; };
+    struct Case {
+        unsigned width, height;
+    };
     for (const auto& kind : jpeg_kinds)
         for (const Case size : {Case{65500, 65500}, {65535, 65535}, {32000, 32000}, {40001, 1000}, {8000, 5001}}) {
-            const media::Bytes bomb = with_size(media::encoded(".jpg", media::sample({64, 64}, CV_8UC3), kind), size.width, size.height);
+            const media::Bytes bomb =
+                with_size(media::encoded(".jpg", media::sample({64, 64}, CV_8UC3), kind), size.width, size.height);
             CHECK(refusal(bomb, "image/jpeg") == Errc::too_large);
             CHECK(milliseconds_to_refuse(bomb, "image/jpeg") < 5);
         }
@@ -126,7 +134,8 @@ TEST_CASE("hostile JPEG: a size that the data do not fill is refused")
 
 TEST_CASE("hostile JPEG: more than 100 scans are refused within 5 ms")
 {
-    const media::Bytes jpeg = media::encoded(".jpg", media::sample({640, 480}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+    const media::Bytes jpeg =
+        media::encoded(".jpg", media::sample({640, 480}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
     const media::Bytes bomb = with_scans(jpeg, 1000);
     CHECK(refusal(with_scans(jpeg, 101), "image/jpeg") == Errc::too_large);
     CHECK(refusal(with_scans(jpeg, 100), "image/jpeg") == Errc::malformed);  // counted, then found incomplete
@@ -135,7 +144,8 @@ TEST_CASE("hostile JPEG: more than 100 scans are refused within 5 ms")
 
 TEST_CASE("hostile JPEG: many scans of a large picture are refused although each alone is allowed")
 {
-    const media::Bytes jpeg = media::encoded(".jpg", media::sample({64, 48}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+    const media::Bytes jpeg =
+        media::encoded(".jpg", media::sample({64, 48}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
     vision::DecodeLimits limits;
     limits.pixel_scans = 64 * 48 * 3;
     CHECK_FALSE(refusal(jpeg, "image/jpeg"));
@@ -168,7 +178,8 @@ TEST_CASE("hostile PNG: one that is cut short or damaged anywhere is refused")
     const media::Bytes whole = media::encoded(".png", media::sample({60, 40}, CV_8UC3));
     for (std::size_t size = 0; size < whole.size(); size += size < 100 ? 1 : 37) {
         CAPTURE(size);
-        CHECK(refusal(media::Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)), "image/png") == Errc::malformed);
+        CHECK(refusal(media::Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)), "image/png")
+              == Errc::malformed);
     }
     media::Bytes damaged = whole;
     damaged[damaged.size() / 2] ^= 1;
@@ -183,11 +194,13 @@ TEST_CASE("hostile pictures: whatever bytes are changed, the answer is a picture
     for (const char* suffix : {".jpg", ".png"})
         for (const auto& kind : jpeg_kinds) {
             const std::string type = suffix == std::string(".jpg") ? "image/jpeg" : "image/png";
-            const media::Bytes whole = media::encoded(suffix, picture, type == "image/jpeg" ? kind : std::vector<int>{});
+            const media::Bytes whole =
+                media::encoded(suffix, picture, type == "image/jpeg" ? kind : std::vector<int>{});
             for (int round = 0; round < 300; ++round) {
                 media::Bytes changed = whole;
                 for (int i = random.uniform(1, 6); i > 0; --i)
-                    changed[static_cast<std::size_t>(random.uniform(0, static_cast<int>(round % 2 ? changed.size() : 300)))] =
+                    changed[static_cast<std::size_t>(
+                        random.uniform(0, static_cast<int>(round % 2 ? changed.size() : 300)))] =
                         static_cast<unsigned char>(random.uniform(0, 256));
                 try {
                     const cv::Mat decoded = vision::decode(Body(changed), type, limits);

@@ -28,7 +28,8 @@ TEST_CASE("raw: a picture comes back exactly, grey or colour, whole or a part of
     for (const int type : {CV_8UC1, CV_8UC3}) {
         const cv::Mat whole = media::sample({50, 40}, type), part = whole(cv::Rect(3, 4, 20, 10));
         for (const cv::Mat& picture : {whole, part})
-            CHECK(media::same(vision::decode(vision::encode_raw(picture), "image/raw", {}, vision::raw_header(picture)), picture));
+            CHECK(media::same(vision::decode(vision::encode_raw(picture), "image/raw", {}, vision::raw_header(picture)),
+                              picture));
     }
 }
 
@@ -57,14 +58,33 @@ TEST_CASE("raw: rows may be padded to a stride")
 TEST_CASE("raw: a header that lies is malformed, whatever it says")
 {
     const auto header = [](Json width, Json height, Json format, Json stride) {
-        return Json{{"width", std::move(width)}, {"height", std::move(height)}, {"pixel_format", std::move(format)}, {"stride", std::move(stride)}};
+        return Json{{"width", std::move(width)},
+                    {"height", std::move(height)},
+                    {"pixel_format", std::move(format)},
+                    {"stride", std::move(stride)}};
     };
-    const std::vector<Json> lies{
-        header(4, 4, "bgr8", 12), header(5, 3, "bgr8", 15), header(4, 3, "gray8", 4), header(4, 3, "rgb8", 12), header(4, 3, 24, 12),
-        header(-4, -3, "bgr8", 12), header(0, 3, "bgr8", 12), header(4, 0, "bgr8", 12), header(4.5, 3, "bgr8", 12), header("4", 3, "bgr8", 12),
-        header(4, 3, "bgr8", 11), header(4, 3, "bgr8", -12), header(4, 3, "bgr8", 0), header(4, 3, "bgr8", 13), header(12, 3, "bgr8", 12),
-        header(1 << 30, 4, "gray8", 1 << 30), header(std::int64_t{1} << 62, 4, "gray8", 1), header(4, 3, "bgr8", std::int64_t{1} << 62),
-        header(4, 3, nullptr, 12), Json::object(), Json{{"width", 4}, {"height", 3}}, Json{{"pixel_format", "bgr8"}, {"height", 3}}};
+    const std::vector<Json> lies{header(4, 4, "bgr8", 12),
+                                 header(5, 3, "bgr8", 15),
+                                 header(4, 3, "gray8", 4),
+                                 header(4, 3, "rgb8", 12),
+                                 header(4, 3, 24, 12),
+                                 header(-4, -3, "bgr8", 12),
+                                 header(0, 3, "bgr8", 12),
+                                 header(4, 0, "bgr8", 12),
+                                 header(4.5, 3, "bgr8", 12),
+                                 header("4", 3, "bgr8", 12),
+                                 header(4, 3, "bgr8", 11),
+                                 header(4, 3, "bgr8", -12),
+                                 header(4, 3, "bgr8", 0),
+                                 header(4, 3, "bgr8", 13),
+                                 header(12, 3, "bgr8", 12),
+                                 header(1 << 30, 4, "gray8", 1 << 30),
+                                 header(std::int64_t{1} << 62, 4, "gray8", 1),
+                                 header(4, 3, "bgr8", std::int64_t{1} << 62),
+                                 header(4, 3, nullptr, 12),
+                                 Json::object(),
+                                 Json{{"width", 4}, {"height", 3}},
+                                 Json{{"pixel_format", "bgr8"}, {"height", 3}}};
     for (const Json& lie : lies) {
         CAPTURE(lie.dump());
         try {

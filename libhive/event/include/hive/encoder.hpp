@@ -9,10 +9,11 @@
 
 namespace hive {
 
-/// Declared with an output. An encoding is a word, with a number if wanted ("raw", "jpeg:80"; see is_encoding). Without an
-/// encoder (default-constructed) every receiver gets the events as they were emitted.
+/// Declared with an output. An encoding is a word, with a number if wanted ("raw", "jpeg:80"; see is_encoding). Without
+/// an encoder (default-constructed) every receiver gets the events as they were emitted.
 struct Encoder {
-    /// The words it knows, the preferred one first: that is what travels across a network unless a connection asks for another.
+    /// The words it knows, the preferred one first: that is what travels across a network unless a connection asks for
+    /// another.
     std::vector<std::string> encodings;
     /// The media type that an encoding gives. Throws Errc::invalid_argument naming what there is. Any thread.
     std::function<std::string(const std::string& encoding)> type;

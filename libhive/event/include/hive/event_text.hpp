@@ -8,8 +8,8 @@
 
 namespace hive {
 
-/// The header as the protocol writes it (SPEC.md, section 5.3): identity, sender, type, size, hops, the author's header. Where and when
-/// the event arrived is not in it.
+/// The header as the protocol writes it (SPEC.md, section 5.3): identity, sender, type, size, hops, the author's
+/// header. Where and when the event arrived is not in it.
 std::string event_text(const Event& event);
 
 /// The event of such a text. Throws Errc::malformed, Errc::too_large.

@@ -15,8 +15,9 @@ struct Match {
 
     /// What comes of one capture: the same source, epoch, sequence and part.
     static Match exact() { return {}; }
-    /// Each event is the nearest, by the time of its capture, to that of the first input, and not farther than this from it. It is
-    /// decided when no nearer one can come, so up to one period of the slower input later. Across machines their clocks must agree.
+    /// Each event is the nearest, by the time of its capture, to that of the first input, and not farther than this
+    /// from it. It is decided when no nearer one can come, so up to one period of the slower input later. Across
+    /// machines their clocks must agree.
     static Match within(std::chrono::microseconds tolerance) { return {tolerance}; }
 
     bool operator==(const Match&) const = default;

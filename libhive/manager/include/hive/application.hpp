@@ -21,7 +21,7 @@ namespace hive {
 /// The answer of one drone to something asked of several.
 struct Answer {
     std::string drone;
-    Json result;                 ///< an object; meaningful without error
+    Json result;  ///< an object; meaningful without error
     std::optional<Error> error;
 };
 
@@ -32,7 +32,8 @@ struct Endpoint {
 };
 
 struct CollectOptions {
-    /// A wide window: nothing is skipped unless the collector falls that far behind, and of a source on demand nothing at all.
+    /// A wide window: nothing is skipped unless the collector falls that far behind, and of a source on demand nothing
+    /// at all.
     ConnectionOptions connection{.window = 64, .group = {}, .lease = {}};
     bool ordered = false;  ///< results of one source in the order of its captures, however many workers made them
     /// Ordered: how long a missing result holds up those after it. Live events never wait longer than 1 s.
@@ -48,7 +49,8 @@ struct CollectCounts {
     std::int64_t dropped = 0;     ///< lost at this end because they were not taken in time
 };
 
-/// Receives events from outputs of drones; connections that end are made again by themselves. Made by Application::collect.
+/// Receives events from outputs of drones; connections that end are made again by themselves. Made by
+/// Application::collect.
 class Collector {
 public:
     virtual ~Collector() = default;
@@ -57,11 +59,13 @@ public:
     [[nodiscard]] virtual CollectCounts counts() const = 0;
 };
 
-/// Receives sets of events that belong together, one of each output, in the order of the outputs. Made by Application::collect_matched.
+/// Receives sets of events that belong together, one of each output, in the order of the outputs. Made by
+/// Application::collect_matched.
 class MatchedCollector {
 public:
     virtual ~MatchedCollector() = default;
-    /// The next set, or nothing when `patience` has passed; the `input` of each event is its "drone.output". User thread.
+    /// The next set, or nothing when `patience` has passed; the `input` of each event is its "drone.output". User
+    /// thread.
     virtual std::optional<std::vector<Event>> next(std::chrono::milliseconds patience) = 0;
     /// `missing` is by "drone.output".
     [[nodiscard]] virtual MatchCounts counts() const = 0;
@@ -74,8 +78,8 @@ public:
 class Application {
 public:
     struct Options {
-        std::string name;                        ///< empty: "app-PID"
-        std::filesystem::path home;              ///< empty: default_home()
+        std::string name;                         ///< empty: "app-PID"
+        std::filesystem::path home;               ///< empty: default_home()
         std::chrono::milliseconds timeout{5000};  ///< of every call
     };
 
@@ -92,7 +96,8 @@ public:
 
     /// Names of the drones that run on this machine (those whose socket answers), sorted.
     std::vector<std::string> drones();
-    /// Names of drones that do not run and get back what they were told when they are started again: they crashed. Sorted.
+    /// Names of drones that do not run and get back what they were told when they are started again: they crashed.
+    /// Sorted.
     std::vector<std::string> remembered();
     /// Expands a glob, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
     std::vector<std::string> find(const std::string& pattern);
@@ -108,7 +113,8 @@ public:
 
     /// Connects output to input, confirmed by both. Empty ports are inferred. Returns the ports that were used.
     /// Throws Errc::type_mismatch naming both types, Errc::refused when a drone that keeps state is to share.
-    std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver, const ConnectionOptions& options = {});
+    std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver,
+                                          const ConnectionOptions& options = {});
     /// Undoes it. Throws Errc::not_found if there is no such connection. Empty ports: every connection between the two.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
 
@@ -126,9 +132,10 @@ public:
 
     /// Receives from the outputs; ends when the Collector is destroyed. Returns when every drone has acknowledged.
     std::unique_ptr<Collector> collect(const std::vector<Endpoint>& outputs, const CollectOptions& options = {});
-    /// Receives sets of events, one of each of two or more different outputs, that belong together by `match`. `options.ordered` is not
-    /// for sets: they come as they are complete.
-    std::unique_ptr<MatchedCollector> collect_matched(const std::vector<Endpoint>& outputs, Match match = Match::exact(), const CollectOptions& options = {});
+    /// Receives sets of events, one of each of two or more different outputs, that belong together by `match`.
+    /// `options.ordered` is not for sets: they come as they are complete.
+    std::unique_ptr<MatchedCollector> collect_matched(const std::vector<Endpoint>& outputs,
+                                                      Match match = Match::exact(), const CollectOptions& options = {});
     /// Receives the exceptions of drones, as events whose header has "code", "text", "policy".
     std::unique_ptr<Collector> exceptions(const std::vector<std::string>& drones);
     /// Sends one event into an input; returns when the drone has taken it into its queue.

@@ -19,7 +19,8 @@ namespace hive {
 
 class DroneCore;  // the machinery behind the handles below
 
-/// What a parameter may be, apart from its type: `between(1.01, 2.0)`, `one_of({"jpeg", "png"})`, `between(1, 100).in("%")`.
+/// What a parameter may be, apart from its type: `between(1.01, 2.0)`, `one_of({"jpeg", "png"})`, `between(1,
+/// 100).in("%")`.
 struct Constraint {
     std::optional<double> least, most;
     std::vector<std::string> choices;
@@ -36,7 +37,10 @@ struct Constraint {
 inline Constraint anything() { return {}; }
 inline Constraint between(double least, double most) { return {least, most, {}, {}}; }
 inline Constraint at_least(double least) { return {least, std::nullopt, {}, {}}; }
-inline Constraint one_of(std::initializer_list<const char*> choices) { return {std::nullopt, std::nullopt, {choices.begin(), choices.end()}, {}}; }
+inline Constraint one_of(std::initializer_list<const char*> choices)
+{
+    return {std::nullopt, std::nullopt, {choices.begin(), choices.end()}, {}};
+}
 
 /// A handle on one of the drone's outputs; cheap to copy. For the user thread.
 class Output {
@@ -48,24 +52,27 @@ public:
     /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
     [[nodiscard]] bool asked() const;
 
-    /// A buffer of so many bytes to fill in place and emit: no copy is made on the way to receivers on this machine, and
-    /// there is one picture in memory for any number of them. Never waits; when the shared memory is used up it is ordinary
-    /// memory, and the body goes through the sockets. From any thread, once the drone runs.
+    /// A buffer of so many bytes to fill in place and emit: no copy is made on the way to receivers on this machine,
+    /// and there is one picture in memory for any number of them. Never waits; when the shared memory is used up it is
+    /// ordinary memory, and the body goes through the sockets. From any thread, once the drone runs.
     [[nodiscard]] Loan loan(std::size_t bytes) const;
 
     /// Sends an event to whoever wants it. Never waits for a receiver. Inside a callback the event inherits the
     /// identity and time of the input; elsewhere it begins a new one, captured now.
-    /// @param header  a JSON object, at most about 60 KiB as text, 15 levels, 256 keys in one object and 16 KiB in one string: beyond it Errc::too_large is thrown
+    /// @param header  a JSON object, at most about 60 KiB as text, 15 levels, 256 keys in one object and 16 KiB in one
+    /// string: beyond it Errc::too_large is thrown
     /// @param type    the media type of the body; empty: the first one that the output was declared with
     void emit(Json header = Json::object(), Body body = {}, std::string type = {}) const;
     /// As above, with a body that is made only if it is wanted().
     void emit(Json header, const std::function<Body()>& body, std::string type = {}) const;
-    /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless). The body is made only if it is wanted().
-    /// A time before 1970 is unknown to receivers; on the steady clock, so is one before the machine's start.
-    void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header, const std::function<Body()>& body,
-                       std::string type = {}) const;
-    /// Sends an event again, as it once was: identity, capture time, hops, header, type and body are those of `event`; only who sends it is
-    /// new. Without its body (`size` says that there was one) it goes to those who receive headers alone.
+    /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless). The body is made
+    /// only if it is wanted(). A time before 1970 is unknown to receivers; on the steady clock, so is one before the
+    /// machine's start.
+    void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header,
+                       const std::function<Body()>& body, std::string type = {}) const;
+    /// Sends an event again, as it once was: identity, capture time, hops, header, type and body are those of `event`;
+    /// only who sends it is new. Without its body (`size` says that there was one) it goes to those who receive headers
+    /// alone.
     void repeat(Event event) const;
 
 private:
@@ -78,7 +85,8 @@ private:
 /// One of several inputs whose events are brought together.
 struct MatchedInput {
     std::string name, type, help;
-    /// Looks at an event when it arrives, for what can be known without its partners: what it throws abandons that event.
+    /// Looks at an event when it arrives, for what can be known without its partners: what it throws abandons that
+    /// event.
     std::function<void(const Event&)> check = {};
 };
 
@@ -105,36 +113,43 @@ public:
 
     // --- declarations ---
 
-    /// The value that a parameter was given and will begin with: by --set, or by what the drone was told before a crash. Before run(); for
-    /// drones whose ports depend on it. Nothing: its default. It is checked when the drone runs.
+    /// The value that a parameter was given and will begin with: by --set, or by what the drone was told before a
+    /// crash. Before run(); for drones whose ports depend on it. Nothing: its default. It is checked when the drone
+    /// runs.
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
     /// Is that what the drone was told before a crash, and not given now?
     [[nodiscard]] bool remembered(const std::string& parameter) const;
-    /// Declares a parameter bound to `variable`, whose present value is the default. `set` assigns it between callbacks.
+    /// Declares a parameter bound to `variable`, whose present value is the default. `set` assigns it between
+    /// callbacks.
     void parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help);
     void parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help);
     void parameter(const std::string& name, bool& variable, const Constraint& constraint, const std::string& help);
-    void parameter(const std::string& name, std::string& variable, const Constraint& constraint, const std::string& help);
+    void parameter(const std::string& name, std::string& variable, const Constraint& constraint,
+                   const std::string& help);
     /// Declares an output.
     /// @param type     one media type or several, emitted or encoded to: "application/json", "image/jpeg,image/png"
     /// @param encoder  what connections may have the events encoded by; emit the event as it is at hand
     Output output(const std::string& name, const std::string& type, const std::string& help = "", Encoder encoder = {});
     /// Declares an input and what to do with its events. If `callback` throws, the exception policy decides.
-    void on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback, const std::string& help = "");
-    /// Declares two or more inputs whose events belong together, and what to do with a set of one event of each, in the order of the
-    /// inputs. What is emitted for a set has the identity of its first event. If `callback` throws, the set is abandoned. What finds no
-    /// partner is counted with the name of the input where it was missing (`ps`, `status`). Such a drone keeps events, so it is stateful:
-    /// it cannot share its work.
-    Matching on_matched(const std::vector<MatchedInput>& inputs, Match match, std::function<void(const std::vector<Event>&)> callback);
-    /// Called after the parameters of one `set` have been assigned, all together. It may change the variables: what they hold
-    /// when it returns is what was applied, and the answer to the `set`. If it throws, all are put back, it is called again,
-    /// and the `set` is refused with its text. Also called once before the first event, after on_start.
+    void on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback,
+                  const std::string& help = "");
+    /// Declares two or more inputs whose events belong together, and what to do with a set of one event of each, in the
+    /// order of the inputs. What is emitted for a set has the identity of its first event. If `callback` throws, the
+    /// set is abandoned. What finds no partner is counted with the name of the input where it was missing (`ps`,
+    /// `status`). Such a drone keeps events, so it is stateful: it cannot share its work.
+    Matching on_matched(const std::vector<MatchedInput>& inputs, Match match,
+                        std::function<void(const std::vector<Event>&)> callback);
+    /// Called after the parameters of one `set` have been assigned, all together. It may change the variables: what
+    /// they hold when it returns is what was applied, and the answer to the `set`. If it throws, all are put back, it
+    /// is called again, and the `set` is refused with its text. Also called once before the first event, after
+    /// on_start.
     void on_change(std::function<void()> callback);
     /// Called once when the drone runs for real (not for --describe): the place to open devices and load models. If it
     /// throws, the drone ends and says why.
     void on_start(std::function<void()> callback);
-    /// What a source does: called again and again between callbacks. Returns how long to wait before the next call; it is
-    /// called earlier when the demand for an output changes, a parameter was set, or wake() was called. Not called while halted.
+    /// What a source does: called again and again between callbacks. Returns how long to wait before the next call; it
+    /// is called earlier when the demand for an output changes, a parameter was set, or wake() was called. Not called
+    /// while halted.
     void main(std::function<std::chrono::microseconds()> step);
 
     /// Runs until the drone is told to stop. For --describe: prints the interface and returns.
@@ -144,9 +159,11 @@ public:
 
     /// Calls main as soon as possible. From any thread.
     void wake();
-    /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any thread.
+    /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any
+    /// thread.
     void condition(const std::string& text);
-    /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any thread.
+    /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any
+    /// thread.
     void report(Errc code, const std::string& text);
     /// One line in the drone's log. From any thread.
     void log(const std::string& text);

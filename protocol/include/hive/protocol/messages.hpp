@@ -18,7 +18,7 @@ struct Hello {
     std::string kind;        ///< "face"; "application" for an application
     std::int64_t epoch = 0;  ///< when the module started, microseconds since 1970: a restarted module has a larger one
     std::int64_t pid = 0;
-    bool maps = false;       ///< takes bodies in shared memory on this connection
+    bool maps = false;  ///< takes bodies in shared memory on this connection
 };
 Json to_json(const Hello& hello);
 Hello hello_from_json(const Json& object);
@@ -26,12 +26,12 @@ Hello hello_from_json(const Json& object);
 /// A receiver asks a sender for the events of an output. The channel in the prefix, chosen by the receiver, names the
 /// registration on this connection from then on.
 struct Registration {
-    std::int64_t id = 0;      ///< of the request; the confirmation repeats it
-    std::int64_t epoch = 0;   ///< of the registration; each request repeats it
+    std::int64_t id = 0;     ///< of the request; the confirmation repeats it
+    std::int64_t epoch = 0;  ///< of the registration; each request repeats it
     std::string output;
-    std::string receiver;     ///< who: "face" or "face.image"
-    std::string accepts;      ///< the media types of its input
-    bool stateful = false;    ///< the receiver keeps state between events, so it cannot share
+    std::string receiver;   ///< who: "face" or "face.image"
+    std::string accepts;    ///< the media types of its input
+    bool stateful = false;  ///< the receiver keeps state between events, so it cannot share
     ConnectionOptions options;
 };
 Json to_json(const Registration& registration);

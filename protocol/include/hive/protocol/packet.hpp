@@ -78,7 +78,10 @@ struct Packet {
     std::shared_ptr<const std::string> header;
     Body body;
 
-    [[nodiscard]] std::string_view header_text() const { return header ? std::string_view(*header) : std::string_view(); }
+    [[nodiscard]] std::string_view header_text() const
+    {
+        return header ? std::string_view(*header) : std::string_view();
+    }
     [[nodiscard]] std::size_t size() const { return prefix_size + header_text().size() + body.size(); }
     [[nodiscard]] Prefix prefix() const;
 };

@@ -32,14 +32,16 @@ TEST_CASE("model output: without names the shorter side is one object; what cann
 {
     CHECK(layout_of({1, 25200, 85}, 0) == Layout::rows);
     CHECK(layout_of({1, 84, 8400}, 0) == Layout::columns);
-    for (const std::vector<int>& shape : {std::vector<int>{1, 1000}, {1, 100, 4}, {1, 4, 100}, {2, 84, 8400}, {1, 3, 80, 80}, {2, 1, 100, 7}, {}})
+    for (const std::vector<int>& shape :
+         {std::vector<int>{1, 1000}, {1, 100, 4}, {1, 4, 100}, {2, 84, 8400}, {1, 3, 80, 80}, {2, 1, 100, 7}, {}})
         CHECK_FALSE(layout_of(shape, 0));
     CHECK(detect::shape_text({1, 84, 8400}) == "1x84x8400");
 }
 
 TEST_CASE("model output: rows have an objectness, which counts; the best class wins")
 {
-    const cv::Mat output = table({1, 3, 7}, {50, 40, 20, 10, 0.5F, 0.2F, 0.8F,   10, 10, 4, 4, 0.9F, 0.9F, 0.1F,   10, 10, 4, 4, 0.1F, 0.9F, 0.1F});
+    const cv::Mat output = table(
+        {1, 3, 7}, {50, 40, 20, 10, 0.5F, 0.2F, 0.8F, 10, 10, 4, 4, 0.9F, 0.9F, 0.1F, 10, 10, 4, 4, 0.1F, 0.9F, 0.1F});
     const auto found = candidates(output, Layout::rows, {100, 100}, 0.3);
     REQUIRE(found.size() == 2);
     CHECK(found[0].box == cv::Rect2d(40, 35, 20, 10));
@@ -51,7 +53,8 @@ TEST_CASE("model output: rows have an objectness, which counts; the best class w
 
 TEST_CASE("model output: columns have no objectness")
 {
-    const cv::Mat output = table({1, 6, 3}, {50, 10, 90,   40, 10, 90,   20, 4, 8,   10, 4, 8,   0.2F, 0.9F, 0.1F,   0.8F, 0.1F, 0.1F});
+    const cv::Mat output =
+        table({1, 6, 3}, {50, 10, 90, 40, 10, 90, 20, 4, 8, 10, 4, 8, 0.2F, 0.9F, 0.1F, 0.8F, 0.1F, 0.1F});
     const auto found = candidates(output, Layout::columns, {100, 100}, 0.3);
     REQUIRE(found.size() == 2);
     CHECK(found[0].box == cv::Rect2d(40, 35, 20, 10));
@@ -62,7 +65,8 @@ TEST_CASE("model output: columns have no objectness")
 
 TEST_CASE("model output: corners are shares of the input, and rows of no picture end nothing")
 {
-    const cv::Mat output = table({1, 1, 3, 7}, {-1, 1, 0.9F, 0, 0, 1, 1,   0, 15, 0.7F, 0.25F, 0.5F, 0.5F, 0.75F,   0, 3, 0.1F, 0, 0, 1, 1});
+    const cv::Mat output =
+        table({1, 1, 3, 7}, {-1, 1, 0.9F, 0, 0, 1, 1, 0, 15, 0.7F, 0.25F, 0.5F, 0.5F, 0.75F, 0, 3, 0.1F, 0, 0, 1, 1});
     const auto found = candidates(output, Layout::corners, {400, 200}, 0.3);
     REQUIRE(found.size() == 1);
     CHECK(found[0].box == cv::Rect2d(100, 100, 100, 50));
@@ -73,6 +77,7 @@ TEST_CASE("model output: corners are shares of the input, and rows of no picture
 TEST_CASE("model output: boxes that are none are left out")
 {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
-    const cv::Mat output = table({1, 5, 6}, {nan, 1, 1, 1, 1, 1,   1, infinite, 1, 1, 1, 1,   1, 1, -3, 1, 1, 1,   1, 1, 1e30F, 1, 1, 1,   5, 5, 2, 2, 1, nan});
+    const cv::Mat output = table({1, 5, 6}, {nan, 1, 1, 1, 1, 1,     1, infinite, 1, 1, 1, 1, 1, 1, -3,
+                                             1,   1, 1, 1, 1, 1e30F, 1, 1,        1, 5, 5, 2, 2, 1, nan});
     CHECK(candidates(output, Layout::rows, {100, 100}, 0.3).empty());
 }

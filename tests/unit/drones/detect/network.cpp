@@ -1,4 +1,5 @@
-// Real (tiny) ONNX models through OpenCV's DNN: what they are given, what is made of what they say, and what is refused.
+// Real (tiny) ONNX models through OpenCV's DNN: what they are given, what is made of what they say, and what is
+// refused.
 #include "onnx_writer.hpp"
 
 #include <doctest/doctest.h>
@@ -14,7 +15,10 @@ using detect::NetworkSettings;
 namespace {
 
 /// A model of 8x8 px with this output, whatever it is shown.
-onnx::Model constant(std::vector<int> shape, std::vector<float> numbers) { return {.shape = std::move(shape), .constants = std::move(numbers), .wires = {}}; }
+onnx::Model constant(std::vector<int> shape, std::vector<float> numbers)
+{
+    return {.shape = std::move(shape), .constants = std::move(numbers), .wires = {}};
+}
 
 /// One object of the first of two classes, left of the middle of the input, in each layout.
 onnx::Model yolo5()
@@ -23,8 +27,8 @@ onnx::Model yolo5()
     std::ranges::copy(std::array{3.0F, 4.0F, 2.0F, 4.0F, 0.9F, 1.0F}, rows.begin());
     return constant({1, 7, 7}, rows);
 }
-onnx::Model yolo8() { return constant({1, 6, 2}, {3, 0,   4, 0,   2, 0,   4, 0,   0.9F, 0,   0, 0}); }
-onnx::Model ssd() { return constant({1, 1, 2, 7}, {0, 0, 0.9F, 0.25F, 0.25F, 0.5F, 0.75F,   -1, 0, 0, 0, 0, 0, 0}); }
+onnx::Model yolo8() { return constant({1, 6, 2}, {3, 0, 4, 0, 2, 0, 4, 0, 0.9F, 0, 0, 0}); }
+onnx::Model ssd() { return constant({1, 1, 2, 7}, {0, 0, 0.9F, 0.25F, 0.25F, 0.5F, 0.75F, -1, 0, 0, 0, 0, 0, 0}); }
 
 NetworkSettings settings(const onnx::File& model, const onnx::File* classes = nullptr)
 {
@@ -53,8 +57,12 @@ cv::Mat grey_picture(cv::Size size) { return {size, CV_8UC3, cv::Scalar::all(50)
 TEST_CASE("network: each layout of a model is found out, and its box is where the model says")
 {
     const onnx::File names(".names", "cup\r\nspoon\n\n");
-    struct Case { onnx::Model model; detect::Layout layout; };
-    for (const Case& known : {Case{yolo5(), detect::Layout::rows}, {yolo8(), detect::Layout::columns}, {ssd(), detect::Layout::corners}}) {
+    struct Case {
+        onnx::Model model;
+        detect::Layout layout;
+    };
+    for (const Case& known :
+         {Case{yolo5(), detect::Layout::rows}, {yolo8(), detect::Layout::columns}, {ssd(), detect::Layout::corners}}) {
         const onnx::File model(".onnx", onnx::bytes_of(known.model));
         Network network(settings(model, &names));
         CHECK(network.layout() == known.layout);
@@ -80,7 +88,7 @@ TEST_CASE("network: a wide picture is letterboxed or stretched into the input, a
 TEST_CASE("network: the picture reaches the model scaled, without the mean, in the model's order of colours")
 {
     // The scores of the three classes are the three channels of the input's first pixel.
-    onnx::Model model = constant({1, 2, 8}, {4, 4, 4, 4, 1, 0, 0, 0,   0, 0, 0, 0, 0, 0, 0, 0});
+    onnx::Model model = constant({1, 2, 8}, {4, 4, 4, 4, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
     model.wires = {{0, 5, 1}, {64, 6, 1}, {128, 7, 1}};
     const onnx::File file(".onnx", onnx::bytes_of(model)), names(".names", "first\nsecond\nthird\n");
     NetworkSettings wanted = settings(file, &names);
@@ -108,10 +116,14 @@ TEST_CASE("network: what is not seen well enough is left out")
     CHECK(network.find(grey_picture({80, 80})).size() == 1);
 }
 
-TEST_CASE("network: of overlapping boxes of one class the best is kept; other classes and places are not touched; boxes end at the picture")
+TEST_CASE("network: of overlapping boxes of one class the best is kept; other classes and places are not touched; "
+          "boxes end at the picture")
 {
-    const onnx::File file(".onnx", onnx::bytes_of(constant({1, 7, 7}, {2, 2, 2, 2, 1, 0.7F, 0,   2.2F, 2, 2, 2, 1, 0.9F, 0,   2, 2, 2, 2, 1, 0, 0.8F,
-        6, 6, 2, 2, 1, 0.6F, 0,   8, 8, 4, 4, 1, 0, 0.95F,   20, 20, 2, 2, 1, 1, 0,   0, 0, 0, 0, 0, 0, 0})));
+    const onnx::File file(
+        ".onnx",
+        onnx::bytes_of(constant({1, 7, 7}, {2,     2,  2,  2,    1, 0.7F, 0, 2.2F, 2, 2,    2, 1, 0.9F, 0, 2, 2, 2,
+                                            2,     1,  0,  0.8F, 6, 6,    2, 2,    1, 0.6F, 0, 8, 8,    4, 4, 1, 0,
+                                            0.95F, 20, 20, 2,    2, 1,    1, 0,    0, 0,    0, 0, 0,    0, 0})));
     Network network(settings(file));
     const auto objects = network.find(grey_picture({80, 80}));
     REQUIRE(objects.size() == 4);
@@ -125,7 +137,8 @@ TEST_CASE("network: of overlapping boxes of one class the best is kept; other cl
 
 TEST_CASE("network: a model or a file of classes that is not there, or is none, is refused in a sentence")
 {
-    const onnx::File model(".onnx", onnx::bytes_of(yolo5())), garbage(".onnx", "this is no model"), empty(".names", "\n"), binary(".names", std::string(500, 'x'));
+    const onnx::File model(".onnx", onnx::bytes_of(yolo5())), garbage(".onnx", "this is no model"),
+        empty(".names", "\n"), binary(".names", std::string(500, 'x'));
     NetworkSettings wanted = settings(model);
     wanted.model = "/nowhere/model.onnx";
     CHECK(refusal(wanted) == "no model at /nowhere/model.onnx");
@@ -135,7 +148,8 @@ TEST_CASE("network: a model or a file of classes that is not there, or is none, 
     wanted = settings(model);
     wanted.classes = "/nowhere/classes";
     CHECK(refusal(wanted) == "no file of class names at /nowhere/classes");
-    CHECK_THROWS_WITH_AS(detect::class_names("/nowhere/classes"), "no file of class names at /nowhere/classes", std::runtime_error);
+    CHECK_THROWS_WITH_AS(detect::class_names("/nowhere/classes"), "no file of class names at /nowhere/classes",
+                         std::runtime_error);
     CHECK(detect::class_names("").empty());
     CHECK(refusal(settings(model, &empty)).find("has no class names") != std::string::npos);
     CHECK(refusal(settings(model, &binary)).find("more than 64 bytes") != std::string::npos);
@@ -144,10 +158,12 @@ TEST_CASE("network: a model or a file of classes that is not there, or is none, 
 
 TEST_CASE("network: a model that does not run with that input, or gives something else, is refused with the shape")
 {
-    const onnx::File model(".onnx", onnx::bytes_of(yolo5())), classifier(".onnx", onnx::bytes_of(constant({1, 10}, std::vector<float>(10)))),
-        names(".names", "a\nb\nc\nd\n");
-    CHECK(refusal(settings(classifier)).find("gives 1x10, which is no output of a known detector") != std::string::npos);
-    CHECK(refusal(settings(model, &names)).find("gives 1x7x7, which is no output of a known detector for the 4 classes") != std::string::npos);
+    const onnx::File model(".onnx", onnx::bytes_of(yolo5())),
+        classifier(".onnx", onnx::bytes_of(constant({1, 10}, std::vector<float>(10)))), names(".names", "a\nb\nc\nd\n");
+    CHECK(refusal(settings(classifier)).find("gives 1x10, which is no output of a known detector")
+          != std::string::npos);
+    CHECK(refusal(settings(model, &names)).find("gives 1x7x7, which is no output of a known detector for the 4 classes")
+          != std::string::npos);
     NetworkSettings large = settings(model);
     large.input = {640, 640};
     CHECK(refusal(large).find("does not run with an input of 640x640") != std::string::npos);

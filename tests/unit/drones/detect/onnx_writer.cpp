@@ -18,10 +18,16 @@ std::string varint(std::uint64_t value)
     return bytes + static_cast<char>(value);
 }
 
-std::string number(int field, std::uint64_t value) { return varint(static_cast<std::uint64_t>(field) << 3) + varint(value); }
+std::string number(int field, std::uint64_t value)
+{
+    return varint(static_cast<std::uint64_t>(field) << 3) + varint(value);
+}
 
 /// A string, or a message inside a message.
-std::string part(int field, const std::string& bytes) { return varint(static_cast<std::uint64_t>(field) << 3 | 2) + varint(bytes.size()) + bytes; }
+std::string part(int field, const std::string& bytes)
+{
+    return varint(static_cast<std::uint64_t>(field) << 3 | 2) + varint(bytes.size()) + bytes;
+}
 
 template <class Number>
 std::string raw(const std::vector<Number>& numbers)
@@ -31,7 +37,8 @@ std::string raw(const std::vector<Number>& numbers)
     return bytes;
 }
 
-std::string tensor(const std::string& name, int type, const std::vector<std::uint64_t>& sides, const std::string& contents)
+std::string tensor(const std::string& name, int type, const std::vector<std::uint64_t>& sides,
+                   const std::string& contents)
 {
     std::string bytes;
     for (const auto side : sides)
@@ -68,19 +75,23 @@ std::string attribute(const std::string& name, std::uint64_t value)
 
 std::string bytes_of(const Model& model)
 {
-    const std::size_t inputs = static_cast<std::size_t>(3 * model.width * model.height), outputs = model.constants.size();
+    const std::size_t inputs = static_cast<std::size_t>(3 * model.width * model.height),
+                      outputs = model.constants.size();
     std::vector<float> weights(inputs * outputs, 0.0F);
     for (const Wire& wire : model.wires)
         weights[static_cast<std::size_t>(wire.to) * inputs + static_cast<std::size_t>(wire.from)] = wire.factor;
     const std::vector<std::int64_t> shape(model.shape.begin(), model.shape.end());
     const std::vector<std::uint64_t> sides(model.shape.begin(), model.shape.end());
-    const std::vector<std::uint64_t> input_sides{1, 3, static_cast<std::uint64_t>(model.height), static_cast<std::uint64_t>(model.width)};
-    const std::string graph = part(1, node("Flatten", {"image"}, "row")) + part(1, node("Gemm", {"row", "weights", "constants"}, "numbers") + attribute("transB", 1))
+    const std::vector<std::uint64_t> input_sides{1, 3, static_cast<std::uint64_t>(model.height),
+                                                 static_cast<std::uint64_t>(model.width)};
+    const std::string graph =
+        part(1, node("Flatten", {"image"}, "row"))
+        + part(1, node("Gemm", {"row", "weights", "constants"}, "numbers") + attribute("transB", 1))
         + part(1, node("Reshape", {"numbers", "shape"}, "objects")) + part(2, "tiny")
         + part(5, tensor("weights", type_float, {outputs, inputs}, raw(weights)))
         + part(5, tensor("constants", type_float, {outputs}, raw(model.constants)))
-        + part(5, tensor("shape", type_int64, {shape.size()}, raw(shape)))
-        + part(11, value_info("image", input_sides)) + part(12, value_info("objects", sides));
+        + part(5, tensor("shape", type_int64, {shape.size()}, raw(shape))) + part(11, value_info("image", input_sides))
+        + part(12, value_info("objects", sides));
     return number(1, 7) + part(7, graph) + part(8, part(1, "") + number(2, 11));
 }
 

@@ -14,8 +14,8 @@ struct Wire {
     float factor;
 };
 
-/// A model with one input of 1x3x`height`x`width` floats and one output of `shape`: constants, plus what the wires bring
-/// from the input. In ONNX: Flatten, Gemm, Reshape.
+/// A model with one input of 1x3x`height`x`width` floats and one output of `shape`: constants, plus what the wires
+/// bring from the input. In ONNX: Flatten, Gemm, Reshape.
 struct Model {
     int width = 8, height = 8;
     std::vector<int> shape;

@@ -7,7 +7,6 @@
 #include <opencv2/videoio.hpp>
 #include <people_finder.hpp>
 
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,7 +19,8 @@ namespace {
 /// A walker of height H with the top of the head at `top`, drawn from lines and ellipses; `phase` of the step.
 class Walker {
 public:
-    Walker(cv::Mat& picture, cv::Point2d top, double height, double phase) : picture_(picture), top_(top), height_(height)
+    Walker(cv::Mat& picture, cv::Point2d top, double height, double phase)
+        : picture_(picture), top_(top), height_(height)
     {
         const double step = 0.10 * std::sin(phase);
         for (const int side : {-1, 1})
@@ -49,11 +49,15 @@ private:
         line(elbow, {side * (0.11 - step), 0.50}, 0.042, sleeve);
     }
 
-    [[nodiscard]] cv::Point at(double x, double y) const { return {cvRound(top_.x + x * height_), cvRound(top_.y + y * height_)}; }
+    [[nodiscard]] cv::Point at(double x, double y) const
+    {
+        return {cvRound(top_.x + x * height_), cvRound(top_.y + y * height_)};
+    }
     [[nodiscard]] cv::Size size(double x, double y) const { return {cvRound(x * height_), cvRound(y * height_)}; }
     void line(cv::Point2d from, cv::Point2d to, double thickness, const cv::Scalar& colour)
     {
-        cv::line(picture_, at(from.x, from.y), at(to.x, to.y), colour, std::max(1, cvRound(thickness * height_)), cv::LINE_AA);
+        cv::line(picture_, at(from.x, from.y), at(to.x, to.y), colour, std::max(1, cvRound(thickness * height_)),
+                 cv::LINE_AA);
     }
 
     cv::Mat& picture_;
@@ -114,8 +118,10 @@ std::vector<std::pair<double, cv::Rect>> plain_people(const cv::Mat& picture)
 bool same(const std::vector<Object>& found, const std::vector<std::pair<double, cv::Rect>>& plain)
 {
     return found.size() == plain.size() && std::ranges::all_of(plain, [&](const auto& person) {
-        return std::ranges::any_of(found, [&](const Object& object) { return object.box == person.second && object.score == person.first; });
-    });
+               return std::ranges::any_of(found, [&](const Object& object) {
+                   return object.box == person.second && object.score == person.first;
+               });
+           });
 }
 
 }  // namespace

@@ -19,11 +19,11 @@ namespace {
 /// How hands are drawn and seen.
 struct Conditions {
     const char* name;
-    double turned = 180;        ///< degrees at most, to either side
+    double turned = 180;           ///< degrees at most, to either side
     double least = 35, most = 60;  ///< radius of the palm, px
-    double arm = 30;            ///< in radii; 30: off the picture
-    double noise = 3;           ///< sensor noise, grey levels
-    int quality = 80;           ///< of JPEG
+    double arm = 30;               ///< in radii; 30: off the picture
+    double noise = 3;              ///< sensor noise, grey levels
+    int quality = 80;              ///< of JPEG
 };
 
 DrawnHand random_hand(const Conditions& conditions, int fingers, cv::Size size, cv::RNG& random)
@@ -55,8 +55,9 @@ double between(const cv::Point2d& a, const cv::Point2d& b) { return std::hypot(a
 bool same_hand(const std::vector<gesture::Hand>& found, const DrawnHand& truth)
 {
     return found.size() == 1 && found[0].tips.size() == static_cast<std::size_t>(truth.fingers)
-        && between(found[0].palm, truth.palm) < 0.2 * truth.radius && std::abs(found[0].radius - truth.radius) < 0.2 * truth.radius
-        && (!found[0].angle || std::abs(std::remainder(*found[0].angle - truth.rotation, 360)) < 8);
+           && between(found[0].palm, truth.palm) < 0.2 * truth.radius
+           && std::abs(found[0].radius - truth.radius) < 0.2 * truth.radius
+           && (!found[0].angle || std::abs(std::remainder(*found[0].angle - truth.rotation, 360)) < 8);
 }
 
 int exact(const Conditions& conditions, int each)
@@ -132,7 +133,8 @@ TEST_CASE("scene: the hand is away first, then shows the known sequence, fingers
     for (const cv::Size size : {cv::Size(64, 64), cv::Size(640, 480), cv::Size(480, 640), cv::Size(1280, 720)})
         for (int index = 0; index < 3 * pictures_per_gesture * static_cast<int>(fingers_shown.size()); ++index) {
             const auto hand = camera::hand_at(index, size);
-            const int shown = fingers_shown[static_cast<std::size_t>(index / pictures_per_gesture) % fingers_shown.size()];
+            const int shown =
+                fingers_shown[static_cast<std::size_t>(index / pictures_per_gesture) % fingers_shown.size()];
             REQUIRE(hand.has_value() == (shown != camera::no_hand));
             if (!hand)
                 continue;

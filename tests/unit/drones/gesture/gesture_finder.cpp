@@ -128,7 +128,8 @@ TEST_CASE("gesture finder: the photographed open hand and V sign before a light 
         MESSAGE("skipped: there are no photographs beside the source tree");
         return;
     }
-    const auto five = GestureFinder().find(before_the_wall(*media)), two = GestureFinder().find(before_the_wall(media->parent_path() / "hand_2_fingers.jpg"));
+    const auto five = GestureFinder().find(before_the_wall(*media)),
+               two = GestureFinder().find(before_the_wall(media->parent_path() / "hand_2_fingers.jpg"));
     REQUIRE(five.size() == 1);
     REQUIRE(two.size() == 1);
     CHECK(gesture::pose(five[0]) == "open");

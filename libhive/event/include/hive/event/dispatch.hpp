@@ -1,5 +1,5 @@
-// Hands each receiver its events in the encoding it gets and in the order they were decided, while some of them are still
-// being encoded.
+// Hands each receiver its events in the encoding it gets and in the order they were decided, while some of them are
+// still being encoded.
 #pragma once
 
 #include <hive/encoder.hpp>

@@ -24,7 +24,8 @@ struct Share {
 class Emission {
 public:
     /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header
-    /// Throws Errc::too_large when the header does not fit a packet, or no receiver would read it for its levels, keys or strings.
+    /// Throws Errc::too_large when the header does not fit a packet, or no receiver would read it for its levels, keys
+    /// or strings.
     explicit Emission(Event event, bool complete = true);
 
     [[nodiscard]] const Event& event() const noexcept { return event_; }
@@ -33,12 +34,16 @@ public:
     /// The same event for keeping: whoever holds it is not working on it, so its receipt is left out.
     [[nodiscard]] std::shared_ptr<const Emission> without_receipt() const;
     /// May it go to a receiver of this kind?
-    [[nodiscard]] bool serves(Delivery delivery) const noexcept { return complete_ || delivery == Delivery::notification; }
+    [[nodiscard]] bool serves(Delivery delivery) const noexcept
+    {
+        return complete_ || delivery == Delivery::notification;
+    }
     /// The packet that carries it; the header is the same for all, but for an event that is shared work.
-    [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel, const Share& share = {}) const;
+    [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel,
+                                          const Share& share = {}) const;
 
-    /// The event in another encoding when it was made already, or null. A rendition has no receipt: it is kept as long as
-    /// anybody keeps the event.
+    /// The event in another encoding when it was made already, or null. A rendition has no receipt: it is kept as long
+    /// as anybody keeps the event.
     [[nodiscard]] std::shared_ptr<const Emission> rendition(const std::string& encoding) const;
     void keep_rendition(const std::string& encoding, std::shared_ptr<const Emission> rendition) const;
 

@@ -22,7 +22,8 @@ public:
 
     /// Any thread. A job must not throw.
     void push(Job job);
-    /// Drops the jobs that wait, and waits for the one under way. What is pushed later is dropped. Any thread but its own.
+    /// Drops the jobs that wait, and waits for the one under way. What is pushed later is dropped. Any thread but its
+    /// own.
     void end();
 
 private:

@@ -13,8 +13,8 @@ class EncodingChoice {
 public:
     enum class Way { one_machine, network };
 
-    /// Throws Errc::invalid_argument when the encoder does not know what was asked for, and Errc::type_mismatch when the
-    /// receiver does not take it.
+    /// Throws Errc::invalid_argument when the encoder does not know what was asked for, and Errc::type_mismatch when
+    /// the receiver does not take it.
     /// @param encoder  of the output; kept by reference
     EncodingChoice(const Encoder& encoder, const protocol::Registration& registration, Way way);
 

@@ -1,4 +1,5 @@
-// The directory where the modules of one user on one machine meet: a socket is a name, what a drone was told lies beside it.
+// The directory where the modules of one user on one machine meet: a socket is a name, what a drone was told lies
+// beside it.
 #pragma once
 
 #include <hive/json.hpp>

@@ -18,7 +18,7 @@ namespace hive::event {
 class Module;
 
 struct IntakeSpec {
-    std::string sender;          ///< the drone
+    std::string sender;  ///< the drone
     std::string output;
     transport::Address address;  ///< where it is met
     std::string input;           ///< of this module

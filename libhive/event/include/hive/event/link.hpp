@@ -21,9 +21,10 @@ using OnOutcome = std::function<void(const Outcome&)>;
 class Link : public std::enable_shared_from_this<Link> {
 public:
     struct Events {
-        std::function<void(Link&)> opened;                                  ///< the peer's hello is here
-        std::function<void(Link&, const protocol::Packet&, const Json&)> packet;  ///< registrations and requests of the peer
-        std::function<void(Link&, const Error&)> closed;                    ///< once, the last
+        std::function<void(Link&)> opened;  ///< the peer's hello is here
+        std::function<void(Link&, const protocol::Packet&, const Json&)>
+            packet;                                       ///< registrations and requests of the peer
+        std::function<void(Link&, const Error&)> closed;  ///< once, the last
     };
     /// Receives the packets (event, notification, exception) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;
@@ -40,9 +41,10 @@ public:
     /// Is the peer on this machine?
     [[nodiscard]] bool local() const { return connection_->local(); }
 
-    /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends (Errc::connection_lost), or at once
-    /// when the request is over the limits of a packet (Errc::too_large).
-    void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome, std::uint16_t channel = 0);
+    /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends
+    /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large).
+    void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
+                 std::uint16_t channel = 0);
     /// Confirms a request. An answer that no peer would take (over the limit of a header) becomes Errc::too_large.
     void answer(std::int64_t id, const Outcome& outcome);
     /// Fails the requests whose deadline has passed.

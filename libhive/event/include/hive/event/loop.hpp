@@ -16,13 +16,15 @@
 
 namespace hive::event {
 
-/// Links, outlets, intakes and timers are handlers of one io_context, run by whoever has the **turn**. A thread that has nothing to do
-/// takes it and waits in the io_context itself, so what arrives wakes the very thread that will work on it. When it goes away it wakes
-/// nobody; if nobody is back after `patience`, the network thread takes the turn and keeps it until somebody wants it.
+/// Links, outlets, intakes and timers are handlers of one io_context, run by whoever has the **turn**. A thread that
+/// has nothing to do takes it and waits in the io_context itself, so what arrives wakes the very thread that will work
+/// on it. When it goes away it wakes nobody; if nobody is back after `patience`, the network thread takes the turn and
+/// keeps it until somebody wants it.
 class Loop {
 public:
     using Task = std::function<void()>;
-    /// How long the network side may be left alone. Shorter callbacks cost no change of threads; longer ones are covered.
+    /// How long the network side may be left alone. Shorter callbacks cost no change of threads; longer ones are
+    /// covered.
     static constexpr std::chrono::milliseconds patience{1};
 
     Loop();
@@ -37,7 +39,8 @@ public:
     void end();
     [[nodiscard]] asio::io_context& context() noexcept { return context_; }
 
-    // --- any thread; tasks run in the order of these calls, and what a task of post or perform throws ends the process ---
+    // --- any thread; tasks run in the order of these calls, and what a task of post or perform throws ends the process
+    // ---
 
     /// Leaves a task to whoever has or takes the turn next.
     void post(Task task);
@@ -51,7 +54,8 @@ public:
 
     /// Runs what is ready, if the turn is free.
     void serve();
-    /// Runs the network side until `done` (asked with the turn, after each handler) or the deadline; time_point::max(): no deadline.
+    /// Runs the network side until `done` (asked with the turn, after each handler) or the deadline; time_point::max():
+    /// no deadline.
     void wait(Clock::time_point deadline, const std::function<bool()>& done);
     /// Has a wait() of another thread ask again whether it is done.
     void interrupt();
@@ -80,11 +84,12 @@ private:
     std::atomic<std::thread::id> holder_{};
     std::mutex mutex_;
     std::condition_variable left_;
-    std::uint64_t asked_ = 0, given_back_ = 0;  ///< turns, which are served in order: the difference is who has it and who waits
+    std::uint64_t asked_ = 0,
+                  given_back_ = 0;  ///< turns, which are served in order: the difference is who has it and who waits
     std::vector<Task> posted_;
     Clock::time_point served_at_{};  ///< when somebody left who had run the io_context
-    const int timer_;     ///< timerfd that wakes the network thread
-    bool armed_ = false;  ///< it will
+    const int timer_;                ///< timerfd that wakes the network thread
+    bool armed_ = false;             ///< it will
     bool ending_ = false;
     std::thread thread_;
 };

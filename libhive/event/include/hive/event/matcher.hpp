@@ -11,17 +11,18 @@
 
 namespace hive::event {
 
-/// Pure logic: events in, sets out, the time is told; for one thread. Which events wait, and with or without their receipts, is
-/// explained in docs/architecture.md, "Matching".
+/// Pure logic: events in, sets out, the time is told; for one thread. Which events wait, and with or without their
+/// receipts, is explained in docs/architecture.md, "Matching".
 class Matcher {
 public:
     using TimePoint = Clock::time_point;
     using Set = std::vector<Event>;  ///< one event of each input, in their order
 
-    /// How long a live event waits, and how long the source of lossless ones is held up by an input from which nothing comes.
+    /// How long a live event waits, and how long the source of lossless ones is held up by an input from which nothing
+    /// comes.
     static constexpr std::chrono::seconds patience{4};
-    /// Lossless events that wait at one input without holding up their source: so that a drone which leaves one out stops nothing, and
-    /// the drones on the way work at the same time.
+    /// Lossless events that wait at one input without holding up their source: so that a drone which leaves one out
+    /// stops nothing, and the drones on the way work at the same time.
     static constexpr int most_ahead = 4;
 
     /// @param inputs  two or more

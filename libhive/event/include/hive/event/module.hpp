@@ -65,8 +65,9 @@ public:
     // --- before start() ---
     Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event, Encoder encoder = {});
     void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
-    std::function<void()> on_demand = [] {};                        ///< the demand for an outlet changed
-    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {};  ///< a shared event is given up; its identity has the last attempt
+    std::function<void()> on_demand = [] {};  ///< the demand for an outlet changed
+    std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {
+    };  ///< a shared event is given up; its identity has the last attempt
     /// An encoder threw; the event goes as it is.
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.
@@ -78,8 +79,8 @@ public:
     [[nodiscard]] Loop& loop() noexcept { return loop_; }
     void post(Loop::Task task) { loop_.post(std::move(task)); }
     void call(const Loop::Task& task) { loop_.call(task); }
-    /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until there is one. Nothing
-    /// when the deadline has passed or the mailbox was nudged. For one thread.
+    /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until
+    /// there is one. Nothing when the deadline has passed or the mailbox was nudged. For one thread.
     std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
     [[nodiscard]] const std::shared_ptr<Door>& door() const noexcept { return door_; }
     /// Where bodies are made that peers on this machine read without a copy.
@@ -96,10 +97,11 @@ public:
     transport::Address listen(const transport::Address& address);
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
-    void request(const transport::Address& address, protocol::PacketType type, Json header, Body body, Clock::time_point deadline,
-                 OnOutcome on_outcome);
+    void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
+                 Clock::time_point deadline, OnOutcome on_outcome);
     std::shared_ptr<Intake> add_intake(IntakeSpec spec, Intake::Sink sink);
-    void remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
+    void remove_intake(
+        const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.

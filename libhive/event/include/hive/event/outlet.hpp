@@ -20,7 +20,8 @@ public:
     struct Hooks {
         std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
-        std::function<void(const EmissionPtr&, const Error&)> not_encoded;  ///< the encoder threw; the event goes as it is
+        std::function<void(const EmissionPtr&, const Error&)>
+            not_encoded;  ///< the encoder threw; the event goes as it is
         Dispatch::Run on_encoder_thread, on_network_side;
     };
     /// @param carrier  the packet type that carries its events: event or exception
@@ -62,7 +63,7 @@ private:
         LinkPtr link;
         std::uint16_t channel;
         EncodingChoice encoding;
-        bool data;  ///< receives bodies
+        bool data;                              ///< receives bodies
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;

@@ -14,7 +14,8 @@
 
 namespace hive::event {
 
-/// What became of the events of one receiver or group: produced = delivered + skipped + dropped + abandoned + in_flight.
+/// What became of the events of one receiver or group: produced = delivered + skipped + dropped + abandoned +
+/// in_flight.
 struct Counts {
     std::int64_t produced = 0;   ///< while it was registered
     std::int64_t delivered = 0;  ///< handed to the operating system; in a group: acknowledged
@@ -29,10 +30,10 @@ public:
     using Id = std::uint64_t;
 
     static constexpr int most_attempts = 3;
-    static constexpr std::size_t most_queued_events = 1024;      ///< of a streaming receiver, when they are small
-    static constexpr std::size_t most_queued_bytes = 1u << 20;   ///< beyond two events
-    static constexpr std::size_t most_empty_groups = 16;         ///< remembered, with their turns and what waits in them
-    static constexpr std::size_t lane_bytes = 64 * 1024;         ///< handed to the transport at once, beyond one event
+    static constexpr std::size_t most_queued_events = 1024;     ///< of a streaming receiver, when they are small
+    static constexpr std::size_t most_queued_bytes = 1u << 20;  ///< beyond two events
+    static constexpr std::size_t most_empty_groups = 16;        ///< remembered, with their turns and what waits in them
+    static constexpr std::size_t lane_bytes = 64 * 1024;        ///< handed to the transport at once, beyond one event
 
     /// A decision: give this event to this receiver.
     struct Send {
@@ -60,8 +61,10 @@ public:
     explicit ReceiverTable(Defences defences = {true}) : defences_(defences) {}
 
     /// A receiver registered; `epoch` is its registration's.
-    Decisions add(Id id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Clock::time_point now);
-    /// It deregistered, or its connection ended (`left` false: it may come back, so work that it had as the last of its group waits).
+    Decisions add(Id id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options,
+                  Clock::time_point now);
+    /// It deregistered, or its connection ended (`left` false: it may come back, so work that it had as the last of its
+    /// group waits).
     Decisions remove(Id id, bool left, Clock::time_point now);
     /// It asked: both numbers count from its registration.
     Decisions request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done, Clock::time_point now);
@@ -100,16 +103,19 @@ private:
         std::deque<EmissionPtr> waiting;
         std::size_t waiting_bytes = 0;
         std::size_t lane_events = 0, lane_bytes = 0;
-        std::deque<Lease> leases;            ///< group members: in the order of delivery, numbers done+1 …
-        Clock::time_point head_since{};      ///< when the first lease became the one being worked on
-        std::uint64_t idle_since = 0;        ///< order in which members asked
-        bool suspect = false;                ///< a lease of it expired: gets nothing until it answers
+        std::deque<Lease> leases;        ///< group members: in the order of delivery, numbers done+1 …
+        Clock::time_point head_since{};  ///< when the first lease became the one being worked on
+        std::uint64_t idle_since = 0;    ///< order in which members asked
+        bool suspect = false;            ///< a lease of it expired: gets nothing until it answers
         Counts counts;
 
         [[nodiscard]] bool streaming() const { return options.transfer == Transfer::streaming; }
         [[nodiscard]] bool has_credit() const { return streaming() || asked > sent; }
         [[nodiscard]] bool lane_free(std::size_t next) const;
-        [[nodiscard]] bool counts_for_demand() const { return options.delivery == Delivery::data && options.group.empty(); }
+        [[nodiscard]] bool counts_for_demand() const
+        {
+            return options.delivery == Delivery::data && options.group.empty();
+        }
     };
     /// How long the work of a group takes, for its leases.
     class WorkTimes {
@@ -124,7 +130,7 @@ private:
     struct Group {
         std::deque<Job> waiting;  ///< taken back first, then new ones
         int members = 0;
-        bool awaited = false;       ///< its last member was lost with work on demand, so the source waits for the next one
+        bool awaited = false;  ///< its last member was lost with work on demand, so the source waits for the next one
         std::uint64_t emptied = 0;  ///< order in which groups lost their last members
         std::int64_t turns = 0;
         WorkTimes times;
@@ -136,7 +142,8 @@ private:
     void pump(Id id, Receiver& receiver, Decisions& decisions);
     void pump_group(const std::string& name, Clock::time_point now, Decisions& decisions);
     void offer_receiver(Id id, Receiver& receiver, const EmissionPtr& event, Decisions& decisions);
-    void offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
+    void offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now,
+                     Decisions& decisions);
     void acknowledge(Receiver& member, std::int64_t done, Clock::time_point now);
     void take_back(Receiver& member, Group& group, Decisions& decisions);
     void empty(const std::string& name, Group& group, bool left, Decisions& decisions);

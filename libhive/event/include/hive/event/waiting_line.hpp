@@ -17,8 +17,9 @@ class WaitingLine {
 public:
     using TimePoint = Clock::time_point;
 
-    /// Live events: what a detector with a second or two of latency needs at 30 fps, and what a process can spare. A picture that
-    /// waits holds a slot of its sender's shared memory, or memory of this process when it holds too many of them.
+    /// Live events: what a detector with a second or two of latency needs at 30 fps, and what a process can spare. A
+    /// picture that waits holds a slot of its sender's shared memory, or memory of this process when it holds too many
+    /// of them.
     static constexpr std::size_t most_live = 128, most_live_bytes = 128u << 20;
     /// Lossless events: as a Mailbox; no source that waits for its receivers comes near.
     static constexpr std::size_t most_lossless = 4096, most_lossless_bytes = 512u << 20;
@@ -49,7 +50,8 @@ public:
 
     /// Where the event of this identity waits.
     [[nodiscard]] std::optional<std::size_t> find(const Identity& identity) const;
-    /// Has every sender gone past this identity, so that it cannot come any more? Workers that share a job keep no order, so never they.
+    /// Has every sender gone past this identity, so that it cannot come any more? Workers that share a job keep no
+    /// order, so never they.
     [[nodiscard]] bool passed(const Identity& identity) const;
     /// Has any sender gone past it?
     [[nodiscard]] bool overtook(const Identity& identity) const;

@@ -15,11 +15,11 @@ namespace hive::transport {
 
 /// Times and sizes of a connection; tests make them short.
 struct Timing {
-    std::chrono::milliseconds heartbeat{500};    ///< a ping leaves when nothing else was sent for this long
-    std::chrono::milliseconds silence{2000};     ///< a peer that sends nothing for this long is dead
+    std::chrono::milliseconds heartbeat{500};      ///< a ping leaves when nothing else was sent for this long
+    std::chrono::milliseconds silence{2000};       ///< a peer that sends nothing for this long is dead
     std::chrono::milliseconds first_packet{2000};  ///< the whole first packet must be here by then
-    std::chrono::milliseconds stall{5000};       ///< a packet that has begun must go on at 64 KiB/s, or the peer is cut off
-    std::size_t control_bytes = 256 * 1024;      ///< more control packets than this waiting: the peer is cut off
+    std::chrono::milliseconds stall{5000};   ///< a packet that has begun must go on at 64 KiB/s, or the peer is cut off
+    std::size_t control_bytes = 256 * 1024;  ///< more control packets than this waiting: the peer is cut off
 };
 
 /// How the body of a packet travels.
@@ -30,22 +30,23 @@ enum class Carriage {
 };
 
 /// Lives on the network side; all calls and handlers are there. Two lanes leave it: control packets, and events
-/// (event, by reference or not, notification, exception and put carry bodies). Control packets overtake waiting events at
-/// every packet boundary. Pings and pongs are answered here and shown to nobody, and so is all that is said about shared memory: above,
-/// an event has a body, wherever its bytes lie.
+/// (event, by reference or not, notification, exception and put carry bodies). Control packets overtake waiting events
+/// at every packet boundary. Pings and pongs are answered here and shown to nobody, and so is all that is said about
+/// shared memory: above, an event has a body, wherever its bytes lie.
 ///
 /// The first packet must fit protocol::hello_limits and be a hello; when it has been handed over, open() raises the
 /// limits. A connection that breaks the protocol is closed with the error that says how.
 class Connection : public std::enable_shared_from_this<Connection> {
 public:
     struct Handlers {
-        std::function<void(protocol::Packet&&)> packet;       ///< a whole packet came
+        std::function<void(protocol::Packet&&)> packet;  ///< a whole packet came
         std::function<void(const hive::Error&)> closed;  ///< once, the last call; also after close()
     };
     /// Called once: true when the last byte is with the operating system, false when the connection ended before.
     using Written = std::function<void(bool)>;
 
-    static std::shared_ptr<Connection> create(asio::io_context& context, std::unique_ptr<Stream> stream, Timing timing = {});
+    static std::shared_ptr<Connection> create(asio::io_context& context, std::unique_ptr<Stream> stream,
+                                              Timing timing = {});
     virtual ~Connection() = default;
 
     /// Begins reading. Handlers are dropped after `closed`, so they may own the connection.

@@ -17,17 +17,17 @@ namespace hive::transport {
 
 class Segment;
 
-/// Only this process keeps the book of who holds which slot; receivers can neither write to a segment nor shrink it. The
-/// slot used last is used next, because it is still in the cache. Slots are backed by memory before they are given out, so
-/// that shortage is an answer and not a signal. What was backed stays, until the pool and the last body in it are gone.
-/// From any thread.
+/// Only this process keeps the book of who holds which slot; receivers can neither write to a segment nor shrink it.
+/// The slot used last is used next, because it is still in the cache. Slots are backed by memory before they are given
+/// out, so that shortage is an answer and not a signal. What was backed stays, until the pool and the last body in it
+/// are gone. From any thread.
 class Pool : public std::enable_shared_from_this<Pool> {
 public:
     using Clock = std::chrono::steady_clock;
 
     struct Limits {
-        std::size_t bytes;                             ///< backed at most, over all segments
-        std::size_t segment_bytes = 32u << 20;         ///< a segment has 8 slots, or as many as fit in here, at most 128
+        std::size_t bytes;                      ///< backed at most, over all segments
+        std::size_t segment_bytes = 32u << 20;  ///< a segment has 8 slots, or as many as fit in here, at most 128
     };
     /// A quarter of the machine's memory.
     static Limits default_limits();
@@ -49,7 +49,8 @@ public:
     [[nodiscard]] std::pair<protocol::Segment, int> offer(std::uint32_t segment) const;
     /// Keeps bodies until then: who had borrowed them may still be reading.
     void keep(std::vector<Body> bodies, Clock::time_point until);
-    /// The producer ends: nothing is kept from now on. To be called before the last reference goes (kept bodies hold the pool).
+    /// The producer ends: nothing is kept from now on. To be called before the last reference goes (kept bodies hold
+    /// the pool).
     void end();
 
     struct Usage {
@@ -70,7 +71,7 @@ private:
     std::vector<Kept> expired();
 
     const Limits limits_;
-    mutable std::mutex mutex_;  ///< for all below
+    mutable std::mutex mutex_;                        ///< for all below
     std::vector<std::unique_ptr<Segment>> segments_;  ///< their ids are their places
     std::deque<Kept> kept_;
     bool ended_ = false;

@@ -25,13 +25,15 @@ public:
     virtual ~Stream() = default;
     /// Reads at least one byte. End of stream is asio::error::eof.
     virtual void read_some(asio::mutable_buffer into, Handler handler) = 0;
-    /// Writes what is taken at once, and returns how many bytes that is. 0: none now, or the stream has ended; write_some tells which.
+    /// Writes what is taken at once, and returns how many bytes that is. 0: none now, or the stream has ended;
+    /// write_some tells which.
     virtual std::size_t write_now(std::span<const asio::const_buffer>) { return 0; }
     /// Writes at least one byte of a gather list, copying nothing.
     virtual void write_some(std::span<const asio::const_buffer> from, Handler handler) = 0;
     /// Can descriptors travel along? Then both ends are on one machine, and it is worth sharing memory.
     [[nodiscard]] virtual bool passes_descriptors() const noexcept { return false; }
-    /// Writes as write_some; the peer gets a descriptor of its own for the same thing, with the first byte. Only where descriptors pass.
+    /// Writes as write_some; the peer gets a descriptor of its own for the same thing, with the first byte. Only where
+    /// descriptors pass.
     virtual void write_with(int descriptor, std::span<const asio::const_buffer> from, Handler handler);
     /// The oldest descriptor that came with the bytes read so far and was not taken; none: an empty one.
     virtual Descriptor take_descriptor() { return {}; }

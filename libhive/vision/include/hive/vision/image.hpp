@@ -21,13 +21,14 @@ struct DecodeLimits {
 /// The media types that decode() knows; what an input that takes pictures declares.
 inline constexpr const char* image_types = "image/jpeg,image/png,image/raw";
 
-/// The picture in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what cv::imdecode
-/// gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8" or "gray8", and
-/// optionally "stride", the bytes from one row to the next). The caller owns the pixels.
-/// Only the declared type is tried. A picture that is cut short or damaged is refused, never returned in part.
+/// The picture in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what
+/// cv::imdecode gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8" or
+/// "gray8", and optionally "stride", the bytes from one row to the next). The caller owns the pixels. Only the declared
+/// type is tried. A picture that is cut short or damaged is refused, never returned in part.
 /// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes: CMYK,
 ///                arithmetic, lossless, 12 bit)
-cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits = {}, const Json& header = Json::object());
+cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits = {},
+               const Json& header = Json::object());
 
 /// The picture of an event. If its header declares "width" and "height", a picture of more pixels is Errc::malformed.
 cv::Mat decode(const Event& event, const DecodeLimits& limits = {});
@@ -36,20 +37,22 @@ cv::Mat decode(const Event& event, const DecodeLimits& limits = {});
 cv::Mat view(const Event& event, const DecodeLimits& limits = {});
 
 /// The size of the picture (upright), without decoding it; the same checks and errors as before decoding.
-cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits = {}, const Json& header = Json::object());
+cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits = {},
+                 const Json& header = Json::object());
 
 /// @param picture  8 bit, 1 or 3 (BGR) channels
 /// @param quality  1 to 100
 Body encode_jpeg(const cv::Mat& picture, int quality);
 Body encode_png(const cv::Mat& picture);
-/// The pixels themselves, not copied when they lie without gaps: do not draw on `picture` afterwards. When they are those of
-/// a loan (loans.hpp), the body is that loan; only a part of one is copied.
+/// The pixels themselves, not copied when they lie without gaps: do not draw on `picture` afterwards. When they are
+/// those of a loan (loans.hpp), the body is that loan; only a part of one is copied.
 Body encode_raw(const cv::Mat& picture);
-/// `header` with the fields that image/raw needs: "width", "height", "pixel_format", "stride", as encode_raw lays them out.
+/// `header` with the fields that image/raw needs: "width", "height", "pixel_format", "stride", as encode_raw lays them
+/// out.
 Json raw_header(const cv::Mat& picture, Json header = Json::object());
 
-/// How pictures of one size are emitted when they are at hand as pixels: as image/raw, or as image/jpeg when the pixels are
-/// more than the body of an event may hold. What connections want is the encoder's business (encoder.hpp).
+/// How pictures of one size are emitted when they are at hand as pixels: as image/raw, or as image/jpeg when the pixels
+/// are more than the body of an event may hold. What connections want is the encoder's business (encoder.hpp).
 struct PlainForm {
     std::string type;
     Json header;  ///< "width", "height", and what image/raw needs beside them

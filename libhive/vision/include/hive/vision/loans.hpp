@@ -10,9 +10,10 @@
 
 namespace hive::vision {
 
-/// Gives cv::Mat its pixels from an output's loans: `LoanAllocator loans([=](std::size_t bytes) { return output.loan(bytes); })`.
-/// Whatever fills such a picture (cv::resize, VideoCapture::read, copyTo) fills the loan, and encode_raw() copies nothing.
-/// Outlives its pictures, but not the bodies made of them. Pictures may be made on any thread, each used by one at a time.
+/// Gives cv::Mat its pixels from an output's loans: `LoanAllocator loans([=](std::size_t bytes) { return
+/// output.loan(bytes); })`. Whatever fills such a picture (cv::resize, VideoCapture::read, copyTo) fills the loan, and
+/// encode_raw() copies nothing. Outlives its pictures, but not the bodies made of them. Pictures may be made on any
+/// thread, each used by one at a time.
 class LoanAllocator final : public cv::MatAllocator {
 public:
     using Lend = std::function<Loan(std::size_t bytes)>;
@@ -20,7 +21,8 @@ public:
 
     /// An empty picture; its pixels will lie in a loan.
     [[nodiscard]] cv::Mat picture();
-    /// A copy in colour (BGR) of a picture of 1 or 3 channels, in a loan: what is drawn on it is drawn in the memory that is emitted.
+    /// A copy in colour (BGR) of a picture of 1 or 3 channels, in a loan: what is drawn on it is drawn in the memory
+    /// that is emitted.
     [[nodiscard]] cv::Mat colour_copy(const cv::Mat& original);
     /// From now on pictures lie in ordinary memory, so that the lender may go.
     void close();
