@@ -11,6 +11,15 @@ using event::Intake;
 using event::IntakeSpec;
 using event::Outcome;
 
+namespace {
+
+bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
+{
+    return one.sender == other.sender && one.output == other.output && one.input == other.input;
+}
+
+}  // namespace
+
 void Wiring::on_connect(const event::Incoming& incoming)
 {
     const Fields fields(incoming.header, "connect");
@@ -89,6 +98,12 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 
 void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
 {
+    if (const auto present = connected(spec);
+        present && present->spec().options.group.empty() && spec.options.group.empty())
+        return present->change(spec.options, [this, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+            state_file_.remember();
+            on_outcome(outcome);
+        });
     const std::weak_ptr<Intake> weak = add_intake(std::move(spec));
     weak.lock()->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
         const auto self = weak.lock();
@@ -102,14 +117,24 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
     });
 }
 
+std::shared_ptr<Intake> Wiring::connected(const IntakeSpec& spec) const
+{
+    for (const auto& intake : module_.intakes())
+        if (intake->connected() && same_ends(intake->spec(), spec))
+            return intake;
+    return nullptr;
+}
+
 /// An input has one connection to an output: the newest.
 void Wiring::replace_others(const std::shared_ptr<Intake>& intake)
 {
     const auto& spec = intake->spec();
     for (const auto& other : std::vector(module_.intakes()))
-        if (other != intake && other->spec().sender == spec.sender && other->spec().output == spec.output
-            && other->spec().input == spec.input)
+        if (other != intake && same_ends(other->spec(), spec)) {
+            if (!other->spec().options.group.empty())
+                inbox_.discard(other->spec());
             module_.remove_intake(other);
+        }
 }
 
 }  // namespace hive::service

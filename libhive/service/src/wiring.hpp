@@ -31,6 +31,7 @@ private:
     [[nodiscard]] const Port& require_input(const std::string& input) const;
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
+    [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
     void replace_others(const std::shared_ptr<event::Intake>& intake);
 
     const Declaration& declaration_;
