@@ -64,7 +64,7 @@ public:
     /// Ends the connection; `closed` follows with this error, from the event loop.
     virtual void close(const hive::Error& reason) = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
-    /// Is the peer certainly on this machine (a unix socket, or inside the process)? TCP does not tell.
+    /// Is the peer on this machine: at a unix socket, inside the process, or at an address of this machine?
     [[nodiscard]] virtual bool local() const = 0;
 };
 
