@@ -65,6 +65,8 @@ void Link::on_hello(const Packet& packet)
 {
     peer_ = protocol::hello_from_json(parse_json(packet.header_text()));
     open_ = true;
+    if (peer_.name == self_.name && peer_.epoch == self_.epoch && peer_.pid == self_.pid)
+        throw Error(Errc::invalid_argument, self_.name + " met itself");
     connection_->open(limits_);
     if (peer_.maps && connection_->can_share())
         connection_->share(pool_);

@@ -8,6 +8,7 @@
 #include <hive/event/matcher.hpp>
 #include <hive/event/module.hpp>
 #include <hive/event/sequence_filter.hpp>
+#include <hive/protocol/requests.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -137,7 +138,7 @@ private:
     void on_resume(const event::Incoming& incoming);
     void end(bool forget);
     void arrived(Event&& event, const std::weak_ptr<event::Intake>& intake);
-    event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
+    [[nodiscard]] event::IntakeSpec intake_spec(const protocol::Connect& connect) const;
     [[nodiscard]] Json status_now();
     [[nodiscard]] Json matching_status(const Board& board) const;
 

@@ -2,6 +2,7 @@
 #include "drone_core.hpp"
 
 #include <hive/name.hpp>
+#include <hive/protocol/requests.hpp>
 
 #include <algorithm>
 #include <unistd.h>
@@ -133,31 +134,32 @@ void DroneCore::on_put(const Incoming& incoming)
     incoming.answer(Json::object());
 }
 
-IntakeSpec DroneCore::intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const
+IntakeSpec DroneCore::intake_spec(const protocol::Connect& connect) const
 {
-    const Fields sender(from, "connect: from");
-    const Port* port = interface.input(input);
+    const Port* port = interface.input(connect.input);
     if (!port) {
-        const auto near = nearest(input, port_names(interface.inputs));
-        throw Error(Errc::not_found,
-                    settings_.name + " has no input " + input + (near.empty() ? "" : "; did you mean " + near + "?"));
+        const auto near = nearest(connect.input, port_names(interface.inputs));
+        throw Error(Errc::not_found, settings_.name + " has no input " + connect.input
+                                         + (near.empty() ? "" : "; did you mean " + near + "?"));
     }
-    const auto name = sender.name("drone");
-    return {.sender = name,
-            .output = sender.name("output"),
-            .address = sender.has("address") ? transport::parse_address(sender.text("address")) : home_->address(name),
-            .input = input,
-            .receiver = settings_.name + "." + input,
+    const auto address =
+        connect.address.empty() ? home_->address(connect.drone) : transport::parse_address(connect.address);
+    if (address == home_->address(settings_.name))
+        throw Error(Errc::invalid_argument, settings_.name + " cannot receive its own output " + connect.output
+                                                + ": each event would bring forth the next");
+    return {.sender = connect.drone,
+            .output = connect.output,
+            .address = address,
+            .input = connect.input,
+            .receiver = settings_.name + "." + connect.input,
             .accepts = port->type,
             .stateful = program_.stateful,
-            .options = options};
+            .options = connect.options};
 }
 
 void DroneCore::on_connect(Incoming incoming)
 {
-    const Fields fields(incoming.header, "connect");
-    const auto options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{};
-    connect(intake_spec(fields.object("from"), fields.name("input"), options),
+    connect(intake_spec(protocol::connect_from_json(incoming.header)),
             [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 

@@ -6,9 +6,11 @@ namespace {
 
 Json spec_json(const event::IntakeSpec& spec)
 {
-    return {{"from", {{"drone", spec.sender}, {"output", spec.output}, {"address", to_text(spec.address)}}},
-            {"input", spec.input},
-            {"options", to_json(spec.options)}};
+    return to_json(protocol::Connect{.drone = spec.sender,
+                                     .output = spec.output,
+                                     .address = to_text(spec.address),
+                                     .input = spec.input,
+                                     .options = spec.options});
 }
 
 }  // namespace
@@ -46,10 +48,7 @@ void DroneCore::restore(const Json& state)
 {
     for (const auto& saved : state.value("connections", Json::array()))
         try {
-            const Fields fields(saved, "saved connection");
-            add_intake(
-                intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))
-                ->start({});
+            add_intake(intake_spec(protocol::connect_from_json(saved)))->start({});
         } catch (const Error& error) {
             log(std::string("a saved connection is left out: ") + error.what());
         }

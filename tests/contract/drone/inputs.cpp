@@ -93,3 +93,21 @@ TEST_CASE("drone: with the policy halt the first exception halts it")
                                      within(1000)));
     }
 }
+
+TEST_CASE("drone: no input takes an output of the drone itself, and one that has halted takes no event")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    for (const auto& input : subject::description().at("inputs")) {
+        const Json itself{{"from", {{"drone", "subject"}, {"output", "exceptions"}}}, {"input", input.at("name")}};
+        const Json answer = peer.ask(raw::connect, itself);
+        CHECK(raw::error_of(answer) == "invalid_argument");
+        CHECK(raw::text_of(answer).find("own output") != std::string::npos);
+    }
+    CHECK(peer.ask(raw::status).at("result").at("inputs") == Json::array());
+    REQUIRE(raw::error_of(peer.ask(raw::halt)) == "");
+    for (const auto& input : subject::description().at("inputs"))
+        CHECK(raw::error_of(peer.ask(raw::put, {{"input", input.at("name")}, {"type", "image/jpeg"}}, 0, "x"))
+              == "halted");
+}
