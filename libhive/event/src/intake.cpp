@@ -106,12 +106,14 @@ void Intake::retry()
     });
 }
 
-void Intake::stop(std::function<void()> left)
+void Intake::stop(std::function<void()> left, const Error& why)
 {
     stopped_ = true;
     timer_.cancel();
     connected_ = false;
     const auto link = std::exchange(link_, nullptr);
+    if (const auto first = std::exchange(first_, {}))
+        first(why);
     if (!link || !link->open())
         return left();
     link->release_channel(channel_);

@@ -128,6 +128,7 @@ private:
     void on_connect(event::Incoming incoming);
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
+    void replace_earlier(const std::shared_ptr<event::Intake>& intake);
     void on_disconnect(const event::Incoming& incoming);
     [[nodiscard]] Json present_values(const Json& wanted) const;
     void on_set(const event::Incoming& incoming);

@@ -21,8 +21,6 @@ namespace {
 constexpr std::size_t most_receivers_listed = 128;
 /// A drone told to stop ends within this, whatever its code does.
 constexpr auto last_grace = std::chrono::seconds(2);
-/// For a `set`, whatever its deadline.
-constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);
 
 std::vector<std::string> port_names(const std::vector<Port>& ports)
 {
@@ -75,18 +73,13 @@ Json DroneCore::present_values(const Json& wanted) const
 
 void DroneCore::on_set(const Incoming& incoming)
 {
-    const Fields fields(incoming.header, "set");
-    const Json values = parameters.checked(fields.object("parameters"));
-    const auto deadline =
-        Clock::now()
-        + std::min(most_patience,
-                   std::chrono::milliseconds(fields.integer_or("deadline_ms", 0, max_json_integer, 5000)));
-    if (fields.flag_or("check_only", false))
+    const auto set = protocol::set_from_json(incoming.header);
+    const Json values = parameters.checked(set.parameters);
+    if (set.check_only)
         return incoming.answer(Json{{"parameters", values}, {"previous", present_values(values)}});
-    mailbox_.push([this, values, deadline, answer = incoming.answer] {
-        if (Clock::now() >= deadline)
-            return answer(
-                Error(Errc::timeout, settings_.name + " was busy until the deadline had passed; nothing was set"));
+    mailbox_.push([this, values, asked = incoming.asked, answer = incoming.answer] {
+        if (!asked->begin())
+            return;  // its deadline has answered, or is about to
         try {
             const Json before = present_values(values);
             apply(values);
@@ -116,7 +109,7 @@ void DroneCore::on_put(const Incoming& incoming)
         throw Error(Errc::type_mismatch,
                     "the event is " + event.type + ", but " + settings_.name + "." + name + " takes " + input->type);
     event.identity = {.source = incoming.peer,
-                      .epoch = epoch_,
+                      .epoch = incoming.peer_epoch,
                       .sequence = fields.integer("id", 0, max_json_integer),
                       .captured_us = event::wall_us(),
                       .monotonic_us = event::steady_us(),
@@ -181,16 +174,26 @@ void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
             module_->remove_intake(self);
             return on_outcome(outcome);
         }
-        const auto same = [&](const std::shared_ptr<Intake>& other) {
-            return other != self && other->spec().sender == self->spec().sender
-                   && other->spec().output == self->spec().output && other->spec().input == self->spec().input;
-        };
-        for (const auto& other : std::vector(module_->intakes()))
-            if (same(other))
-                module_->remove_intake(other);
+        replace_earlier(self);
         remember();
         on_outcome(outcome);
     });
+}
+
+/// Those of the same pair that were asked for before; what was asked for later will replace this one in its turn.
+void DroneCore::replace_earlier(const std::shared_ptr<Intake>& intake)
+{
+    const auto same = [&](const std::shared_ptr<Intake>& other) {
+        return other->spec().sender == intake->spec().sender && other->spec().output == intake->spec().output
+               && other->spec().input == intake->spec().input;
+    };
+    for (const auto& other : std::vector(module_->intakes())) {
+        if (other == intake)
+            return;
+        if (same(other))
+            module_->remove_intake(
+                other, [] {}, Error(Errc::stopped, "replaced by a later connect"));
+    }
 }
 
 void DroneCore::arrived(Event&& event, const std::weak_ptr<Intake>& weak)

@@ -65,6 +65,8 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
             CHECK(header.at("sender") == "subject");
             CHECK(header.at("output") == "exceptions");
             CHECK(header.at("source") == "raw");
+            CHECK(header.at("epoch") != peer.first().json().at("epoch"));  // that of the asker, not of the drone
+            CHECK(header.at("seq") == 4000 + body.size());
             CHECK(header.at("header").at("code") == "malformed");
             CHECK(header.at("header").at("policy") == "skip");
             CHECK(header.at("header").at("input") == input);

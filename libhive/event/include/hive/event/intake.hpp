@@ -37,8 +37,9 @@ public:
 
     /// Dials and registers. `first` hears how the first attempt went; later losses are repaired without a word.
     void start(OnOutcome first);
-    /// Deregisters; no event comes after this. `left` is called when the sender has confirmed, or cannot.
-    void stop(std::function<void()> left = [] {});
+    /// Deregisters; no event comes after this. `left` is called when the sender has confirmed, or cannot. A first
+    /// attempt that is still under way ends with `why`.
+    void stop(std::function<void()> left, const Error& why);
     /// Asks for what may be asked for now.
     void flush();
     void link_closed(const Link& link);

@@ -37,11 +37,13 @@ private:
     Loop* loop_;
 };
 
-/// A request of a peer, to be answered exactly once, from any thread.
+/// A request of a peer, to be answered exactly once, from any thread. Its deadline answers it when nobody else does.
 struct Incoming {
     std::string peer;
+    std::int64_t peer_epoch = 0;
     Json header;
     Body body;
+    std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
     std::function<void(Outcome)> answer;
 };
 
@@ -100,8 +102,10 @@ public:
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
     std::shared_ptr<Intake> add_intake(IntakeSpec spec, Intake::Sink sink);
+    /// @param why  the answer of its first attempt, when there was none yet
     void remove_intake(
-        const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
+        const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {},
+        const Error& why = Error(Errc::stopped, "disconnected before it was connected"));
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
@@ -121,10 +125,13 @@ private:
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    bool make_room();
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
     void require_free(const Link& link, std::uint16_t channel) const;
     void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
     void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    std::function<void(const Outcome&)> answer_to(Link& link, const std::shared_ptr<Asked>& asked);
+    void expire_asked(Link& link, Clock::time_point now);
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();
