@@ -191,8 +191,7 @@ void DroneCore::replace_earlier(const std::shared_ptr<Intake>& intake)
         if (other == intake)
             return;
         if (same(other))
-            module_->remove_intake(
-                other, [] {}, Error(Errc::stopped, "replaced by a later connect"));
+            module_->remove_intake(other);
     }
 }
 
