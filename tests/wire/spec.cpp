@@ -170,7 +170,7 @@ TEST_CASE("SPEC: the packets written out in hex are packets")
 
 TEST_CASE("SPEC: the request written out in hex is what the code writes")
 {
-    const auto header = protocol::to_text(protocol::Request{.epoch = 7, .id = 2, .done = 1});
+    const auto header = protocol::to_text(protocol::Request{.epoch = 7, .id = 2, .done = 1, .worked = 1});
     const auto prefix = protocol::encode(protocol::make_packet(protocol::PacketType::request, header, 1).prefix());
     CHECK(hex_blocks().at(0) == std::string(prefix.begin(), prefix.end()) + header);
 }
