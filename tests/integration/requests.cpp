@@ -103,3 +103,27 @@ TEST_CASE("request: the result of a connect is what the sender answered")
     CHECK(result.at("type") == "application/octet-stream");
     CHECK(result.at("epoch").get<std::int64_t>() > 0);
 }
+
+TEST_CASE("request: who is only notified of a camera is told no size while no picture is made, and the true one when "
+          "somebody takes them")
+{
+    const Prey prey = Prey::camera();
+    auto peer = prey.meet();
+    const Json registration{{"epoch", 1},
+                            {"output", "image"},
+                            {"receiver", "raw"},
+                            {"options", {{"transfer", "stream"}, {"delivery", "notify"}}}};
+    REQUIRE(raw::error_of(peer.ask(raw::register_, registration, 1)) == "");
+    for (int i = 0; i < 3; ++i) {
+        const auto notification = peer.next_of(raw::notification, within(2000));
+        REQUIRE(notification);
+        CHECK_FALSE(notification->json().contains("size"));
+    }
+    const Witness witness(prey);
+    REQUIRE(hive::test::eventually(
+        [&] {
+            const auto notification = peer.next_of(raw::notification, within(2000));
+            return notification && notification->json().value("size", 0) == 320 * 240 * 3;
+        },
+        within(3000)));
+}
