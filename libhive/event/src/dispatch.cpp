@@ -1,8 +1,6 @@
 // Lines of events, one for each receiver that waits for an encoding.
 #include <hive/event/dispatch.hpp>
 
-#include <exception>
-
 namespace hive::event {
 namespace {
 
@@ -54,12 +52,9 @@ Dispatch::Made Dispatch::make(const EmissionPtr& event, const std::string& encod
         return result;
     try {
         result.form = encoded(encoder_, *event, encoding);
-    } catch (const Error& error) {
-        result.problem = Error(error.code(), encoding + ": " + error.what());
-    } catch (const std::exception& error) {
-        result.problem = Error(Errc::failed, encoding + ": " + error.what());
     } catch (...) {
-        result.problem = Error(Errc::failed, encoding + ": something that is no exception was thrown");
+        const Error error = current_error();
+        result.problem = Error(error.code(), encoding + ": " + error.what());
     }
     if (result.problem) {  // a copy: one that kept itself would never go
         Event as_it_is = event->event();

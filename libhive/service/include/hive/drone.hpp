@@ -159,6 +159,10 @@ public:
 
     /// Calls main as soon as possible. From any thread.
     void wake();
+    /// Ends the drone as the request `stop` would: what is being worked on comes to its end, run() returns, and what
+    /// the drone was told is forgotten. For a drone whose world has ended. From any thread, from on_start on; before it
+    /// Errc::invalid_argument is thrown.
+    void stop();
     /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any
     /// thread.
     void condition(const std::string& text);
