@@ -29,6 +29,11 @@ std::size_t shares_behind(const Event& event)
     return shares.size() - (own ? 1 : 0);
 }
 
+bool given_by_group(const Event& event)
+{
+    return shares_behind(event) < event.identity.shares.size() && event.identity.shares.back().group();
+}
+
 bool AnswerFilter::first(const Event& event)
 {
     static const bool off = std::getenv("HIVE_TEST_NO_ANSWER_FILTER") != nullptr;  // for tests that show what it is for

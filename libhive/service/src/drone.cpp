@@ -78,10 +78,10 @@ void Drone::main(std::function<std::chrono::microseconds()> step) { core_.declar
 void Drone::run() { core_.run(); }
 void Drone::wake() { core_.wake(); }
 void Drone::stop() { core_.stop(); }
-void Drone::condition(const std::string& text) { core_.condition(text); }
+void Drone::condition(const std::string& text, Reason why) { core_.condition(text, why); }
 void Drone::report(Errc code, const std::string& text) { core_.reporter().report(Error(code, text)); }
 void Drone::log(const std::string& text) { core_.reporter().log(text); }
-Json Drone::status() const { return core_.status(); }
+Status Drone::status() const { return core_.status(); }
 bool Drone::stopping() const { return core_.stopping(); }
 
 Loan Output::loan(std::size_t bytes) const { return core_->emitter().loan(bytes); }

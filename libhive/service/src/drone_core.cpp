@@ -76,6 +76,7 @@ void DroneCore::run()
     prepare();
     running_->worker.run();
     last_status_ = status();
+    mailbox_.discard([](const Event&) { return true; });
     running_->module.end();  // not reset(): what still runs on the network side uses it
     reporter_.log("ended");
 }
@@ -88,10 +89,13 @@ void DroneCore::prepare()
     reporter_.attach(module);
     module.on_demand = [this] { mailbox_.nudge(); };
     module.on_failed = [this](const event::EmissionPtr& event) {
-        const int attempts = event->event().identity.attempt;
+        Event cause = event->event();
+        if (event->own())
+            cause.identity.shares.push_back(*event->own());
+        const int attempts = event->own() ? event->own()->attempt : 0;
         reporter_.report(Error(Errc::abandoned, "given up after " + std::to_string(attempts)
                                                     + (attempts == 1 ? " attempt" : " attempts")),
-                         &event->event());
+                         &cause);
     };
     module.on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {
         reporter_.report(problem, &event->event());
@@ -156,18 +160,18 @@ bool DroneCore::remembered(const std::string& parameter) const
     return !settings_.parameters.contains(parameter) && given(parameter);
 }
 
-Json DroneCore::status()
+Status DroneCore::status()
 {
-    if (stopping() && !last_status_.is_null())
-        return last_status_;
-    Json now;
+    if (stopping() && last_status_)
+        return *last_status_;
+    Status now;
     running_->module.call([&] { now = running_->requests.status(); });
     return now;
 }
 
-void DroneCore::condition(const std::string& text)
+void DroneCore::condition(const std::string& text, Reason why)
 {
-    if (board_.condition(text) && !text.empty())
+    if (board_.condition(text, why) && !text.empty())
         reporter_.log("condition: " + text);
 }
 

@@ -35,12 +35,12 @@ public:
     [[nodiscard]] service::Emitter& emitter() noexcept { return emitter_; }
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
     [[nodiscard]] bool remembered(const std::string& parameter) const;
-    [[nodiscard]] Json status();
+    [[nodiscard]] Status status();
 
     // --- for Drone, from any thread ---
     [[nodiscard]] service::Reporter& reporter() noexcept { return reporter_; }
     [[nodiscard]] bool stopping() const noexcept { return board_.stopping(); }
-    void condition(const std::string& text);
+    void condition(const std::string& text, Reason why);
     void wake();
     void stop();
 
@@ -61,7 +61,7 @@ private:
     event::Mailbox mailbox_;
     service::Emitter emitter_;
     std::unique_ptr<Running> running_;
-    Json last_status_;  ///< after the loop
+    std::optional<Status> last_status_;  ///< after the loop
 };
 
 }  // namespace hive

@@ -1,6 +1,8 @@
 // Gives events their identity and hands them to the network side.
 #include "emitter.hpp"
 
+#include <hive/event/receipt.hpp>
+
 #include <algorithm>
 
 namespace hive::service {
@@ -77,7 +79,7 @@ Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, b
             .hops = {}};
 }
 
-/// What is emitted for the present set has the identity of its first event, and holds the receipts of lossless ones.
+/// What is emitted for the present set has the identity of its first event, and keeps lossless ones in custody.
 void Emitter::inherit(Event& event, Slot& slot) const
 {
     event.identity = event::identity_of(*set_);
@@ -87,7 +89,7 @@ void Emitter::inherit(Event& event, Slot& slot) const
     event.identity.hops.push_back(
         {self_.name, event::microseconds(begun_ - complete), event::microseconds(Clock::now() - begun_)});
     if (event.identity.lossless)
-        event.receipt = event::receipt_of(*set_);
+        event.custody = event::custody_of(*set_);
 }
 
 void Emitter::emit(std::size_t output, std::optional<Identity> begun, Json header,
@@ -124,6 +126,7 @@ void Emitter::repeat(std::size_t output, Event event)
 {
     static_cast<void>(port_to_emit(output, event.header));
     event.receipt.reset();
+    event.custody.reset();
     event.input.clear();
     const bool complete = !event.body.empty() || (event.sized && event.size == 0);
     if (complete)
@@ -143,7 +146,13 @@ void Emitter::send(std::size_t output, Event event, bool complete)
     if (event.body.size() > protocol::Limits{}.body)
         throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.body.size())
                                          + " bytes, limit " + std::to_string(protocol::Limits{}.body));
-    auto emission = std::make_shared<const event::Emission>(std::move(event), complete);
+    std::optional<Share> own;
+    if (event.identity.lossless)
+        own = Share{.of = self_.name + "." + port.name,
+                    .epoch = self_.epoch,
+                    .turn = ++slot.given,
+                    .part = event.identity.part};
+    auto emission = std::make_shared<const event::Emission>(std::move(event), complete, std::move(own));
     slot.handover.enter();
     module_->loop().perform([this, &slot, emission = std::move(emission)] {
         module_->emit(*slot.outlet, emission);

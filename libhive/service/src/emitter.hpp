@@ -47,6 +47,7 @@ private:
         Encoder encoder;  ///< until the outlet has it
         event::Outlet* outlet = nullptr;
         std::int64_t sequence = 0;  ///< of the last identity that was begun
+        std::int64_t given = 0;     ///< turns of lossless events
         int part = 0;               ///< events emitted for the present set
         Handover handover;
     };

@@ -1,18 +1,22 @@
 // Halts a drone and resumes it.
 #include "halting.hpp"
 
+#include <hive/event/answer_filter.hpp>
+
 namespace hive::service {
 
 void Halting::halt()
 {
     board_.halt();
     module_.halt(true);
+    mailbox_.discard(event::given_by_group);  // others may do it meanwhile
     mailbox_.nudge();
 }
 
 void Halting::resume()
 {
-    board_.resume(mailbox_.discard_live());
+    mailbox_.discard([](const Event& event) { return !event.identity.lossless; });
+    board_.resume();
     module_.halt(false);
 }
 

@@ -15,7 +15,8 @@ public:
     {
     }
 
-    /// Any thread. What is being worked on comes to its end; nothing more is begun or asked for.
+    /// Any thread. What is being worked on comes to its end; nothing more is begun or asked for, and shared work goes
+    /// back to its group.
     void halt();
     /// The user thread. Live events that waited are discarded, so that the drone continues with the newest.
     void resume();

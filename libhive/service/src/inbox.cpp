@@ -1,15 +1,23 @@
-// Filters and counts what arrives, and puts it into the mailbox.
+// Refuses second answers and puts what arrives into the mailbox.
 #include "inbox.hpp"
+
+#include <hive/event/receipt.hpp>
 
 namespace hive::service {
 
-void Inbox::arrived(Event&& event, const std::weak_ptr<event::Intake>& weak)
+void Inbox::arrived(Event&& event)
 {
-    const bool fresh = filter_.first(event);
-    const auto dropped = fresh ? mailbox_.push(std::move(event)) : 0;
-    board_.arrived(fresh, dropped);
-    if (const auto intake = weak.lock())
-        intake->lost += static_cast<std::int64_t>(dropped);
+    if (filters_[event.input].first(event))
+        mailbox_.push(std::move(event));
+    else
+        conclude(event, event::Ending::duplicate);
+}
+
+void Inbox::discard(const event::IntakeSpec& spec)
+{
+    mailbox_.discard([&](const Event& event) {
+        return event.input == spec.input && event.sender == spec.sender && event.output == spec.output;
+    });
 }
 
 void Inbox::command(Command command)

@@ -3,7 +3,9 @@
 
 #include "worker.hpp"
 
-#include <hive/event/sequence_filter.hpp>
+#include <hive/event/answer_filter.hpp>
+
+#include <map>
 
 namespace hive::service {
 
@@ -12,21 +14,18 @@ class Inbox {
 public:
     using Command = std::function<void(Worker&)>;
 
-    Inbox(event::Mailbox& mailbox, StatusBoard& board, Worker& worker)
-        : mailbox_(mailbox), board_(board), worker_(worker)
-    {
-    }
+    Inbox(event::Mailbox& mailbox, Worker& worker) : mailbox_(mailbox), worker_(worker) {}
 
-    /// @param intake  where it came from; none for an event that an application put
-    void arrived(Event&& event, const std::weak_ptr<event::Intake>& intake = {});
+    void arrived(Event&& event);
+    /// Takes back what came over a connection and was not begun.
+    void discard(const event::IntakeSpec& spec);
     /// Runs on the user thread, between callbacks and before any event that waits.
     void command(Command command);
 
 private:
     event::Mailbox& mailbox_;
-    StatusBoard& board_;
-    Worker& worker_;  ///< for commands alone
-    event::SequenceFilter filter_;
+    Worker& worker_;                                      ///< for commands alone
+    std::map<std::string, event::AnswerFilter> filters_;  ///< by input
 };
 
 }  // namespace hive::service

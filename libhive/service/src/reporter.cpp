@@ -22,14 +22,19 @@ void Reporter::log(const std::string& text) const { spdlog::info("{}: {}", self_
 void Reporter::report(const Error& error, const Event* cause)
 {
     Event event = exception_event(error, cause);
-    Json last = event.header;
-    last["time_us"] = event::wall_us();
-    last["source"] = event.identity.source;
-    last["seq"] = event.identity.sequence;
-    board_.exception(std::move(last));
+    board_.exception({.code = std::string(info(error.code()).token),
+                      .text = event.header.value("text", ""),
+                      .policy = event.header.value("policy", ""),
+                      .input = event.header.value("input", ""),
+                      .time_us = event::wall_us(),
+                      .source = event.identity.source,
+                      .sequence = event.identity.sequence});
     log(std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what());
+    std::optional<Share> own;
+    if (event.identity.lossless)
+        own = Share{.of = self_.name + ".exceptions", .epoch = self_.epoch, .turn = ++given_};
     if (module_)
-        module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event))] {
+        module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event), true, own)] {
             module_->emit(*exceptions_, emission);
         });
 }
@@ -43,6 +48,8 @@ Event Reporter::exception_event(const Error& error, const Event* cause) const
                                       .captured_us = event::wall_us(),
                                       .monotonic_us = event::steady_us(),
                                       .hops = {}};
+    if (cause && cause->identity.lossless)
+        event.custody = cause->custody;
     event.sender = self_.name;
     event.kind = self_.kind;
     event.output = "exceptions";

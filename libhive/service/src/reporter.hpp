@@ -27,6 +27,7 @@ private:
     StatusBoard& board_;
     event::Module* module_ = nullptr;
     event::Outlet* exceptions_ = nullptr;
+    std::atomic<std::int64_t> given_ = 0;  ///< turns of exceptions of lossless events
 };
 
 }  // namespace hive::service

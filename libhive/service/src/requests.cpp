@@ -8,7 +8,7 @@ using protocol::PacketType;
 
 Requests::Requests(Parts parts)
     : parts_(std::move(parts)),
-      inbox_(parts_.mailbox, parts_.board, parts_.worker),
+      inbox_(parts_.mailbox, parts_.worker),
       state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.reporter),
       wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
       parameters_(parts_.declaration.parameters, parts_.module, inbox_, state_file_),
@@ -22,7 +22,10 @@ void Requests::add_handlers()
     const auto handle = [this](PacketType type, auto answer) { parts_.module.handle(type, std::move(answer)); };
     handle(PacketType::describe,
            [this](const Incoming& incoming) { incoming.answer(to_json(parts_.declaration.interface)); });
-    handle(PacketType::status, [this](const Incoming& incoming) { incoming.answer(status()); });
+    handle(PacketType::status, [this](const Incoming& incoming) {
+        incoming.answer(
+            to_json(status_.page(Fields(incoming.header, "status").integer_or("skip_edges", 0, max_json_integer, 0))));
+    });
     handle(PacketType::get, [this](const Incoming& incoming) { parameters_.on_get(incoming); });
     handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });
     handle(PacketType::connect, [this](const Incoming& incoming) { wiring_.on_connect(incoming); });

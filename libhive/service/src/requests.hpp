@@ -26,7 +26,7 @@ public:
 
     /// Connects again what was connected before a crash.
     void restore(const Json& state);
-    [[nodiscard]] Json status() const { return status_.now(); }
+    [[nodiscard]] Status status() const { return status_.now(); }
 
 private:
     void add_handlers();

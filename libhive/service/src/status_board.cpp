@@ -1,4 +1,4 @@
-// Counts and states of a drone, under one mutex.
+// The state of a drone, under one mutex.
 #include "status_board.hpp"
 
 namespace hive::service {
@@ -23,12 +23,11 @@ void StatusBoard::halt()
         values_.state = State::halted;
 }
 
-void StatusBoard::resume(std::size_t discarded)
+void StatusBoard::resume()
 {
     const std::lock_guard lock(mutex_);
     halted_ = false;
     values_.state = State::idle;
-    values_.discarded += static_cast<std::int64_t>(discarded);
 }
 
 bool StatusBoard::stop() { return !stopping_.exchange(true); }
@@ -55,21 +54,6 @@ void StatusBoard::end_work()
     values_.callback.clear();
 }
 
-void StatusBoard::processed(const Set& set)
-{
-    const std::lock_guard lock(mutex_);
-    values_.processed += static_cast<std::int64_t>(set.size());
-}
-
-void StatusBoard::abandoned(const Set& set)
-{
-    const std::lock_guard lock(mutex_);
-    for (const auto& event : set) {
-        ++values_.abandoned;
-        ++values_.abandoned_at[event.input];
-    }
-}
-
 void StatusBoard::matched(std::size_t matching, MatchCounts counts)
 {
     const std::lock_guard lock(mutex_);
@@ -78,24 +62,17 @@ void StatusBoard::matched(std::size_t matching, MatchCounts counts)
     values_.matched[matching] = std::move(counts);
 }
 
-void StatusBoard::arrived(bool fresh, std::size_t dropped)
+bool StatusBoard::condition(const std::string& text, Reason why)
 {
     const std::lock_guard lock(mutex_);
-    ++values_.received;
-    values_.duplicates += fresh ? 0 : 1;
-    values_.dropped += static_cast<std::int64_t>(dropped);
-}
-
-bool StatusBoard::condition(const std::string& text)
-{
-    const std::lock_guard lock(mutex_);
+    values_.why = why;
     return std::exchange(values_.condition, text) != text;
 }
 
-void StatusBoard::exception(Json description)
+void StatusBoard::exception(ExceptionStatus exception)
 {
     const std::lock_guard lock(mutex_);
-    values_.last_exception = std::move(description);
+    values_.last_exception = std::move(exception);
 }
 
 ExceptionPolicy StatusBoard::policy() const

@@ -1,12 +1,14 @@
-// What everybody may know of a drone while its code is busy: its state, its counts, its last exception.
+// What everybody may know of a drone while its code is busy: its state, its condition, its last exception.
 #pragma once
 
 #include "declaration.hpp"
 
 #include <hive/event/clock.hpp>
+#include <hive/status.hpp>
 
 #include <atomic>
 #include <mutex>
+#include <optional>
 
 namespace hive::service {
 
@@ -21,9 +23,8 @@ public:
         ExceptionPolicy policy{};
         std::int64_t busy_us = 0;
         event::Clock::time_point busy_since{};
-        std::int64_t received = 0, processed = 0, abandoned = 0, duplicates = 0, discarded = 0, dropped = 0;
-        std::map<std::string, std::int64_t> abandoned_at;  ///< by input
-        Json last_exception;
+        Reason why{};  ///< beside the condition
+        std::optional<ExceptionStatus> last_exception;
         std::vector<MatchCounts> matched;  ///< one for each matching, in the order of their declaration
     };
     [[nodiscard]] Values values() const;
@@ -33,8 +34,7 @@ public:
     [[nodiscard]] bool stopping() const noexcept { return stopping_; }
     void idle();
     void halt();
-    /// @param discarded  events that the drone leaves out to continue with the newest
-    void resume(std::size_t discarded);
+    void resume();
     /// @return  whether this was the first call
     bool stop();
     /// The loop has ended.
@@ -43,19 +43,12 @@ public:
     // --- the work ---
     void begin_work(const std::string& callback);
     void end_work();
-    void processed(const Set& set);
-    void abandoned(const Set& set);
     void matched(std::size_t matching, MatchCounts counts);
-
-    // --- what arrives ---
-    /// @param fresh  false: an answer that had come before
-    /// @param dropped  events that went for this one because the queue was full
-    void arrived(bool fresh, std::size_t dropped);
 
     // --- what is told ---
     /// @return  whether that is news
-    bool condition(const std::string& text);
-    void exception(Json description);
+    bool condition(const std::string& text, Reason why);
+    void exception(ExceptionStatus exception);
     [[nodiscard]] ExceptionPolicy policy() const;
     void policy(ExceptionPolicy policy);
 

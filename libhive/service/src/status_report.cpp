@@ -1,88 +1,92 @@
 // Puts together what the board, the outlets and the intakes say.
 #include "status_report.hpp"
 
+#include <limits>
+
 namespace hive::service {
 
 using event::Clock;
 
 namespace {
 
-constexpr std::size_t most_receivers_listed = 128;  ///< so that a status with all its rows fits into one header
+constexpr std::size_t most_edges_listed = 128;  ///< so that a status with all its rows fits into one header
 
-Json counts_json(const StatusBoard::Values& board)
+MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& counts)
 {
-    return {{"received", board.received},     {"processed", board.processed}, {"abandoned", board.abandoned},
-            {"duplicates", board.duplicates}, {"discarded", board.discarded}, {"dropped", board.dropped}};
-}
-
-Json matching_row(const MatchedInputs& matching, const MatchCounts& counts)
-{
-    Json inputs = Json::array(), missing = Json::object();
+    MatchingStatus row{.inputs = {},
+                       .sets = counts.sets,
+                       .waiting = counts.waiting,
+                       .unmatched = counts.unmatched,
+                       .duplicates = counts.duplicates,
+                       .missing = counts.missing};
     for (const auto& input : matching.inputs) {
-        inputs.push_back(input.name);
-        const auto found = counts.missing.find(input.name);
-        missing[input.name] = found == counts.missing.end() ? 0 : found->second;
+        row.inputs.push_back(input.name);
+        row.missing.try_emplace(input.name, 0);
     }
-    return {{"inputs", inputs},
-            {"sets", counts.sets},
-            {"waiting", counts.waiting},
-            {"unmatched", counts.unmatched},
-            {"duplicates", counts.duplicates},
-            {"missing", missing}};
+    return row;
 }
 
 }  // namespace
 
-Json StatusReport::now() const
+Status StatusReport::now() const { return report(0, std::numeric_limits<std::size_t>::max()); }
+
+Status StatusReport::page(std::int64_t skip_edges) const
+{
+    return report(static_cast<std::size_t>(skip_edges), most_edges_listed);
+}
+
+Status StatusReport::report(std::size_t skip_edges, std::size_t most_edges) const
 {
     const auto board = board_.values();
     const auto busy_for = board.state == State::busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
-    Json json{{"name", module_.self().name},
-              {"kind", module_.self().kind},
-              {"pid", module_.self().pid},
-              {"epoch", module_.self().epoch},
-              {"state", token(board_.stopping() ? State::stopping : board.state)},
-              {"condition", board.condition},
-              {"policy", token(board.policy)},
-              {"uptime_us", event::microseconds(Clock::now() - started_)},
-              {"busy_us", board.busy_us + busy_for},
-              {"busy_for_us", busy_for},
-              {"callback", board.callback},
-              {"queued", mailbox_.events()},
-              {"events", counts_json(board)},
-              {"outputs", outputs()},
-              {"inputs", inputs(board)}};
-    if (!declaration_.matchings.empty())
-        json["matching"] = matching(board);
-    if (!board.last_exception.is_null())
-        json["last_exception"] = board.last_exception;
-    return json;
-}
-
-Json StatusReport::outputs() const
-{
-    Json rows = Json::array();
-    std::size_t receivers = most_receivers_listed;
+    Status status{.name = module_.self().name,
+                  .kind = module_.self().kind,
+                  .pid = module_.self().pid,
+                  .epoch = module_.self().epoch,
+                  .state = board_.stopping() ? State::stopping : board.state,
+                  .policy = board.policy,
+                  .condition = board.condition,
+                  .uptime_us = event::microseconds(Clock::now() - started_),
+                  .busy_us = board.busy_us + busy_for,
+                  .busy_for_us = busy_for,
+                  .callback = board.callback,
+                  .why = why(board),
+                  .outputs = {},
+                  .inputs = inputs(),
+                  .left = module_.left(),
+                  .matching = matching(board),
+                  .last_exception = board.last_exception};
     for (const auto& outlet : module_.outlets())
-        rows.push_back(outlet.status(receivers));
-    return rows;
+        status.outputs.push_back(outlet.status(skip_edges, most_edges));
+    return status;
 }
 
-Json StatusReport::inputs(const StatusBoard::Values& board) const
+Reason StatusReport::why(const StatusBoard::Values& board) const
 {
-    Json rows = Json::array();
+    if (module_.paused() != Reason::none)
+        return module_.paused();
+    if (!declaration_.interface.inputs.empty() && module_.intakes().empty())
+        return Reason::no_input;
+    return board.why;
+}
+
+std::vector<InputStatus> StatusReport::inputs() const
+{
+    std::vector<InputStatus> rows;
     for (const auto& intake : module_.intakes()) {
-        Json row = intake->status();
-        const auto abandoned = board.abandoned_at.find(intake->spec().input);
-        row["abandoned"] = abandoned == board.abandoned_at.end() ? 0 : abandoned->second;
-        rows.push_back(std::move(row));
+        const auto& spec = intake->spec();
+        rows.push_back(intake->status());
+        rows.back().queued = mailbox_.count([&](const Event& event) {
+            return event.input == spec.input && event.sender == spec.sender && event.output == spec.output;
+        });
+        rows.back().in_hand -= rows.back().queued;
     }
     return rows;
 }
 
-Json StatusReport::matching(const StatusBoard::Values& board) const
+std::vector<MatchingStatus> StatusReport::matching(const StatusBoard::Values& board) const
 {
-    Json rows = Json::array();
+    std::vector<MatchingStatus> rows;
     for (std::size_t i = 0; i < declaration_.matchings.size(); ++i)
         rows.push_back(
             matching_row(declaration_.matchings[i], i < board.matched.size() ? board.matched[i] : MatchCounts{}));

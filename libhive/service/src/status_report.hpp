@@ -17,13 +17,16 @@ public:
     {
     }
 
-    /// As SPEC.md, section 6.4, has it.
-    [[nodiscard]] Json now() const;
+    /// As SPEC.md, section 6.4, has it, with all edges.
+    [[nodiscard]] Status now() const;
+    /// With as many edges as fit one answer, from one on.
+    [[nodiscard]] Status page(std::int64_t skip_edges) const;
 
 private:
-    [[nodiscard]] Json outputs() const;
-    [[nodiscard]] Json inputs(const StatusBoard::Values& board) const;
-    [[nodiscard]] Json matching(const StatusBoard::Values& board) const;
+    [[nodiscard]] Status report(std::size_t skip_edges, std::size_t most_edges) const;
+    [[nodiscard]] std::vector<InputStatus> inputs() const;
+    [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
+    [[nodiscard]] Reason why(const StatusBoard::Values& board) const;
 
     const Declaration& declaration_;
     const StatusBoard& board_;

@@ -29,6 +29,7 @@ void Wiring::on_disconnect(const event::Incoming& incoming)
     std::size_t removed = 0;
     for (const auto& intake : std::vector(module_.intakes()))
         if (meant(intake->spec())) {
+            inbox_.discard(intake->spec());
             module_.remove_intake(intake);
             ++removed;
         }
@@ -82,11 +83,7 @@ const Port& Wiring::require_input(const std::string& input) const
 
 std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 {
-    const auto weak = std::make_shared<std::weak_ptr<Intake>>();
-    const auto intake =
-        module_.add_intake(std::move(spec), [this, weak](Event&& event) { inbox_.arrived(std::move(event), *weak); });
-    *weak = intake;
-    return intake;
+    return module_.add_intake(std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); });
 }
 
 void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)

@@ -1,6 +1,8 @@
 // Takes commands and events out of the mailbox and runs the author's code on them.
 #include "worker.hpp"
 
+#include <hive/event/receipt.hpp>
+
 #include <algorithm>
 
 namespace hive::service {
@@ -70,8 +72,7 @@ void Worker::deliver(Event&& event)
         require_type(set.front());
         parts_.declaration.callbacks.at(set.front().input)(set.front());
     };
-    if (work(set, callback))
-        parts_.board.processed(set);
+    work(set, callback);
 }  // the receipt goes with the set: the next one is asked for, unless the drone has halted
 
 void Worker::to_partners(Event event, MatchedInputs& matching, const MatchedInput& input)
@@ -95,8 +96,7 @@ void Worker::work_on_sets()
         matcher.expire(Clock::now());
         while (!parts_.board.halted() && !parts_.board.stopping())
             if (const auto set = matcher.pop()) {
-                if (work(*set, [&] { callback(*set); }))
-                    parts_.board.processed(*set);
+                work(*set, [&] { callback(*set); });
             } else {
                 break;
             }
@@ -127,7 +127,8 @@ void Worker::failed(const Set& set, const Error& error)
     parts_.reporter.report(error, set.empty() ? nullptr : &set.front());
     if (set.empty())
         next_step_ = Clock::now() + pause_after_failure;
-    parts_.board.abandoned(set);
+    for (const auto& event : set)
+        conclude(event, event::Ending::abandoned);
     if (parts_.board.policy() == ExceptionPolicy::halt)
         parts_.halting.halt();
 }
