@@ -217,3 +217,12 @@ TEST_CASE("drone: a peer that says it is the drone itself is closed, and its twi
     REQUIRE(twin.send(raw::packet(raw::hello, 0, hello.dump())));
     CHECK(raw::error_of(twin.ask(raw::status)) == "");
 }
+
+TEST_CASE("drone: forget finds nothing where nothing waits for that receiver")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    CHECK(raw::error_of(peer.ask(raw::forget, {{"receiver", "nobody.image"}})) == "not_found");
+    CHECK(raw::error_of(peer.ask(raw::forget, {{"receiver", "nobody"}, {"output", "exceptions"}})) == "not_found");
+}

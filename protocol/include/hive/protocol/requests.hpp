@@ -26,10 +26,10 @@ struct Set {
 Json to_json(const Set& set);
 Set set_from_json(const Json& object);
 
-/// Asks a sender to forget what it keeps for a receiver that is gone: its place, or the work of its group.
+/// Asks a sender to wait no longer for a receiver that is gone: with its place, or with the work of its group.
 struct Forget {
     std::string output = {};  ///< empty: every output
-    std::string receiver;     ///< as it registered, or "group NAME"
+    std::string receiver;     ///< the drone, or "drone.input"
 };
 Json to_json(const Forget& forget);
 Forget forget_from_json(const Json& object);
