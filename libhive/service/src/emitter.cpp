@@ -128,7 +128,7 @@ void Emitter::repeat(std::size_t output, Event event)
     event.receipt.reset();
     event.custody.reset();
     event.input.clear();
-    const bool complete = !event.body.empty() || event.size == 0;
+    const bool complete = !event.body.empty() || (event.sized && event.size == 0);
     if (complete)
         event.size = event.body.size();
     send(output, std::move(event), complete);

@@ -42,6 +42,7 @@ enum class PacketType : std::uint8_t {
     resume = 37,
     stop = 38,
     put = 39,
+    forget = 40,
     confirmation = 50,
 };
 
