@@ -67,8 +67,7 @@ std::filesystem::path Launch::log() const { return session_.home() / (plan_.name
 bool Launch::ready()
 {
     const auto answer = session_.application().status(std::vector{plan_.name}).at(0);
-    return !answer.error && count_in(answer.result, "pid") == process_.pid()
-           && text_in(answer.result, "state") != "starting";
+    return !answer.error && answer.status.pid == process_.pid() && answer.status.state != hive::State::starting;
 }
 
 std::optional<int> Launch::await(std::chrono::milliseconds limit)

@@ -186,18 +186,19 @@ void Intake::flush()
         protocol::make_packet(PacketType::request, protocol::to_text({epoch_, ask, acknowledge}), channel_));
 }
 
-Json Intake::status() const
+InputStatus Intake::status() const
 {
-    Json json = to_json(spec_.options);
-    json["input"] = spec_.input;
-    json["from"] = spec_.sender + "." + spec_.output;
-    json["state"] = connected_ ? "connected" : "waiting";
-    json["received"] = received_;
-    json["processed"] = processed_;
-    json["dropped"] = lost.load();
-    json["last_age_us"] = age_us_;
-    json["error"] = error_;
-    return json;
+    return {.input = spec_.input,
+            .from = spec_.sender + "." + spec_.output,
+            .connected = connected_,
+            .registration = epoch_,
+            .options = spec_.options,
+            .received = received_,
+            .processed = processed_,
+            .dropped = lost.load(),
+            .last_age_us = age_us_,
+            .error = error_,
+            .why = connected_ ? Reason::none : Reason::dialing};
 }
 
 }  // namespace hive::event

@@ -148,40 +148,31 @@ void Outlet::refresh()
         hooks_.changed();
 }
 
-Json Outlet::status(std::size_t& most_receivers) const
+OutputStatus Outlet::status() const
 {
-    std::size_t left_out = 0;
-    Json receivers = Json::array();
+    OutputStatus status{.name = port_.name,
+                        .type = port_.type,
+                        .produced = produced_,
+                        .last_emitted_us = last_emitted_us_,
+                        .why = received_ ? Reason::none : Reason::no_receiver};
     for (const auto& row : table_.rows()) {
-        if (most_receivers == 0) {
-            ++left_out;
-            continue;
-        }
-        --most_receivers;
-        Json json = to_json(row.options);
-        json["receiver"] = row.receiver;
-        json.erase("encoding");
-        if (const auto place = places_.find(row.id); place != places_.end())
-            json["encoding"] = place->second.encoding.word();
-        json["produced"] = row.counts.produced;
-        json["delivered"] = row.counts.delivered;
-        json["skipped"] = row.counts.skipped;
-        json["dropped"] = row.counts.dropped;
-        json["abandoned"] = row.counts.abandoned;
-        json["in_flight"] = row.counts.in_flight;
+        EdgeStatus edge{.receiver = row.receiver,
+                        .group = row.id == 0,
+                        .connected = row.id != 0,
+                        .registration = row.epoch,
+                        .options = row.options};
         if (const auto place = places_.find(row.id); place != places_.end()) {
-            json["shared"] = place->second.shared;
-            json["fallback"] = place->second.fallback;
+            edge.encoding = place->second.encoding.word();
+            edge.shared = place->second.shared;
+            edge.fallback = place->second.fallback;
         }
-        receivers.push_back(std::move(json));
+        edge.events.came(row.counts.produced);
+        edge.events.went(Fate::acknowledged, row.counts.delivered);
+        edge.events.went(Fate::skipped, row.counts.skipped);
+        edge.events.went(Fate::dropped, row.counts.dropped);
+        edge.events.went(Fate::abandoned, row.counts.abandoned);
+        status.edges.push_back(std::move(edge));
     }
-    Json status{{"name", port_.name},
-                {"type", port_.type},
-                {"produced", produced_},
-                {"last_emitted_us", last_emitted_us_},
-                {"receivers", receivers}};
-    if (left_out > 0)
-        status["receivers_left_out"] = left_out;
     return status;
 }
 

@@ -402,13 +402,13 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
 {
     std::vector<Row> rows;
     for (const auto& [id, receiver] : receivers_)
-        rows.push_back({id, receiver.name, receiver.options, receiver.counts});
+        rows.push_back({id, receiver.name, receiver.epoch, receiver.options, receiver.counts});
     for (const auto& [name, group] : groups_) {
         if (!group.active() && group.waiting.empty())
             continue;
         ConnectionOptions options;
         options.group = name;
-        rows.push_back({0, "group " + name, options, group.counts});
+        rows.push_back({0, "group " + name, 0, options, group.counts});
     }
     return rows;
 }

@@ -47,13 +47,6 @@ Interface Application::describe(const std::string& drone)
     return interface_from_json(core_->ask(drone, PacketType::describe));
 }
 
-Json Application::status(const std::string& drone) { return core_->ask(drone, PacketType::status); }
-
-std::vector<Answer> Application::status(const std::vector<std::string>& drones)
-{
-    return core_->ask_all(drones, PacketType::status, Json::object());
-}
-
 namespace {
 
 Json set_header(const Json& parameters, std::chrono::milliseconds deadline, bool check_only)

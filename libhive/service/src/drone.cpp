@@ -81,7 +81,7 @@ void Drone::wake() { core_.wake(); }
 void Drone::condition(const std::string& text) { core_.condition(text); }
 void Drone::report(Errc code, const std::string& text) { core_.report(code, text, nullptr); }
 void Drone::log(const std::string& text) { core_.log(text); }
-Json Drone::status() const { return core_.status(); }
+Status Drone::status() const { return core_.status(); }
 bool Drone::stopping() const { return core_.stopping(); }
 
 Loan Output::loan(std::size_t bytes) const { return core_->loan(bytes); }

@@ -113,11 +113,11 @@ std::optional<Json> DroneCore::given(const std::string& parameter) const
     return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
 }
 
-Json DroneCore::status()
+Status DroneCore::status()
 {
-    if (stopping_ && !last_status_.is_null())
-        return last_status_;
-    Json now;
+    if (stopping_ && last_status_)
+        return *last_status_;
+    Status now;
     module_->call([&] { now = status_now(); });
     return now;
 }
@@ -211,7 +211,8 @@ void DroneCore::require_type(const Event& event) const
 void DroneCore::processed(const Set& set)
 {
     const std::lock_guard lock(board_mutex_);
-    board_.processed += static_cast<std::int64_t>(set.size());
+    for (const auto& event : set)
+        ++board_.at[event.input].processed;
 }
 
 /// @param set  empty: it was main that failed
@@ -224,10 +225,8 @@ void DroneCore::failed(const Set& set, Errc code, const std::string& text)
     {
         const std::lock_guard lock(board_mutex_);
         halt = board_.policy == ExceptionPolicy::halt;
-        for (const auto& event : set) {
-            ++board_.abandoned;
-            ++board_.abandoned_at[event.input];
-        }
+        for (const auto& event : set)
+            ++board_.at[event.input].abandoned;
     }
     if (halt) {
         halted_ = true;
@@ -254,10 +253,13 @@ void DroneCore::report(Errc code, const std::string& text, const Event* cause)
                         {"text", text.substr(0, 4000)},
                         {"policy", token(board_.policy)},
                         {"input", cause ? cause->input : ""}};
-        board_.last_exception = event.header;
-        board_.last_exception["time_us"] = event::wall_us();
-        board_.last_exception["source"] = event.identity.source;
-        board_.last_exception["seq"] = event.identity.sequence;
+        board_.last_exception = ExceptionStatus{.code = std::string(info(code).token),
+                                                .text = text.substr(0, 4000),
+                                                .policy = std::string(token(board_.policy)),
+                                                .input = cause ? cause->input : "",
+                                                .time_us = event::wall_us(),
+                                                .source = event.identity.source,
+                                                .sequence = event.identity.sequence};
     }
     log(std::string("exception: ") + std::string(info(code).token) + ": " + text);
     module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event))] {

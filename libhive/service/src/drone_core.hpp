@@ -8,6 +8,7 @@
 #include <hive/event/matcher.hpp>
 #include <hive/event/module.hpp>
 #include <hive/event/sequence_filter.hpp>
+#include <hive/status.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -72,7 +73,7 @@ public:
     {
         return !settings_.parameters.contains(parameter) && given(parameter);
     }
-    [[nodiscard]] Json status();
+    [[nodiscard]] Status status();
     void wake();
     void condition(const std::string& text);
     void report(Errc code, const std::string& text, const Event* cause);
@@ -95,9 +96,8 @@ private:
         ExceptionPolicy policy{};
         std::int64_t busy_us = 0;
         Clock::time_point busy_since{};
-        std::int64_t received = 0, processed = 0, abandoned = 0, duplicates = 0, discarded = 0, dropped = 0;
-        std::map<std::string, std::int64_t> abandoned_at;  ///< by input
-        Json last_exception;
+        std::map<std::string, InputStatus> at;  ///< by input: what became of the events of all its connections
+        std::optional<ExceptionStatus> last_exception;
         std::vector<MatchCounts> matched;  ///< one for each of `matchings`
     };
     using Set = std::vector<Event>;  ///< what is worked on: events that were brought together, mostly a single one
@@ -138,8 +138,10 @@ private:
     void end(bool forget);
     void arrived(Event&& event, const std::weak_ptr<event::Intake>& intake);
     event::IntakeSpec intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const;
-    [[nodiscard]] Json status_now();
-    [[nodiscard]] Json matching_status(const Board& board) const;
+    void on_status(const event::Incoming& incoming);
+    [[nodiscard]] Status status_now();
+    void add_inputs(Status& status, const Board& board) const;
+    [[nodiscard]] std::vector<MatchingStatus> matching_status(const Board& board) const;
 
     // drone_state.cpp: before the start
     [[nodiscard]] Json left_state(const event::Home& home) const;
@@ -169,7 +171,7 @@ private:
     std::condition_variable handover_less_;
     mutable std::mutex board_mutex_;
     Board board_;
-    Json last_status_;  ///< user thread, after the loop
+    std::optional<Status> last_status_;  ///< user thread, after the loop
 };
 
 }  // namespace hive

@@ -57,23 +57,20 @@ void DroneCore::work_on_sets()
     }
 }
 
-Json DroneCore::matching_status(const Board& board) const
+std::vector<MatchingStatus> DroneCore::matching_status(const Board& board) const
 {
-    Json rows = Json::array();
+    std::vector<MatchingStatus> rows;
     for (std::size_t i = 0; i < matchings.size(); ++i) {
         const MatchCounts& counts = board.matched[i];
-        Json inputs = Json::array(), missing = Json::object();
+        MatchingStatus& row = rows.emplace_back(MatchingStatus{.sets = counts.sets,
+                                                               .waiting = counts.waiting,
+                                                               .unmatched = counts.unmatched,
+                                                               .duplicates = counts.duplicates,
+                                                               .missing = counts.missing});
         for (const auto& input : matchings[i].inputs) {
-            inputs.push_back(input.name);
-            const auto found = counts.missing.find(input.name);
-            missing[input.name] = found == counts.missing.end() ? 0 : found->second;
+            row.inputs.push_back(input.name);
+            row.missing.try_emplace(input.name, 0);
         }
-        rows.push_back({{"inputs", inputs},
-                        {"sets", counts.sets},
-                        {"waiting", counts.waiting},
-                        {"unmatched", counts.unmatched},
-                        {"duplicates", counts.duplicates},
-                        {"missing", missing}});
     }
     return rows;
 }

@@ -16,8 +16,6 @@ using protocol::PacketType;
 
 namespace {
 
-/// So that a status with all its rows fits into one header.
-constexpr std::size_t most_receivers_listed = 128;
 /// A drone told to stop ends within this, whatever its code does.
 constexpr auto last_grace = std::chrono::seconds(2);
 /// For a `set`, whatever its deadline.
@@ -36,7 +34,7 @@ std::vector<std::string> port_names(const std::vector<Port>& ports)
 void DroneCore::add_handlers()
 {
     module_->handle(PacketType::describe, [this](const Incoming& incoming) { incoming.answer(to_json(interface)); });
-    module_->handle(PacketType::status, [this](const Incoming& incoming) { incoming.answer(status_now()); });
+    module_->handle(PacketType::status, [this](const Incoming& incoming) { on_status(incoming); });
     module_->handle(PacketType::get, [this](const Incoming& incoming) { on_get(incoming); });
     module_->handle(PacketType::set, [this](const Incoming& incoming) { on_set(incoming); });
     module_->handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
@@ -194,11 +192,13 @@ void DroneCore::connect(IntakeSpec spec, event::OnOutcome on_outcome)
 void DroneCore::arrived(Event&& event, const std::weak_ptr<Intake>& weak)
 {
     const bool fresh = filter_.first(event);
+    const std::string input = event.input;
     const auto lost = fresh ? mailbox_.push(std::move(event)) : 0;
     const std::lock_guard lock(board_mutex_);
-    ++board_.received;
-    board_.duplicates += fresh ? 0 : 1;
-    board_.dropped += static_cast<std::int64_t>(lost);
+    auto& counts = board_.at[input];
+    ++counts.received;
+    counts.duplicates += fresh ? 0 : 1;
+    counts.dropped += static_cast<std::int64_t>(lost);
     if (const auto intake = weak.lock())
         intake->lost += static_cast<std::int64_t>(lost);
 }
@@ -265,7 +265,8 @@ void DroneCore::on_resume(const Incoming& incoming)
         set_state(State::idle);
         {
             const std::lock_guard lock(board_mutex_);
-            board_.discarded += static_cast<std::int64_t>(old);
+            if (!interface.inputs.empty())
+                board_.at[interface.inputs.front().name].discarded += static_cast<std::int64_t>(old);
         }
         module_->halt(false);
         answer(Json::object());
@@ -287,50 +288,57 @@ void DroneCore::end(bool forget)
     }).detach();
 }
 
-Json DroneCore::status_now()
+void DroneCore::on_status(const Incoming& incoming)
 {
-    Json outputs = Json::array(), inputs = Json::array();
-    std::size_t rows = most_receivers_listed;
-    for (const auto& outlet : module_->outlets())
-        outputs.push_back(outlet.status(rows));
+    const Fields fields(incoming.header, "status");
+    incoming.answer(to_json(page_of(status_now(), fields.integer_or("skip_edges", 0, max_json_integer, 0))));
+}
+
+Status DroneCore::status_now()
+{
     Board board;
     {
         const std::lock_guard lock(board_mutex_);
         board = board_;
     }
+    const auto busy_for = board.state == State::busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
+    Status status{.name = settings_.name,
+                  .kind = interface.kind,
+                  .pid = ::getpid(),
+                  .epoch = epoch_,
+                  .state = stopping_ ? State::stopping : board.state,
+                  .policy = board.policy,
+                  .condition = board.condition,
+                  .uptime_us = event::microseconds(Clock::now() - started_),
+                  .busy_us = board.busy_us + busy_for,
+                  .busy_for_us = busy_for,
+                  .callback = board.callback,
+                  .why = halted_ ? Reason::halted : Reason::none,
+                  .matching = matching_status(board),
+                  .last_exception = board.last_exception};
+    for (const auto& outlet : module_->outlets())
+        status.outputs.push_back(outlet.status());
+    add_inputs(status, board);
+    return status;
+}
+
+/// What was counted for an input stands with its first connection, or in `left` when there is none.
+void DroneCore::add_inputs(Status& status, const Board& board) const
+{
+    auto counted = board.at;
     for (const auto& intake : module_->intakes()) {
-        Json row = intake->status();
-        row["abandoned"] = board.abandoned_at[intake->spec().input];
-        inputs.push_back(std::move(row));
+        auto& row = status.inputs.emplace_back(intake->status());
+        const auto counts = counted.extract(row.input);
+        row.processed = counts ? counts.mapped().processed : 0;
+        row.abandoned = counts ? counts.mapped().abandoned : 0;
+        row.duplicates = counts ? counts.mapped().duplicates : 0;
+        row.discarded = counts ? counts.mapped().discarded : 0;
+        row.queued = counts ? static_cast<std::int64_t>(mailbox_.events()) : 0;
     }
-    const bool busy = board.state == State::busy;
-    const auto busy_for = busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
-    Json json{{"name", settings_.name},
-              {"kind", interface.kind},
-              {"pid", ::getpid()},
-              {"epoch", epoch_},
-              {"state", token(stopping_ ? State::stopping : board.state)},
-              {"condition", board.condition},
-              {"policy", token(board.policy)},
-              {"uptime_us", event::microseconds(Clock::now() - started_)},
-              {"busy_us", board.busy_us + busy_for},
-              {"busy_for_us", busy_for},
-              {"callback", board.callback},
-              {"queued", mailbox_.events()},
-              {"events",
-               {{"received", board.received},
-                {"processed", board.processed},
-                {"abandoned", board.abandoned},
-                {"duplicates", board.duplicates},
-                {"discarded", board.discarded},
-                {"dropped", board.dropped}}},
-              {"outputs", outputs},
-              {"inputs", inputs}};
-    if (!matchings.empty())
-        json["matching"] = matching_status(board);
-    if (!board.last_exception.is_null())
-        json["last_exception"] = board.last_exception;
-    return json;
+    for (auto& [input, counts] : counted) {
+        counts.input = input;
+        status.left.push_back(std::move(counts));
+    }
 }
 
 }  // namespace hive

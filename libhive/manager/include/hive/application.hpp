@@ -5,6 +5,7 @@
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
 #include <hive/match.hpp>
+#include <hive/status.hpp>
 #include <hive/transfer.hpp>
 
 #include <chrono>
@@ -22,6 +23,13 @@ namespace hive {
 struct Answer {
     std::string drone;
     Json result;  ///< an object; meaningful without error
+    std::optional<Error> error;
+};
+
+/// What one drone of several says of itself.
+struct StatusAnswer {
+    std::string drone;
+    Status status;  ///< meaningful without error
     std::optional<Error> error;
 };
 
@@ -105,9 +113,9 @@ public:
     Endpoint endpoint(const std::string& text);
     Interface describe(const std::string& drone);
     /// What the drone is doing: state, counters, connections (see SPEC.md, section 6.4).
-    Json status(const std::string& drone);
+    Status status(const std::string& drone);
     /// Of many at once; the answers come in the order of the names.
-    std::vector<Answer> status(const std::vector<std::string>& drones);
+    std::vector<StatusAnswer> status(const std::vector<std::string>& drones);
 
     // --- wire ---
 

@@ -6,6 +6,7 @@
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
 #include <hive/match.hpp>
+#include <hive/status.hpp>
 #include <hive/transfer.hpp>
 
 #include <chrono>
@@ -168,7 +169,7 @@ public:
     /// One line in the drone's log. From any thread.
     void log(const std::string& text);
     /// What an application would be told now (SPEC.md, section 6.4); after run(), how it was at the end.
-    [[nodiscard]] Json status() const;
+    [[nodiscard]] Status status() const;
     /// True when the drone should end; for loops in threads of the author's own. From any thread.
     [[nodiscard]] bool stopping() const;
 

@@ -3,6 +3,7 @@
 
 #include <hive/event/link.hpp>
 #include <hive/event.hpp>
+#include <hive/status.hpp>
 #include <hive/transport/transport.hpp>
 
 #include <asio/steady_timer.hpp>
@@ -45,7 +46,7 @@ public:
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }
-    [[nodiscard]] Json status() const;
+    [[nodiscard]] InputStatus status() const;
     std::atomic<std::int64_t> lost{0};  ///< events that this end dropped because its queue was full
 
 private:

@@ -6,6 +6,7 @@
 #include <hive/event/link.hpp>
 #include <hive/event/receiver_table.hpp>
 #include <hive/interface.hpp>
+#include <hive/status.hpp>
 
 #include <atomic>
 #include <functional>
@@ -53,9 +54,7 @@ public:
     /// Does anybody receive bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool leasing() const { return table_.leasing(); }
-    /// As in `status` (SPEC.md, section 6.4).
-    /// @param most_receivers  rows to list at most; counts them down, and says how many are left out
-    [[nodiscard]] Json status(std::size_t& most_receivers) const;
+    [[nodiscard]] OutputStatus status() const;
 
 private:
     using Key = std::pair<const Link*, std::uint16_t>;

@@ -50,6 +50,7 @@ public:
     struct Row {
         Id id;
         std::string receiver;
+        std::int64_t epoch;
         ConnectionOptions options;
         Counts counts;
     };
