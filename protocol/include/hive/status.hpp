@@ -124,9 +124,9 @@ struct MatchingStatus {
 };
 
 struct ExceptionStatus {
-    std::string code, text, policy, input;
+    std::string code{}, text{}, policy{}, input{};
     std::int64_t time_us = 0;
-    std::string source;
+    std::string source{};
     std::int64_t sequence = 0;
 };
 
