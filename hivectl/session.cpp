@@ -1,6 +1,8 @@
 // The common flags as values, and the lazily made application.
 #include "session.hpp"
 
+#include "exit_code.hpp"
+
 namespace hivectl {
 
 std::chrono::milliseconds Session::timeout(std::chrono::milliseconds fallback) const
@@ -12,7 +14,10 @@ hive::Application& Session::application(std::chrono::milliseconds fallback)
 {
     if (!application_)
         application_ = std::make_unique<hive::Application>(
-            hive::Application::Options{.name = {}, .home = home(), .timeout = timeout(fallback)});
+            hive::Application::Options{.name = {},
+                                       .home = home(),
+                                       .timeout = timeout(fallback),
+                                       .advice_if_missing = advice_for_missing});
     return *application_;
 }
 

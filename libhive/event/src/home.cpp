@@ -29,10 +29,10 @@ void make_private(const fs::path& directory)
         fail(Errc::io, "cannot look at " + directory.string());
     if (!S_ISDIR(info.st_mode) || info.st_uid != ::getuid())
         throw Error(Errc::not_permitted,
-                    directory.string() + " is not a directory of this user; set HIVE_HOME to one that is");
+                    directory.string() + " is not a directory of this user", "set HIVE_HOME to one that is");
     if ((info.st_mode & 077) != 0)
         throw Error(Errc::not_permitted,
-                    "others may enter " + directory.string() + "; close it: chmod 700 " + directory.string());
+                    "others may enter " + directory.string(), "close it: chmod 700 " + directory.string());
 }
 
 /// Open-file-description locks: they end with the process, and can be looked at without being taken.

@@ -31,6 +31,7 @@ public:
     [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }
 
     std::chrono::milliseconds timeout;
+    std::function<std::string(const std::string&)> advice_if_missing;
     event::Home home;
     event::Module module;
 

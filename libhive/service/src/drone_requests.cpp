@@ -21,14 +21,6 @@ constexpr auto last_grace = std::chrono::seconds(2);
 /// For a `set`, whatever its deadline.
 constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);
 
-std::vector<std::string> port_names(const std::vector<Port>& ports)
-{
-    std::vector<std::string> names;
-    for (const auto& port : ports)
-        names.push_back(port.name);
-    return names;
-}
-
 }  // namespace
 
 void DroneCore::add_handlers()
@@ -102,16 +94,14 @@ void DroneCore::on_put(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "put");
     const auto name = fields.name("input");
-    const Port* input = interface.input(name);
-    if (!input)
-        throw Error(Errc::not_found, settings_.name + " has no input " + name);
+    const Port& input = port_named(interface.inputs, settings_.name, "input", name);
     if (halted_)
-        throw Error(Errc::halted, settings_.name + " has halted; resume it: hivectl resume " + settings_.name);
+        throw Error(Errc::halted, settings_.name + " has halted", "let it go on: hivectl resume " + settings_.name);
     Event event;
     event.type = fields.text("type");
-    if (!types_fit(event.type, input->type))
+    if (!types_fit(event.type, input.type))
         throw Error(Errc::type_mismatch,
-                    "the event is " + event.type + ", but " + settings_.name + "." + name + " takes " + input->type);
+                    "the event is " + event.type + ", but " + settings_.name + "." + name + " takes " + input.type);
     event.identity = {.source = incoming.peer,
                       .epoch = epoch_,
                       .sequence = fields.integer("id", 0, max_json_integer),
@@ -134,19 +124,14 @@ void DroneCore::on_put(const Incoming& incoming)
 IntakeSpec DroneCore::intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const
 {
     const Fields sender(from, "connect: from");
-    const Port* port = interface.input(input);
-    if (!port) {
-        const auto near = nearest(input, port_names(interface.inputs));
-        throw Error(Errc::not_found,
-                    settings_.name + " has no input " + input + (near.empty() ? "" : "; did you mean " + near + "?"));
-    }
+    const Port& port = port_named(interface.inputs, settings_.name, "input", input);
     const auto name = sender.name("drone");
     return {.sender = name,
             .output = sender.name("output"),
             .address = sender.has("address") ? transport::parse_address(sender.text("address")) : home_->address(name),
             .input = input,
             .receiver = settings_.name + "." + input,
-            .accepts = port->type,
+            .accepts = port.type,
             .stateful = program_.stateful,
             .options = options};
 }

@@ -89,6 +89,8 @@ public:
         std::string name;                         ///< empty: "app-PID"
         std::filesystem::path home;               ///< empty: default_home()
         std::chrono::milliseconds timeout{5000};  ///< of every call
+        /// What to advise whoever names a drone that does not run, and no running one is called nearly so.
+        std::function<std::string(const std::string& drone)> advice_if_missing{};
     };
 
     Application();
