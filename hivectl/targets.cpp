@@ -24,7 +24,8 @@ std::vector<hive::Endpoint> matching(hive::Application& application, const std::
     if (found.empty() && dot != std::string::npos)
         found = all_like(std::string_view(pattern).substr(0, dot), pattern.substr(dot + 1));
     if (found.empty())
-        throw hive::Error(hive::Errc::not_found, "no drone that runs fits " + hive::in_quotes(pattern), "see what runs: hivectl ps");
+        throw hive::Error(hive::Errc::not_found, "no drone that runs fits " + hive::in_quotes(pattern),
+                          "see what runs: hivectl ps");
     return found;
 }
 
@@ -108,9 +109,9 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
 
 std::string usual_input(const hive::Interface& interface, const std::string& drone, const std::string& type)
 {
-    return hive::port_meant(interface.inputs, drone, "input", "that takes " + type, [&](const hive::Port& port) {
-               return hive::types_fit(type, port.type);
-           }).name;
+    return hive::port_meant(interface.inputs, drone, "input", "that takes " + type,
+                            [&](const hive::Port& port) { return hive::types_fit(type, port.type); })
+        .name;
 }
 
 }  // namespace hivectl

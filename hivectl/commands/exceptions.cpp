@@ -91,10 +91,8 @@ int change_policy(const Options& options, const std::vector<std::string>& drones
 int run(const Options& options, Session& session)
 {
     if (!options.policy.empty() && options.names.empty())
-        throw hive::Error(
-            hive::Errc::invalid_argument,
-            "--on-exception needs the names of the drones",
-            "for all of them: hivectl exceptions '*' --on-exception " + options.policy);
+        throw hive::Error(hive::Errc::invalid_argument, "--on-exception needs the names of the drones",
+                          "for all of them: hivectl exceptions '*' --on-exception " + options.policy);
     auto& application = session.application();
     const auto drones = options.names.empty() ? application.drones() : drones_named(application, options.names);
     if (!options.policy.empty())

@@ -64,8 +64,9 @@ int run(const Options& options, Session& session)
 {
     const std::string type = options.type.empty() ? media_type_of(options.file) : options.type;
     if (type.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "the ending of " + printable(options.file)
-                                                            + " says no media type", "add for example --type image/jpeg");
+        throw hive::Error(hive::Errc::invalid_argument,
+                          "the ending of " + printable(options.file) + " says no media type",
+                          "add for example --type image/jpeg");
     const auto header = header_of(options.header);
     std::string content = content_of(options.file);
     auto& application = session.application();

@@ -44,7 +44,8 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
                 outputs.push_back({end.drone, port.name});
     }
     if (outputs.empty())
-        throw hive::Error(hive::Errc::not_found, "there is no output to record", "see the ports: hivectl describe NAME");
+        throw hive::Error(hive::Errc::not_found, "there is no output to record",
+                          "see the ports: hivectl describe NAME");
     return outputs;
 }
 

@@ -30,9 +30,8 @@ std::vector<std::string> meant_by(const std::string& word, hive::Application& ap
     auto names = all_of(application);
     if (!is_glob(word) && runs(application, hive::require_name(word, "drone")))
         return {word};
-    const auto nothing_fits =
-        hive::no_such("no drone " + hive::in_quotes(word) + " runs or is remembered", word, names,
-                      "see what runs: hivectl ps");
+    const auto nothing_fits = hive::no_such("no drone " + hive::in_quotes(word) + " runs or is remembered", word, names,
+                                            "see what runs: hivectl ps");
     std::erase_if(names, [&](const std::string& name) { return !hive::matches_glob(word, name); });
     if (names.empty())
         throw nothing_fits;
@@ -69,10 +68,9 @@ void stop(const std::string& name, Session& session)
 int run(const Options& options, Session& session)
 {
     if (options.all != options.names.empty())
-        throw hive::Error(hive::Errc::invalid_argument,
-                          options.all ? "both names and --all are given" : "no drones are named",
-                          options.all ? "give the one or the other"
-                                      : "give names, or --all; see what runs: hivectl ps");
+        throw hive::Error(
+            hive::Errc::invalid_argument, options.all ? "both names and --all are given" : "no drones are named",
+            options.all ? "give the one or the other" : "give names, or --all; see what runs: hivectl ps");
     Outcome outcome("stop");
     for (const auto& name : meant_by(options, session.application(), outcome)) {
         try {

@@ -43,6 +43,7 @@ std::string_view token(PacketType type) noexcept
     case PacketType::resume: return "resume";
     case PacketType::stop: return "stop";
     case PacketType::put: return "put";
+    case PacketType::forget: return "forget";
     case PacketType::confirmation: return "confirmation";
     }
     return {};

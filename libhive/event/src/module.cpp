@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <utility>
 
 namespace hive::event {
 
@@ -15,25 +16,6 @@ constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
 
 }  // namespace
-
-void Door::post(Loop::Task task)
-{
-    const std::lock_guard lock(mutex_);
-    if (loop_)
-        loop_->post(std::move(task));
-}
-
-bool Door::inside()
-{
-    const std::lock_guard lock(mutex_);
-    return loop_ && loop_->has_turn();
-}
-
-void Door::shut()
-{
-    const std::lock_guard lock(mutex_);
-    loop_ = nullptr;
-}
 
 Module::Module(Options options) : options_(std::move(options)) {}
 
@@ -58,9 +40,9 @@ void Module::leave()
     call([&] {
         ending_ = true;
         listeners_.clear();
-        for (const auto& intake : std::exchange(intakes_, {})) {
+        for (const auto& intake : std::vector(intakes_)) {
             ++*remaining;
-            intake->stop([remaining] { --*remaining; });
+            remove_intake(intake, [remaining] { --*remaining; });
         }
     });
     loop_.wait(Clock::now() + patience_at_end, [&] { return *remaining == 0; });
@@ -128,7 +110,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
         .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
         .on_network_side = [this](std::function<void()> task) { post(std::move(task)); }};
-    return outlets_.emplace_back(std::move(port), carrier, std::move(encoder), std::move(hooks));
+    return outlets_.emplace_back(options_.self, std::move(port), carrier, std::move(encoder), std::move(hooks));
 }
 
 transport::Address Module::listen(const transport::Address& address)
@@ -154,8 +136,50 @@ std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink)
 
 void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left)
 {
-    intake->stop(std::move(left));
+    const auto keep = intake;
     std::erase(intakes_, intake);
+    leaving_.insert(keep);
+    keep->stop(std::move(left));
+}
+
+namespace {
+
+void add_counts(InputStatus& sum, const InputStatus& more)
+{
+    sum.input = more.input;
+    for (const auto count :
+         {&InputStatus::received, &InputStatus::processed, &InputStatus::abandoned, &InputStatus::duplicates,
+          &InputStatus::discarded, &InputStatus::dropped, &InputStatus::unmatched, &InputStatus::in_hand})
+        sum.*count += more.*count;
+}
+
+}  // namespace
+
+void Module::gone(const std::shared_ptr<Intake>& intake)
+{
+    if (leaving_.contains(intake))
+        add_counts(left_[intake->spec().input], intake->status());
+    leaving_.erase(intake);
+}
+
+std::vector<InputStatus> Module::left() const
+{
+    auto sums = left_;
+    for (const auto& intake : leaving_)
+        add_counts(sums[intake->spec().input], intake->status());
+    std::vector<InputStatus> rows;
+    for (const auto& [input, sum] : sums)
+        rows.push_back(sum);
+    return rows;
+}
+
+std::size_t Module::forget(const std::string& drone, const std::string& output)
+{
+    std::size_t forgotten = 0;
+    for (auto& outlet : outlets_)
+        if (output.empty() || outlet.port().name == output)
+            forgotten += outlet.forget(drone);
+    return forgotten;
 }
 
 void Module::emit(Outlet& outlet, EmissionPtr event)
@@ -163,9 +187,19 @@ void Module::emit(Outlet& outlet, EmissionPtr event)
     const auto gives_events = [](const Outlet& each) { return each.carrier() == PacketType::event; };
     const bool nobody =
         std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.wanted(); });
-    outlet.offer(std::move(event),
-                 gives_events(outlet) && nobody);  // an exception is told to whoever listens, and waits for nobody
+    // An exception is told to whoever listens, and waits for nobody.
+    outlet.offer(event, gives_events(outlet) && nobody);
     arm();
+}
+
+/// What waited for a first receiver goes when another output of this module has got one.
+void Module::release_held()
+{
+    const auto wanted = [](const Outlet& each) { return each.carrier() == PacketType::event && each.wanted(); };
+    if (std::ranges::any_of(outlets_, wanted))
+        for (auto& outlet : outlets_)
+            if (!outlet.wanted())
+                outlet.release_held();
 }
 
 void Module::demand_changed()
@@ -183,7 +217,7 @@ void Module::arm()
         return;
     const bool needed = !dialing_.empty()
                         || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
-                        || std::ranges::any_of(outlets_, &Outlet::leasing);
+                        || std::ranges::any_of(outlets_, &Outlet::timed);
     if (!needed)
         return;
     armed_ = true;
@@ -202,7 +236,7 @@ void Module::tick()
         link->expire(now);
     expire_dialing(now);
     for (auto& outlet : outlets_)
-        if (outlet.leasing())
+        if (outlet.timed())
             outlet.tick();
     arm();
 }

@@ -52,14 +52,34 @@ void Module::on_register(Link& link, const protocol::Packet& packet, const Json&
         require_free(link, packet.channel);
         Outlet& sender = outlet(registration.output);
         sender.require_fit(link, registration);
-        // The confirmation leaves before the first event.
-        link.answer(id,
-                    Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
-        sender.add(link.shared_from_this(), packet.channel, registration);
+        sender.add(link.shared_from_this(), packet.channel, registration,
+                   [&](const Welcome& welcome) { link.answer(id, confirmation(sender, welcome)); });
+        release_held();
     } catch (const Error& error) {
         link.answer(id, error);
     }
     arm();
+}
+
+/// What a receiver learns when it has registered: where it may come back to, and how far shared work has come.
+Json Module::confirmation(const Outlet& sender, const Welcome& welcome) const
+{
+    Json json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}};
+    if (welcome.place != 0)
+        json.update({{"place", welcome.place}, {"taken", welcome.taken}});
+    if (welcome.group)
+        json.update({{"turn", welcome.group->turn}, {"closed", welcome.group->closed}});
+    Json shares = Json::array();
+    for (const auto& intake : intakes_)
+        if (const auto standing = intake->standing())
+            shares.push_back({{"of", standing->share.of},
+                              {"epoch", standing->share.epoch},
+                              {"turn", standing->share.turn},
+                              {"closed", standing->share.closed},
+                              {"open", standing->open}});
+    if (!shares.empty())
+        json["shares"] = std::move(shares);
+    return json;
 }
 
 void Module::require_free(const Link& link, std::uint16_t channel) const

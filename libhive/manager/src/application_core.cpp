@@ -66,7 +66,12 @@ void Application::Core::require_running(const std::string& drone) const
     if (is_name(drone) && home.alive(drone))
         return;
     require_name(drone, "drone");
-    throw no_such(drone + " is not running", drone, running(), advice_if_missing ? advice_if_missing(drone) : "");
+    throw not_running(drone);
+}
+
+Error Application::Core::not_running(const std::string& drone) const
+{
+    return no_such(drone + " is not running", drone, running(), advice_if_missing ? advice_if_missing(drone) : "");
 }
 
 Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type,

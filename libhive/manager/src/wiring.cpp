@@ -1,6 +1,8 @@
 // Connecting: which ports fit, and telling the receiver.
 #include "application_core.hpp"
 
+#include <hive/name.hpp>
+
 namespace hive {
 
 using protocol::PacketType;
@@ -77,8 +79,24 @@ std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const
     return {{sender.drone, output->name}, {receiver.drone, input->name}};
 }
 
+void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
+{
+    Json header{{"receiver", require_name(receiver.drone, "drone")}};
+    if (!sender.port.empty())
+        header["output"] = sender.port;
+    try {
+        ask(sender.drone, PacketType::forget, header);
+    } catch (const Error& error) {
+        if (error.code() != Errc::not_found)
+            throw;
+        throw not_running(receiver.drone).reworded(receiver.drone + " is not running, and " + error.what());
+    }
+}
+
 void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
 {
+    if (!is_name(receiver.drone) || !core_->home.alive(receiver.drone))
+        return core_->forget(sender, receiver);
     Json header{{"from", {{"drone", sender.drone}}}};
     if (!sender.port.empty())
         header["from"]["output"] = sender.port;

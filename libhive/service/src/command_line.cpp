@@ -82,12 +82,10 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
         Drone drone(core);
         body(drone);
         return 0;
-    } catch (const Error& error) {
+    } catch (...) {
+        const Error error = current_error();
         std::cerr << "hive-" << program.kind << ": " << error.what() << std::endl;
         return info(error.code()).exit_code;
-    } catch (const std::exception& error) {
-        std::cerr << "hive-" << program.kind << ": " << error.what() << std::endl;
-        return 1;
     }
 }
 

@@ -93,6 +93,7 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
     if (ended_)
         return;
     ended_ = reason;
+    ended_by_peer_ = by_peer;
     if (borrowing_)
         borrowing_->end();  // before the peer can see the end and use its slots again
     if (lending_)

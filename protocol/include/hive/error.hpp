@@ -64,4 +64,8 @@ private:
     std::string advice_;
 };
 
+/// For a catch clause: what is being handled there. Another exception than an Error becomes Errc::failed with its text,
+/// and so does what is no exception at all (`throw 42`), with a text that says so.
+Error current_error();
+
 }  // namespace hive

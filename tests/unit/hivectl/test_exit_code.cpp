@@ -60,7 +60,8 @@ TEST_CASE("error texts: the error's own advice stands behind its text, or else t
 
 TEST_CASE("error texts: what a text says is never taken for advice")
 {
-    CHECK(explained(Error(Errc::halted, "tea; or did you mean coffee?", "wait")) == "tea; or did you mean coffee?; wait");
+    CHECK(explained(Error(Errc::halted, "tea; or did you mean coffee?", "wait"))
+          == "tea; or did you mean coffee?; wait");
 }
 
 TEST_CASE("error texts: what came from elsewhere is made printable, advice as well")

@@ -52,9 +52,10 @@ struct CollectOptions {
 struct CollectCounts {
     std::int64_t received = 0;    ///< results handed out
     std::int64_t duplicates = 0;  ///< second answers to shared work, refused
-    std::int64_t missing = 0;     ///< sequences that never came (ordered)
-    std::int64_t failed = 0;      ///< reported as exceptions instead
-    std::int64_t dropped = 0;     ///< lost at this end because they were not taken in time
+    std::int64_t missing = 0;     ///< turns of shared work whose result never came (ordered)
+    std::map<std::string, std::vector<std::int64_t>> missing_turns;  ///< the first of them, by "sender.output#group"
+    std::int64_t failed = 0;                                         ///< reported as exceptions instead
+    std::int64_t dropped = 0;  ///< lost at this end because they were not taken in time
 };
 
 /// Receives events from outputs of drones; connections that end are made again by themselves. Made by
@@ -126,6 +127,7 @@ public:
     std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver,
                                           const ConnectionOptions& options = {});
     /// Undoes it. Throws Errc::not_found if there is no such connection. Empty ports: every connection between the two.
+    /// A receiver that does not run is forgotten by its sender, which then waits for it no longer.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
 
     // --- configure ---

@@ -160,9 +160,13 @@ public:
 
     /// Calls main as soon as possible. From any thread.
     void wake();
+    /// Ends the drone as the request `stop` would: what is being worked on comes to its end, run() returns, and what
+    /// the drone was told is forgotten. For a drone whose world has ended. From any thread, from on_start on; before it
+    /// Errc::invalid_argument is thrown.
+    void stop();
     /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any
     /// thread.
-    void condition(const std::string& text);
+    void condition(const std::string& text, Reason why = Reason::none);
     /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any
     /// thread.
     void report(Errc code, const std::string& text);
