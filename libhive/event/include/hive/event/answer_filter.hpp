@@ -15,10 +15,12 @@ class AnswerFilter {
 public:
     static constexpr std::size_t remembered = 65536;
 
+    AnswerFilter();
     /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice.
     bool first(const Event& event);
 
 private:
+    bool off_;  ///< by a test that shows what it is for
     std::unordered_map<std::string, std::string> attempts_;  ///< that answered, by the work
     std::deque<std::string> order_;
 };
