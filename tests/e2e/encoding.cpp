@@ -189,9 +189,9 @@ TEST_CASE("encoding: a picture that cannot be encoded is an exception, and goes 
     const auto camera = swarm.drone("camera", "camera", {"source=" + file.string(), "fps=10"});
     Receiver receiver("viewer", local_address(swarm, "camera"), "image", "*/*", "jpeg:60");
     CHECK(receiver.next().body.size() == size);
-    const auto exception = swarm.application().status("camera").at("last_exception");
-    CHECK(exception.at("code") == "malformed");
-    CHECK(exception.at("text").get<std::string>().starts_with("jpeg:60: "));
+    const auto exception = swarm.application().status("camera").last_exception.value();
+    CHECK(exception.code == "malformed");
+    CHECK(exception.text.starts_with("jpeg:60: "));
 }
 
 TEST_CASE("encoding: the shell asks for it, edges show it, and a wrong word is refused in words")

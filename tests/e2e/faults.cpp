@@ -64,14 +64,14 @@ TEST_CASE("stall: a camera whose source is silent still answers, says that it is
         CHECK(took < static_cast<double>(patient(100ms).count()));
     }
     const auto begin = Clock::now();
-    CHECK(eventually([&] { return !application.status("camera").at("condition").get<std::string>().empty(); }, 6000ms));
+    CHECK(eventually([&] { return !application.status("camera").condition.empty(); }, 6000ms));
     MESSAGE("condition after ", std::chrono::duration_cast<Milliseconds>(Clock::now() - begin).count(),
-            " ms: ", application.status("camera").at("condition").get<std::string>());
+            " ms: ", application.status("camera").condition);
     const auto collector = application.collect({{"camera", "image"}});
     const auto set = swarm.hivectl({"set", "camera", "source=scene"});
     CHECK(set.exit_code == 0);
     CHECK(collector->next(patient(3000ms)));
-    CHECK(eventually([&] { return application.status("camera").at("condition") == ""; }));
+    CHECK(eventually([&] { return application.status("camera").condition == ""; }));
     CHECK(swarm.hivectl({"stop", "camera"}).took < patient(3000ms));
 }
 
@@ -84,9 +84,7 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
     auto application = swarm.application();
     application.halt("ticker");
     std::string condition;  // at first it is stalled only
-    REQUIRE(eventually(
-        [&] { return has(condition = application.status("camera").at("condition").get<std::string>(), server.url()); },
-        6000ms));
+    REQUIRE(eventually([&] { return has(condition = application.status("camera").condition, server.url()); }, 6000ms));
     const auto file = (swarm.home() / "run.hive").string();
     for (const auto& words : {std::vector<std::string>{"results", "camera"},
                               {"collect", "camera", "ticker"},
@@ -195,10 +193,11 @@ TEST_CASE("state: a drone that cannot write it does what it is told, and says on
     CHECK(swarm.hivectl_done({"set", "worker", "work_ms=6"}) == "6\n");
     auto application = swarm.application();
     CHECK(eventually([&] {
-        return application.status("worker").value("last_exception", Json::object()).value("code", "") == "io";
+        const auto exception = application.status("worker").last_exception;
+        return exception && exception->code == "io";
     }));
-    CHECK(application.status("worker").at("inputs").at(0).at("state") == "connected");
-    CHECK(application.status("worker").at("pid") == worker.pid());
+    CHECK(application.status("worker").inputs.at(0).connected);
+    CHECK(application.status("worker").pid == worker.pid());
     CHECK(times(swarm.log("worker"), in_the_way) == 1);
 }
 

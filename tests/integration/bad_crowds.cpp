@@ -217,8 +217,8 @@ TEST_CASE("hostile crowd: one peer may register 64 times; a status with too many
     const Json status = answer->json();
     REQUIRE(raw::error_of(status) == "");
     for (const auto& output : status.at("result").at("outputs")) {
-        listed += output.at("receivers").size();
-        left_out += output.value("receivers_left_out", std::size_t{0});
+        listed += output.at("edges").size();
+        left_out += output.value("edges_left_out", std::size_t{0});
     }
     CHECK(listed == 128);
     CHECK(listed + left_out == 6 * 64);

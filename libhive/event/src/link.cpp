@@ -86,7 +86,7 @@ void Link::on_confirmation(const Json& header)
     if (confirmation.ok)
         on_outcome(confirmation.result);
     else
-        on_outcome(Error(confirmation.code, confirmation.text));
+        on_outcome(Error(confirmation.code, confirmation.text, confirmation.advice));
 }
 
 void Link::on_closed(const Error& reason)
@@ -95,7 +95,7 @@ void Link::on_closed(const Error& reason)
     const auto events = std::exchange(events_, {});
     channels_.clear();
     for (auto& [id, pending] : std::exchange(pending_, {}))
-        pending.on_outcome(Error(reason.code(), pending.what + ": " + reason.what()));
+        pending.on_outcome(reason.reworded(pending.what + ": " + reason.what()));
     if (events.closed)
         events.closed(*this, reason);
 }
@@ -110,7 +110,7 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
     try {
         require_acceptable(header, text, body);
     } catch (const Error& error) {
-        return on_outcome(Error(error.code(), what + ": " + error.what()));
+        return on_outcome(error.reworded(what + ": " + error.what()));
     }
     pending_[id] = {deadline, std::move(on_outcome), what};
     connection_->send(protocol::make_packet(type, std::move(text), channel, std::move(body)));
@@ -118,11 +118,12 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
 
 void Link::answer(std::int64_t id, const Outcome& outcome)
 {
-    protocol::Confirmation confirmation{.id = id, .result = {}, .ok = true, .code = {}, .text = {}};
+    protocol::Confirmation confirmation{.id = id, .result = {}, .ok = true, .code = {}, .text = {}, .advice = {}};
     if (const auto* error = std::get_if<Error>(&outcome)) {
         confirmation.ok = false;
         confirmation.code = error->code();
         confirmation.text = error->what();
+        confirmation.advice = error->advice();
     } else {
         confirmation.result = std::get<Json>(outcome);
     }

@@ -62,9 +62,7 @@ Outlet& Module::outlet(const std::string& name)
     for (auto& outlet : outlets_)
         if (outlet.port().name == name)
             return outlet;
-    const auto near = nearest(name, names_of(outlets_));
-    throw Error(Errc::not_found,
-                options_.self.name + " has no output " + name + (near.empty() ? "" : "; did you mean " + near + "?"));
+    throw no_such(options_.self.name + " has no output " + name, name, names_of(outlets_));
 }
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)

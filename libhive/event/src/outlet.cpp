@@ -202,7 +202,7 @@ void Outlet::refresh()
         hooks_.changed();
 }
 
-OutputStatus Outlet::status(std::size_t& skip, std::size_t& most) const
+OutputStatus Outlet::status() const
 {
     OutputStatus status{.name = port_.name,
                         .type = port_.type,
@@ -212,15 +212,6 @@ OutputStatus Outlet::status(std::size_t& skip, std::size_t& most) const
                         .edges = {},
                         .why = table_.why()};
     for (auto& row : table_.rows()) {
-        if (skip > 0) {
-            --skip;
-            continue;
-        }
-        if (most == 0) {
-            ++status.edges_left_out;
-            continue;
-        }
-        --most;
         if (const auto place = places_.find(row.id); place != places_.end()) {
             row.status.encoding = place->second.encoding.word();
             row.status.shared = place->second.shared;

@@ -36,6 +36,7 @@ void Requests::add_handlers()
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
+    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 
@@ -58,9 +59,9 @@ void Requests::on_put(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "put");
     const auto& name = parts_.module.self().name;
-    const Port& input = require_input(fields.name("input"));
+    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
     if (parts_.board.halted())
-        throw Error(Errc::halted, name + " has halted; resume it: hivectl resume " + name);
+        throw Error(Errc::halted, name + " has halted", "let it go on: hivectl resume " + name);
     Event event;
     event.type = fields.text("type");
     if (!types_fit(event.type, input.type))
@@ -85,11 +86,17 @@ void Requests::on_put(const Incoming& incoming)
     incoming.answer(Json::object());
 }
 
-const Port& Requests::require_input(const std::string& name) const
+/// Nobody waits any longer for a receiver that is gone.
+void Requests::on_forget(const Incoming& incoming)
 {
-    if (const Port* input = parts_.declaration.interface.input(name))
-        return *input;
-    throw Error(Errc::not_found, parts_.module.self().name + " has no input " + name);
+    const Fields fields(incoming.header, "forget");
+    const auto receiver = fields.name("receiver"), output = fields.name_or("output", "");
+    if (!output.empty())
+        port_named(parts_.declaration.interface.outputs, parts_.module.self().name, "output", output);
+    const auto removed = parts_.module.forget(receiver, output);
+    if (removed == 0)
+        throw Error(Errc::not_found, parts_.module.self().name + " keeps nothing for " + receiver);
+    incoming.answer(Json{{"removed", removed}});
 }
 
 /// A halt or resume that names a policy sets it, and does nothing else.

@@ -1,8 +1,6 @@
 // Answers connect and disconnect.
 #include "wiring.hpp"
 
-#include <hive/name.hpp>
-
 #include <algorithm>
 
 namespace hive::service {
@@ -61,7 +59,7 @@ void Wiring::restore(const Json& connections)
 
 IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
 {
-    const Port& port = require_input(connect.input);
+    const Port& port = port_named(declaration_.interface.inputs, module_.self().name, "input", connect.input);
     const auto& self = module_.self().name;
     const auto address =
         connect.address.empty() ? home_.address(connect.drone) : transport::parse_address(connect.address);
@@ -76,18 +74,6 @@ IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
             .accepts = port.type,
             .stateful = declaration_.interface.stateful,
             .options = connect.options};
-}
-
-const Port& Wiring::require_input(const std::string& input) const
-{
-    if (const Port* port = declaration_.interface.input(input))
-        return *port;
-    std::vector<std::string> names;
-    for (const auto& port : declaration_.interface.inputs)
-        names.push_back(port.name);
-    const auto near = nearest(input, names);
-    throw Error(Errc::not_found,
-                module_.self().name + " has no input " + input + (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)

@@ -29,7 +29,6 @@ public:
 
 private:
     [[nodiscard]] event::IntakeSpec intake_spec(const protocol::Connect& connect) const;
-    [[nodiscard]] const Port& require_input(const std::string& input) const;
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
     [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
