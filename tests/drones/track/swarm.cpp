@@ -1,7 +1,7 @@
 // The tracking swarm, camera to tracks: the same tracks as one program that calls the same algorithms in a loop.
 #include "plain_program.hpp"
 
-#include "../../drones/track/boxes.hpp"
+#include "../../../drones/track/boxes.hpp"
 
 #include <opencv2/videoio.hpp>
 

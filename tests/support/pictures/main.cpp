@@ -1,4 +1,4 @@
-// The unit tests of vision and of the algorithms of the drones that need it.
+// The entry of a test program that uses OpenCV as the drones do.
 #include <doctest/doctest.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
