@@ -153,6 +153,8 @@ void DroneCore::step()
     begin_work("main");
     try {
         next_step_ = Clock::now() + main();
+    } catch (const CaptureFailed& error) {
+        failed({}, error.code(), error.what(), &error.lost());
     } catch (const Error& error) {
         failed({}, error.code(), error.what());
     } catch (const std::exception& error) {
@@ -214,10 +216,11 @@ void DroneCore::processed(const Set& set)
     board_.processed += static_cast<std::int64_t>(set.size());
 }
 
-/// @param set  empty: it was main that failed
-void DroneCore::failed(const Set& set, Errc code, const std::string& text)
+/// @param set   empty: it was main that failed
+/// @param lost  then what it could not give, if that has an identity
+void DroneCore::failed(const Set& set, Errc code, const std::string& text, const Event* lost)
 {
-    report(code, text, set.empty() ? nullptr : &set.front());
+    report(code, text, set.empty() ? lost : &set.front());
     if (set.empty())
         next_step_ = Clock::now() + std::chrono::milliseconds(100);  // a main that keeps failing must not spin
     bool halt = false;

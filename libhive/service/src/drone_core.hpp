@@ -30,6 +30,16 @@ struct DroneSettings {
     bool describe = false;
 };
 
+/// What a source could not give, which has a number all the same.
+class CaptureFailed : public Error {
+public:
+    CaptureFailed(const Error& error, Identity identity) : Error(error) { lost_.identity = std::move(identity); }
+    [[nodiscard]] const Event& lost() const noexcept { return lost_; }
+
+private:
+    Event lost_;
+};
+
 /// Declarations and the loop belong to the user thread; handlers of requests (drone_requests.cpp) and what outlives a
 /// crash (drone_state.cpp) to the network side; what both need is in `board_` under its mutex.
 class DroneCore {
@@ -66,6 +76,7 @@ public:
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header,
               const std::function<std::optional<Body>()>& body, std::string type);
+    [[noreturn]] void fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error);
     void repeat(std::size_t output, Event event);
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
     [[nodiscard]] bool remembered(const std::string& parameter) const
@@ -78,7 +89,8 @@ public:
     void report(Errc code, const std::string& text, const Event* cause);
     void log(const std::string& text) const;
     [[nodiscard]] bool stopping() const noexcept { return stopping_; }
-    Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless);
+    /// Its number is taken when the event is sent.
+    [[nodiscard]] Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const;
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -110,7 +122,7 @@ private:
     bool work(const Set& set, const std::function<void()>& callback);
     void require_type(const Event& event) const;
     void processed(const Set& set);
-    void failed(const Set& set, Errc code, const std::string& text);
+    void failed(const Set& set, Errc code, const std::string& text, const Event* lost = nullptr);
     void to_partners(Event event, MatchedInputs& matching, const MatchedInput& input);
     void work_on_sets();
     [[nodiscard]] Clock::time_point next_deadline() const;

@@ -40,12 +40,12 @@ bool DroneCore::asked(std::size_t output) const
     return slot.outlet && slot.handover == 0 && slot.outlet->asked();
 }
 
-Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
+Identity DroneCore::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const
 {
     const auto age_us = event::wall_us() - captured_us;
     return {.source = settings_.name,
             .epoch = epoch_,
-            .sequence = ++outputs_[output]->sequence,
+            .sequence = outputs_[output]->sequence + 1,
             .captured_us = telling(captured_us),
             .monotonic_us = telling(event::steady_us() - age_us),
             .lossless = lossless,
@@ -69,6 +69,7 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
 {
     const Port& port = port_to_emit(output, header);
     Slot& slot = *outputs_[output];
+    const bool begins = begun || !current_;
     Event event;
     if (begun) {
         event.identity = std::move(*begun);
@@ -86,6 +87,15 @@ void DroneCore::emit(std::size_t output, std::optional<Identity> begun, Json hea
     event.body = std::move(made).value_or(Body());
     event.size = event.body.size();
     send(output, std::move(event), complete);
+    if (begins)
+        ++slot.sequence;  // what could not be sent leaves no gap
+}
+
+void DroneCore::fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error)
+{
+    auto identity = fresh_identity(output, captured_us, lossless);
+    ++outputs_[output]->sequence;
+    throw CaptureFailed(error, std::move(identity));
 }
 
 const Port& DroneCore::port_to_emit(std::size_t output, const Json& header) const
