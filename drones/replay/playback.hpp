@@ -26,6 +26,8 @@ public:
     /// @param again  at the end the first one follows
     /// @return       then how long after the last one, in µs of the recording; otherwise 0
     std::int64_t advance(bool again);
+    /// How often it has begun again.
+    [[nodiscard]] std::int64_t rounds() const noexcept { return rounds_; }
 
 private:
     void rewind();
@@ -34,7 +36,8 @@ private:
     recording::Reader reader_;
     Range range_;
     std::optional<recording::Record> current_;
-    std::int64_t first_us_ = 0, last_us_ = 0, distances_ = 0;  ///< of this turn
+    std::int64_t first_us_ = 0, last_us_ = 0, distances_ = 0;  ///< of this round
+    std::int64_t rounds_ = 0;
 };
 
 /// The times of the recording on the clock of this machine. No clock of its own: the caller says what time it is.

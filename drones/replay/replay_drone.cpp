@@ -106,6 +106,8 @@ void ReplayDrone::open(const Opened& wanted)
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
         }
+    if (begun_)
+        rounds_before_ += playback_->rounds() + 1;
     playback_ = std::move(fresh);
     output_of_ = std::move(output_of);
     opened_ = wanted;
@@ -188,6 +190,8 @@ try {
     identity.lossless = identity.lossless || pace_ == "demand";
     identity.group.clear();  // what was shared work then is nobody's now
     identity.turn = identity.attempt = 0;
+    // Each round is as if the sources had been started again, so that drones that keep state take it.
+    identity.epoch = std::min(identity.epoch + rounds_before_ + playback_->rounds(), hive::max_json_integer);
     return true;
 } catch (const std::exception& error) {
     damaged(error.what());

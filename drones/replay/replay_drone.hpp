@@ -58,6 +58,7 @@ private:
     std::vector<Declared> outputs_;
     Opened opened_;
     std::unique_ptr<Playback> playback_;
+    std::int64_t rounds_before_ = 0;      ///< that were begun before this playback
     std::vector<std::size_t> output_of_;  ///< by track
     Timeline timeline_;
     bool begun_ = false, ended_ = false, asked_before_ = false;
