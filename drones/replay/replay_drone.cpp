@@ -25,7 +25,8 @@ bool are_pictures(const std::string& types)
     return all;
 }
 
-hive::Body body_of(const recording::Reader& reader, const recording::Record& record, const hive::Output& output)
+hive::Body body_of(const hive::recording::Reader& reader, const hive::recording::Record& record,
+                   const hive::Output& output)
 {
     if (record.prefix.body_size == 0)
         return {};
@@ -60,10 +61,10 @@ void ReplayDrone::declare()
 void ReplayDrone::declare_outputs()
 {
     const auto given = drone_.given("file").value_or("");
-    std::vector<recording::Port> ports;
+    std::vector<hive::recording::Port> ports;
     if (given.is_string() && given != "")
         try {
-            ports = recording::ports_of(recording::Reader(given.get<std::string>()).summary().tracks);
+            ports = hive::recording::ports_of(hive::recording::Reader(given.get<std::string>()).summary().tracks);
         } catch (const std::exception&) {
         }
     for (const auto& port : ports) {
@@ -117,12 +118,12 @@ void ReplayDrone::open(const Opened& wanted)
     drone_.condition("waiting for a receiver");
 }
 
-std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<recording::Track>& tracks) const
+std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<hive::recording::Track>& tracks) const
 {
     std::vector<std::size_t> result(tracks.size(), 0);
     if (outputs_[0].port.name == everything && outputs_[0].port.tracks.empty())
         return result;
-    for (const auto& port : recording::ports_of(tracks)) {
+    for (const auto& port : hive::recording::ports_of(tracks)) {
         const auto found = std::ranges::find_if(outputs_, [&](const Declared& declared) {
             return declared.port.name == port.name && declared.port.types == port.types;
         });

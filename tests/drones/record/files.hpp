@@ -1,8 +1,8 @@
 // Recordings made for tests, in a folder that is gone at the end.
 #pragma once
 
-#include "recording_reader.hpp"
-#include "recording_writer.hpp"
+#include <hive/recording/reader.hpp>
+#include <hive/recording/writer.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -13,7 +13,7 @@
 namespace record_test {
 
 namespace fs = std::filesystem;
-using Clock = recording::Writer::Clock;
+using Clock = hive::recording::Writer::Clock;
 
 class Folder {
 public:
@@ -54,14 +54,14 @@ inline std::string body_of(int i)
     return i % 2 ? word + word + word : "";
 }
 
-inline bool append(recording::Writer& writer, int i, Clock::time_point begin = {})
+inline bool append(hive::recording::Writer& writer, int i, Clock::time_point begin = {})
 {
     const std::string body = body_of(i);
     return writer.append({"camera", i % 2 ? "image" : "boxes", "a/b"}, text_of(i), std::as_bytes(std::span(body)), true,
                          begin + std::chrono::milliseconds(100 * i));
 }
 
-inline recording::WriterSettings settings(const fs::path& path)
+inline hive::recording::WriterSettings settings(const fs::path& path)
 {
     return {.path = path, .overwrite = false, .limits = {}, .sync = std::chrono::milliseconds(0)};
 }
@@ -70,7 +70,7 @@ inline recording::WriterSettings settings(const fs::path& path)
 inline std::string record(const fs::path& path, int events)
 {
     {
-        recording::Writer writer(settings(path));
+        hive::recording::Writer writer(settings(path));
         for (int i = 0; i < events; ++i)
             append(writer, i);
         writer.finish("stopped");
@@ -84,7 +84,7 @@ struct Read {
     std::string problem;
 };
 
-inline Read read_all(recording::Reader& reader)
+inline Read read_all(hive::recording::Reader& reader)
 {
     Read read;
     while (const auto record = reader.next())

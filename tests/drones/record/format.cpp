@@ -8,8 +8,8 @@
 
 using namespace record_test;
 using namespace std::chrono_literals;
-using recording::Reader;
-using recording::Writer;
+using hive::recording::Reader;
+using hive::recording::Writer;
 
 namespace {
 
@@ -190,9 +190,9 @@ TEST_CASE("recording: no room at the start is said at the start, and leaves no f
 
 TEST_CASE("recording: ports have the names of the outputs; where they are the same, those of the drones too")
 {
-    const auto names = [](const std::vector<recording::Track>& tracks) {
+    const auto names = [](const std::vector<hive::recording::Track>& tracks) {
         std::string text;
-        for (const auto& port : recording::ports_of(tracks))
+        for (const auto& port : hive::recording::ports_of(tracks))
             text += port.name + ":" + port.types + " ";
         return text;
     };

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 using namespace record_test;
-using recording::Reader;
+using hive::recording::Reader;
 
 namespace {
 
@@ -22,11 +22,11 @@ std::vector<std::size_t> ends_of(const fs::path& path)
     return ends;
 }
 
-std::string forged(const recording::Prefix& prefix, const std::string& rest)
+std::string forged(const hive::recording::Prefix& prefix, const std::string& rest)
 {
-    const auto head = recording::encode(prefix);
-    return std::string(recording::file_magic) + std::string(reinterpret_cast<const char*>(head.data()), head.size())
-           + rest;
+    const auto head = hive::recording::encode(prefix);
+    return std::string(hive::recording::file_magic)
+           + std::string(reinterpret_cast<const char*>(head.data()), head.size()) + rest;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ TEST_CASE("recording: cut at any byte, it has exactly the whole events before th
     const std::string whole = record(folder / "whole", events);
     const auto ends = ends_of(folder / "whole");
     REQUIRE(ends.size() == events);
-    for (std::size_t size = recording::file_magic.size(); size < whole.size(); ++size) {
+    for (std::size_t size = hive::recording::file_magic.size(); size < whole.size(); ++size) {
         CAPTURE(size);
         write_bytes(folder / "cut", whole.substr(0, size));
         Reader reader(folder / "cut");
@@ -65,7 +65,7 @@ TEST_CASE("recording: a byte that was changed is noticed, and costs at most what
             std::string changed = whole;
             changed[at] = static_cast<char>(changed[at] ^ flip);
             write_bytes(folder / "changed", changed);
-            if (at < recording::file_magic.size()) {
+            if (at < hive::recording::file_magic.size()) {
                 CHECK_THROWS_AS(Reader(folder / "changed"), std::runtime_error);
                 continue;
             }
@@ -95,8 +95,8 @@ TEST_CASE("recording: an event whose content was changed is left out alone")
 TEST_CASE("recording: sizes that the file cannot hold allocate nothing, whatever their check sums say")
 {
     const Folder folder;
-    using recording::Kind;
-    const recording::Prefix huge_body{.kind = Kind::event, .body_size = 0xFFFFFFFF},
+    using hive::recording::Kind;
+    const hive::recording::Prefix huge_body{.kind = Kind::event, .body_size = 0xFFFFFFFF},
         huge_text{.kind = Kind::event, .text_size = 0xFFFFFFFF},
         huge_end{.kind = Kind::end, .text_size = 0xFFFFFFFF, .body_size = 0xFFFFFFFF},
         far_track{.kind = Kind::event, .track = 0xFFFFFFFF, .text_size = 2};
@@ -108,8 +108,8 @@ TEST_CASE("recording: sizes that the file cannot hold allocate nothing, whatever
         CHECK(reader.summary().tracks.empty());
     }
     std::string trailer(16, '\xFF');
-    trailer.replace(8, 8, recording::end_magic);
-    write_bytes(folder / "forged", std::string(recording::file_magic) + trailer);
+    trailer.replace(8, 8, hive::recording::end_magic);
+    write_bytes(folder / "forged", std::string(hive::recording::file_magic) + trailer);
     CHECK_FALSE(Reader(folder / "forged").next());
 }
 
@@ -117,12 +117,13 @@ TEST_CASE("recording: an end that lies about places and names is not followed ou
 {
     const Folder folder;
     const std::string whole = record(folder / "whole", events);
-    const auto end =
-        static_cast<std::size_t>(recording::number_in(std::as_bytes(std::span(whole)).subspan(whole.size() - 16, 8)));
+    const auto end = static_cast<std::size_t>(
+        hive::recording::number_in(std::as_bytes(std::span(whole)).subspan(whole.size() - 16, 8)));
     const auto with_end = [&](const std::string& text, const std::string& index) {
-        const auto crc = [](const std::string& bytes) { return recording::crc(std::as_bytes(std::span(bytes))); };
-        const auto head = recording::encode({recording::Kind::end, 0, static_cast<std::uint32_t>(text.size()),
-                                             static_cast<std::uint32_t>(index.size()), 0, crc(text), crc(index)});
+        const auto crc = [](const std::string& bytes) { return hive::recording::crc(std::as_bytes(std::span(bytes))); };
+        const auto head =
+            hive::recording::encode({hive::recording::Kind::end, 0, static_cast<std::uint32_t>(text.size()),
+                                     static_cast<std::uint32_t>(index.size()), 0, crc(text), crc(index)});
         write_bytes(folder / "lie", whole.substr(0, end)
                                         + std::string(reinterpret_cast<const char*>(head.data()), head.size()) + text
                                         + index + whole.substr(whole.size() - 16));
@@ -130,10 +131,10 @@ TEST_CASE("recording: an end that lies about places and names is not followed ou
     std::string lying_index(40, '\xFF');
     lying_index[15] = lying_index[35] = '\0';                         // a time that can be
     lying_index.replace(0, 8, std::string("\x09\0\0\0\0\0\0\0", 8));  // the middle of a record
-    recording::Summary summary;
+    hive::recording::Summary summary;
     summary.ended = "stopped";
     summary.tracks = {{"camera", "boxes", "a/b"}, {"camera", "image", "a/b"}};
-    with_end(recording::to_text(summary), lying_index);
+    with_end(hive::recording::to_text(summary), lying_index);
     {
         Reader reader(folder / "lie");
         CHECK(read_all(reader).texts.size() == events);
@@ -141,10 +142,10 @@ TEST_CASE("recording: an end that lies about places and names is not followed ou
         CHECK_FALSE(reader.next());
     }
     summary.tracks[0].sender = "../../etc";
-    with_end(recording::to_text(summary), "");
+    with_end(hive::recording::to_text(summary), "");
     CHECK(Reader(folder / "lie").summary().tracks[0].sender == "camera");  // read from the events
     summary.tracks = {};
-    with_end(recording::to_text(summary), "");
+    with_end(hive::recording::to_text(summary), "");
     {
         Reader reader(folder / "lie");
         CHECK_FALSE(reader.next());  // of a track that there is not

@@ -1,9 +1,8 @@
 // Recording and replaying with real drones: nothing is changed, nothing is lost in silence, whatever ends the recorder.
 #include "measure.hpp"
 
-#include <recording_reader.hpp>
-
 #include <hive/event_text.hpp>
+#include <hive/recording/reader.hpp>
 
 #include <doctest/doctest.h>
 
@@ -13,7 +12,7 @@
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
-using recording::Reader;
+using hive::recording::Reader;
 
 namespace {
 

@@ -50,7 +50,7 @@ TEST_CASE("playback: the first event comes again as long after the last as the e
     record(folder / "one", 1);
     CHECK(pause(folder / "one", {}) == 100'000);
     {
-        recording::Writer writer(settings(folder / "pair"));
+        hive::recording::Writer writer(settings(folder / "pair"));
         append(writer, 0);
         append(writer, 1, Clock::time_point{} - 80ms);
         writer.finish("stopped");

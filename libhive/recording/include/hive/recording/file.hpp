@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <span>
 
-namespace recording {
+namespace hive::recording {
 
 /// Owns the descriptor. What the system refuses is thrown as std::system_error.
 class File {
@@ -34,4 +34,4 @@ private:
     int descriptor_;
 };
 
-}  // namespace recording
+}  // namespace hive::recording

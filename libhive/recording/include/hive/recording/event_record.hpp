@@ -1,12 +1,11 @@
 // Between events and recordings: what of an event is kept, and how it comes back. For the drones and hivectl alike.
 #pragma once
 
-#include "recording_reader.hpp"
-#include "recording_writer.hpp"
-
 #include <hive/event_text.hpp>
+#include <hive/recording/reader.hpp>
+#include <hive/recording/writer.hpp>
 
-namespace recording {
+namespace hive::recording {
 
 /// @return false when the recording has ended
 inline bool append(Writer& writer, const hive::Event& event)
@@ -20,4 +19,4 @@ inline bool append(Writer& writer, const hive::Event& event)
                          copy.empty() ? bytes : std::span<const std::byte>(copy), has_body, event.received);
 }
 
-}  // namespace recording
+}  // namespace hive::recording

@@ -1,14 +1,14 @@
 // Reads a recording, whole or cut short, and believes nothing that it says before it is checked.
 #pragma once
 
-#include "recording.hpp"
-#include "recording_file.hpp"
+#include <hive/recording/file.hpp>
+#include <hive/recording/format.hpp>
 
 #include <filesystem>
 #include <optional>
 #include <string>
 
-namespace recording {
+namespace hive::recording {
 
 /// An event of the file: where it is.
 struct Record {
@@ -56,4 +56,4 @@ private:
     std::string problem_;
 };
 
-}  // namespace recording
+}  // namespace hive::recording

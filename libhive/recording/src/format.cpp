@@ -1,6 +1,5 @@
 // Prefixes as bytes, summaries as JSON, ports from tracks.
-#include "recording.hpp"
-
+#include <hive/recording/format.hpp>
 #include <hive/name.hpp>
 
 #include <nlohmann/json.hpp>
@@ -10,7 +9,7 @@
 #include <numeric>
 #include <set>
 
-namespace recording {
+namespace hive::recording {
 
 using Json = nlohmann::json;
 
@@ -164,4 +163,4 @@ std::vector<Port> ports_of(const std::vector<Track>& tracks)
     return ports;
 }
 
-}  // namespace recording
+}  // namespace hive::recording

@@ -1,8 +1,8 @@
 // Writes a recording: event by event, each whole or not at all, with an end that says what is missing.
 #pragma once
 
-#include "recording.hpp"
-#include "recording_file.hpp"
+#include <hive/recording/file.hpp>
+#include <hive/recording/format.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -13,7 +13,7 @@
 #include <thread>
 #include <tuple>
 
-namespace recording {
+namespace hive::recording {
 
 struct Limits {
     std::uint64_t bytes = 0;               ///< of the whole file; 0: none
@@ -99,4 +99,4 @@ private:
     std::jthread sync_;  ///< declared last: it ends first
 };
 
-}  // namespace recording
+}  // namespace hive::recording

@@ -1,5 +1,5 @@
 // Records one after the other, room for the end before each.
-#include "recording_writer.hpp"
+#include <hive/recording/writer.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -10,7 +10,7 @@
 #include <sys/resource.h>
 #include <system_error>
 
-namespace recording {
+namespace hive::recording {
 namespace {
 
 constexpr std::uint64_t reserve_step = 1 << 20;
@@ -259,4 +259,4 @@ void Writer::sync_again_and_again(std::stop_token stop, std::chrono::millisecond
     }
 }
 
-}  // namespace recording
+}  // namespace hive::recording

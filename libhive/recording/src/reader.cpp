@@ -1,6 +1,5 @@
 // The end first, when there is one; otherwise from record to record.
-#include "recording_reader.hpp"
-
+#include <hive/recording/reader.hpp>
 #include <hive/name.hpp>
 
 #include <nlohmann/json.hpp>
@@ -8,7 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace recording {
+namespace hive::recording {
 namespace {
 
 constexpr std::uint64_t first_record = file_magic.size();
@@ -174,4 +173,4 @@ void Reader::body(const Record& record, std::span<std::byte> to) const
         throw std::runtime_error(damage(record.offset));
 }
 
-}  // namespace recording
+}  // namespace hive::recording

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace recording {
+namespace hive::recording {
 
 inline constexpr std::string_view file_magic = "HIVEREC1", end_magic = "HIVEDONE";
 inline constexpr std::size_t prefix_size = 36, trailer_size = 16, index_entry_size = 20;
@@ -94,4 +94,4 @@ std::vector<Port> ports_of(const std::vector<Track>& tracks);
 void put_number(std::span<std::byte> to, std::uint64_t number);
 std::uint64_t number_in(std::span<const std::byte> bytes);
 
-}  // namespace recording
+}  // namespace hive::recording

@@ -1,5 +1,5 @@
 // The system calls.
-#include "recording_file.hpp"
+#include <hive/recording/file.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 #include <unistd.h>
 #include <utility>
 
-namespace recording {
+namespace hive::recording {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -148,4 +148,4 @@ void File::truncate(std::uint64_t size)
 
 int File::sync() const noexcept { return ::fdatasync(descriptor_) == 0 ? 0 : errno; }
 
-}  // namespace recording
+}  // namespace hive::recording
