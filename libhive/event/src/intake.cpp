@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 constexpr auto patience = 3s;  // for one attempt to dial and register
 
-transport::Backoff backoff_for(const transport::Address& address)
+Backoff backoff_for(const transport::Address& address)
 {
     // A local socket that is not there costs nothing to try, so a restarted drone is met again at once.
     const bool local = address.scheme != transport::Address::Scheme::tcp;

@@ -130,15 +130,6 @@ TEST_CASE("schedule: without a rate a picture is always due")
     CHECK(schedule.due() == start);
 }
 
-TEST_CASE("backoff: from half a second to ten, and anew after a success")
-{
-    camera::Backoff backoff;
-    for (const auto wait : {500ms, 1000ms, 2000ms, 4000ms, 8000ms, 10000ms, 10000ms})
-        CHECK(backoff.next() == wait);
-    backoff.reset();
-    CHECK(backoff.next() == 500ms);
-}
-
 TEST_CASE("capture: only the newest picture is kept, and only once")
 {
     Stage stage;

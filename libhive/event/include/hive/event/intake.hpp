@@ -1,6 +1,7 @@
 // An input's connection to one output of another module: registers, asks, acknowledges, and comes back after a loss.
 #pragma once
 
+#include <hive/backoff.hpp>
 #include <hive/event/link.hpp>
 #include <hive/event.hpp>
 #include <hive/transport/transport.hpp>
@@ -62,7 +63,7 @@ private:
     IntakeSpec spec_;
     Sink sink_;
     OnOutcome first_;
-    transport::Backoff backoff_;
+    Backoff backoff_;
     asio::steady_timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;
