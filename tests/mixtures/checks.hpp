@@ -1,0 +1,27 @@
+// Does what drones tell of themselves add up? Pure: from statuses to what is wrong with them.
+#pragma once
+
+#include "plan.hpp"
+#include "status_of.hpp"
+
+namespace hive::mixtures {
+
+using Problems = std::vector<std::string>;
+
+/// Every account by itself, at any time.
+Problems unbalanced(const Statuses& statuses);
+/// The two ends of each edge beside each other, when nothing moves.
+/// @param born  when each drone began to run, its epoch, oldest edges first: an end that began later knows less
+Problems disagreeing(const Statuses& statuses);
+/// Nothing is under way anywhere.
+bool idle(const Statuses& statuses);
+/// The statuses without what changes by itself: times and states.
+Json still_picture(const Statuses& statuses);
+/// Is there a word for why this source stands still?
+bool says_why(const Status& status);
+/// Edges with events under way for which there is no word. (For statuses in which nothing moves.)
+Problems without_reason(const Statuses& statuses);
+/// Are these two connected, at both ends?
+bool connected(const Statuses& statuses, const Edge& edge);
+
+}  // namespace hive::mixtures
