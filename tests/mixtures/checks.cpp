@@ -41,17 +41,29 @@ bool balances(const InputStatus& input)
                   + input.queued + input.in_hand;
 }
 
-/// What both ends count of one edge, when both have counted since it was made.
-/// @param whole  the receiver has counted all that the sender has sent, and nobody else's
-Problems disagreeing(const EdgeStatus& edge, const InputStatus& input, bool whole)
+/// What one end has counted while the other one was there as well.
+struct Ages {
+    bool sender_older = false, receiver_older = false;
+};
+
+/// @param left  what the receiver got through connections that were ended since
+Problems disagreeing(const EdgeStatus& edge, const InputStatus& input, std::int64_t left, Ages ages)
 {
-    const auto sent = edge.events.total() - edge.waiting - edge.events.of(Fate::skipped) - edge.events.of(Fate::dropped);
-    const bool good = input.received <= sent
-                      && (!whole || edge.events.of(Fate::acknowledged) <= input.received);
-    if (good)
+    const auto unsent = edge.waiting + edge.events.of(Fate::skipped) + edge.events.of(Fate::dropped);
+    const bool made_up = ages.sender_older && input.received - input.duplicates > edge.events.total() - unsent;
+    const bool lost = ages.receiver_older && edge.events.of(Fate::acknowledged) > input.received + left;
+    if (!made_up && !lost)
         return {};
     return {input.from + " -> " + edge.receiver + ": the sender has " + words(edge) + "; the receiver has "
             + words(input)};
+}
+
+std::int64_t received_before(const Status& status, const std::string& input)
+{
+    std::int64_t received = 0;
+    for (const auto& row : status.left)
+        received += row.input == input ? row.received : 0;
+    return received;
 }
 
 const OutputStatus* output_of(const Statuses& statuses, const std::string& drone)
@@ -86,18 +98,21 @@ Problems unbalanced(const Statuses& statuses)
     return problems;
 }
 
-Problems disagreeing(const Statuses& statuses)
+Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born)
 {
     Problems problems;
     for (const auto& [name, status] : statuses)
         for (const auto& input : status.inputs) {
             const auto sender = input.from.substr(0, input.from.find('.'));
             const auto* output = output_of(statuses, sender);
-            if (!output || statuses.at(sender).epoch > status.epoch)
-                continue;  // the receiver has counted for an earlier life of the sender as well
+            if (!output || !input.connected || input.registration == 0)
+                continue;
+            const Ages ages{.sender_older = born.at(sender) <= born.at(name),
+                            .receiver_older = born.at(name) <= born.at(sender)};
             for (const auto& edge : output->edges)
                 if (edge.receiver == name + "." + input.input && edge.registration == input.registration)
-                    std::ranges::move(disagreeing(edge, input, false), std::back_inserter(problems));
+                    std::ranges::move(disagreeing(edge, input, received_before(status, input.input), ages),
+                                      std::back_inserter(problems));
         }
     return problems;
 }
@@ -158,7 +173,8 @@ bool connected(const Statuses& statuses, const Edge& edge)
     if (!output || receiver == statuses.end())
         return false;
     const auto from = edge.sender + "." + output->name;
-    return std::ranges::any_of(receiver->second.inputs, [&](auto& input) { return input.from == from && input.connected; })
+    return std::ranges::any_of(receiver->second.inputs,
+                               [&](auto& input) { return input.from == from && input.connected; })
            && std::ranges::any_of(output->edges, [&](auto& row) {
                   return row.connected && row.receiver.substr(0, row.receiver.find('.')) == edge.receiver;
               });

@@ -11,8 +11,8 @@ using Problems = std::vector<std::string>;
 /// Every account by itself, at any time.
 Problems unbalanced(const Statuses& statuses);
 /// The two ends of each edge beside each other, when nothing moves.
-/// @param born  when each drone began to run, its epoch, oldest edges first: an end that began later knows less
-Problems disagreeing(const Statuses& statuses);
+/// @param born  numbers the starts of drones: an end that began later has counted less
+Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born);
 /// Nothing is under way anywhere.
 bool idle(const Statuses& statuses);
 /// The statuses without what changes by itself: times and states.

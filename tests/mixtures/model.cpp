@@ -82,7 +82,9 @@ void Model::left(const std::string& sender, const std::string& receiver)
     const auto& stage = topology_.stages.at(topology_.stage_of(receiver));
     if (!stage.shared())
         return excuse(receiver);
-    const bool last = std::ranges::none_of(stage.drones, [&](auto& drone) { return connected_.contains({sender, drone}); });
+    const bool last = std::ranges::none_of(stage.drones, [&](auto& drone) {
+        return connected_.contains({sender, drone});
+    });
     if (last && sender != source)
         excuse(topology_.stages.at(topology_.stage_of(sender)).shared() ? "" : sender);
 }
@@ -177,8 +179,9 @@ std::vector<std::string> Model::missing(std::int64_t epoch, std::int64_t produce
     for (std::int64_t sequence = 1; sequence <= produced; ++sequence) {
         const auto found = came_.find({epoch, sequence});
         for (const auto& way : all) {
-            const bool answered = found != came_.end()
-                                  && std::ranges::any_of(found->second, [&](auto& came) { return begins_with(way, came.way); });
+            const bool answered = found != came_.end() && std::ranges::any_of(found->second, [&](auto& came) {
+                                      return begins_with(way, came.way);
+                                  });
             if (!answered && !is_excused(way, epoch, sequence))
                 missing.push_back("event " + number_of(epoch, sequence) + " gave neither result nor exception"
                                   + (way.empty() ? "" : " by way of " + joined(way)));

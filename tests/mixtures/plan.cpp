@@ -36,14 +36,12 @@ public:
     }
 
 private:
-    bool runs(const std::string& drone) const
-    {
-        return life_.at(drone) == Life::up || life_.at(drone) == Life::halted;
-    }
+    bool runs(const std::string& drone) const { return life_.at(drone) == Life::up || life_.at(drone) == Life::halted; }
 
     std::size_t broken() const
     {
-        return static_cast<std::size_t>(std::ranges::count_if(life_, [](auto& entry) { return entry.second != Life::up; }));
+        return static_cast<std::size_t>(
+            std::ranges::count_if(life_, [](auto& entry) { return entry.second != Life::up; }));
     }
 
     std::vector<std::string> workers_that_run() const
@@ -106,9 +104,8 @@ private:
             return;
         const bool connected = connected_.contains({edge.sender, edge.receiver});
         for (int i = 0; i < (connected ? 2 : 15); ++i)
-            choices.push_back({.verb = connected ? Verb::disconnect : Verb::connect,
-                               .drone = edge.receiver,
-                               .sender = edge.sender});
+            choices.push_back(
+                {.verb = connected ? Verb::disconnect : Verb::connect, .drone = edge.receiver, .sender = edge.sender});
     }
 
     void about_sets(std::vector<Step>& choices) const

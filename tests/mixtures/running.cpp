@@ -36,14 +36,17 @@ Told told(const Error& error)
 
 Running::Running(const Topology& topology) : topology_(topology)
 {
-    for (const auto& drone : topology_.drones())
+    for (const auto& drone : topology_.drones()) {
         start(drone, false);
+        born_[drone] = 0;
+    }
 }
 
 void Running::start(const std::string& drone, bool remembers)
 {
     if (drone == source && !remembers)
         fed_ = 1;
+    born_[drone] = ++starts_;
     auto settings = remembers ? std::vector<std::string>{} : first_settings(topology_, drone, fed_);
     processes_.insert_or_assign(drone, swarm_.drone(drone == source ? "ticker" : "sleeper", drone, settings));
 }

@@ -31,6 +31,8 @@ public:
     /// Parameters of the workers that can answer.
     Settings settings();
     [[nodiscard]] std::vector<std::string> answering() const;
+    /// Numbers the latest starts of the drones; all begin with 0.
+    [[nodiscard]] const std::map<std::string, int>& born() const { return born_; }
     /// Drones that have ended by themselves, which none may.
     std::vector<std::string> fallen();
     /// Ends all by order; says what is left of them.
@@ -46,6 +48,8 @@ private:
     std::map<std::string, test::Process> processes_;
     std::map<std::string, test::Clock::time_point> frozen_;
     std::set<std::string> killed_;
+    std::map<std::string, int> born_;
+    int starts_ = 0;
     Application application_{swarm_.application()};
     std::int64_t fed_ = 1;
 };

@@ -88,14 +88,15 @@ Problems Round::settle(bool last)
         if (drones.still() && !at_end && !last)
             return at_rest(statuses, false);
         if (test::Clock::now() > end || (drones.still() && at_end && !plan_.topology.ordered))
-            return at_end ? at_rest(statuses, true) : Problems{"no rest in " + std::to_string(most_time.count()) + " ms"};
+            return at_end ? at_rest(statuses, true)
+                          : Problems{"no rest in " + std::to_string(most_time.count()) + " ms"};
     }
 }
 
 Problems Round::at_rest(const Statuses& statuses, bool complete)
 {
     auto problems = complete ? missing(statuses) : without_reason(statuses);
-    std::ranges::move(disagreeing(statuses), std::back_inserter(problems));
+    std::ranges::move(disagreeing(statuses, running_.born()), std::back_inserter(problems));
     if (auto problem = values_.found(running_.settings()))
         problems.push_back(*problem);
     if (statuses.contains(source))

@@ -6,6 +6,7 @@ namespace {
 
 Json edge_of(Json row)
 {
+    row.erase("encoding");
     return {{"receiver", row["receiver"]},
             {"connected", true},
             {"options", to_json(connection_options(row))},
@@ -30,7 +31,9 @@ Json modern(Json json)
     for (auto& input : json["inputs"])
         if (input.contains("state")) {
             input["connected"] = input["state"] == "connected";
-            input["in_hand"] = input["received"].get<std::int64_t>() - input["processed"].get<std::int64_t>();
+            const auto done = input["processed"].get<std::int64_t>();
+            input["in_hand"] = input["received"].get<std::int64_t>() - done;
+            input["processed"] = done - input["abandoned"].get<std::int64_t>();
         }
     return json;
 }

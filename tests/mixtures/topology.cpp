@@ -10,7 +10,7 @@ namespace {
 ConnectionOptions options_of(Random& random, bool shared, char stage)
 {
     ConnectionOptions options;
-    if (random.chance(25))
+    if (!shared && random.chance(40))
         options.transfer = Transfer::streaming;
     else
         options.window = random.pick(std::vector{1, 1, 2, 3, 8});
@@ -35,14 +35,14 @@ Stage make_stage(Random& random, char letter, int most)
 
 std::string words(const ConnectionOptions& options)
 {
-    std::string text =
-        options.transfer == Transfer::streaming ? "stream" : "window " + std::to_string(options.window);
+    std::string text = options.transfer == Transfer::streaming ? "stream" : "window " + std::to_string(options.window);
     if (!options.group.empty())
-        text += ", shared, lease " + std::to_string(options.lease.value_or(std::chrono::milliseconds(0)).count()) + " ms";
+        text +=
+            ", shared, lease " + std::to_string(options.lease.value_or(std::chrono::milliseconds(0)).count()) + " ms";
     return text;
 }
 
-constexpr std::array verbs{"feed",   "connect", "disconnect", "kill",    "start",   "freeze",    "thaw",        "halt",
+constexpr std::array verbs{"feed",   "connect", "disconnect", "kill",    "start",   "freeze",    "thaw", "halt",
                            "resume", "stop",    "set one",    "set all", "set two", "set, kill", "rest"};
 
 }  // namespace
