@@ -1,30 +1,11 @@
 // Sums of ledgers and of intakes, and the two ends of an edge laid side by side.
 #include "checks.hpp"
+#include "picture.hpp"
 
 #include <algorithm>
 
 namespace hive::mixtures {
 namespace {
-
-std::string counted(const std::string& name, std::int64_t count) { return name + " " + std::to_string(count); }
-
-std::string words(const EdgeStatus& edge)
-{
-    std::string text = counted("came", edge.events.total());
-    for (std::size_t i = 0; i < fates; ++i)
-        if (const auto count = edge.events.of(static_cast<Fate>(i)); count != 0)
-            text += ", " + counted(std::string(token(static_cast<Fate>(i))), count);
-    return text + ", " + counted("in flight", edge.events.in_flight()) + ", " + counted("waiting", edge.waiting);
-}
-
-std::string words(const InputStatus& input)
-{
-    return counted("received", input.received) + ", " + counted("processed", input.processed) + ", "
-           + counted("abandoned", input.abandoned) + ", " + counted("duplicates", input.duplicates) + ", "
-           + counted("discarded", input.discarded) + ", " + counted("dropped", input.dropped) + ", "
-           + counted("unmatched", input.unmatched) + ", " + counted("queued", input.queued) + ", "
-           + counted("in hand", input.in_hand);
-}
 
 bool balances(const EdgeStatus& edge, std::int64_t produced)
 {
@@ -36,9 +17,11 @@ bool balances(const EdgeStatus& edge, std::int64_t produced)
 
 bool balances(const InputStatus& input)
 {
-    return input.received
-           == input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped + input.unmatched
-                  + input.queued + input.in_hand;
+    const bool negative = input.queued < 0 || input.in_hand < 0;
+    return !negative
+           && input.received
+                  == input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped
+                         + input.unmatched + input.queued + input.in_hand;
 }
 
 /// What one end has counted while the other one was there as well.
@@ -54,8 +37,8 @@ Problems disagreeing(const EdgeStatus& edge, const InputStatus& input, std::int6
     const bool lost = ages.receiver_older && edge.events.of(Fate::acknowledged) > input.received + left;
     if (!made_up && !lost)
         return {};
-    return {input.from + " -> " + edge.receiver + ": the sender has " + words(edge) + "; the receiver has "
-            + words(input)};
+    return {input.from + " -> " + edge.receiver + ": the sender has " + to_text(edge) + "; the receiver has "
+            + to_text(input)};
 }
 
 std::int64_t received_before(const Status& status, const std::string& input)
@@ -87,13 +70,13 @@ Problems unbalanced(const Statuses& statuses)
             for (const auto& edge : output.edges)
                 if (!balances(edge, output.produced))
                     problems.push_back("the ledger of " + name + "." + output.name + " -> " + edge.receiver
-                                       + " does not balance: " + counted("produced", output.produced) + ", "
-                                       + words(edge));
+                                       + " does not balance: " + "produced " + std::to_string(output.produced) + ", "
+                                       + to_text(edge));
         for (const auto* inputs : {&status.inputs, &status.left})
             for (const auto& input : *inputs)
                 if (!balances(input))
                     problems.push_back("the account of " + input.from + " -> " + name + "." + input.input
-                                       + " does not balance: " + words(input));
+                                       + " does not balance: " + to_text(input));
     }
     return problems;
 }
@@ -131,20 +114,6 @@ bool idle(const Statuses& statuses)
     return true;
 }
 
-Json still_picture(const Statuses& statuses)
-{
-    Json picture = Json::object();
-    for (auto [name, status] : statuses) {
-        status.uptime_us = status.busy_us = status.busy_for_us = 0;
-        status.state = State::idle;
-        status.callback.clear();
-        for (auto& input : status.inputs)
-            input.last_age_us = 0;
-        picture[name] = to_json(status);
-    }
-    return picture;
-}
-
 bool says_why(const Status& status)
 {
     return status.why != Reason::none || std::ranges::any_of(status.outputs, [](const OutputStatus& output) {
@@ -162,7 +131,7 @@ Problems without_reason(const Statuses& statuses)
                 if (edge.events.in_flight() != 0 && edge.why == Reason::none && output.why == Reason::none
                     && status.why == Reason::none)
                     problems.push_back(name + "." + output.name + " -> " + edge.receiver
-                                       + " stands still without a reason: " + words(edge));
+                                       + " stands still without a reason: " + to_text(edge));
     return problems;
 }
 

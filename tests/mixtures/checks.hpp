@@ -15,8 +15,6 @@ Problems unbalanced(const Statuses& statuses);
 Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born);
 /// Nothing is under way anywhere.
 bool idle(const Statuses& statuses);
-/// The statuses without what changes by itself: times and states.
-Json still_picture(const Statuses& statuses);
 /// Is there a word for why this source stands still?
 bool says_why(const Status& status);
 /// Edges with events under way for which there is no word. (For statuses in which nothing moves.)

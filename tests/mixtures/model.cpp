@@ -48,43 +48,31 @@ std::string to_text(const Outcome& outcome)
            + " by way of " + joined(outcome.hops);
 }
 
-Model::Model(Topology topology) : topology_(std::move(topology))
+Model::Model(const Topology& topology) : topology_(topology), condition_(topology)
 {
-    for (const auto& edge : topology_.edges())
-        connected_.insert({edge.sender, edge.receiver});
     excuse_receivers_of(source);  // they are connected one after the other
 }
 
 void Model::before(const Step& step)
 {
-    switch (step.verb) {
-    case Verb::connect: connected_.insert({step.sender, step.drone}); break;
-    case Verb::disconnect: left(step.sender, step.drone); break;
-    case Verb::stop: stopped(step.drone); [[fallthrough]];
-    case Verb::kill:
-    case Verb::set_and_kill: excuse_receivers_of(step.drone); break;
-    default: break;
-    }
-}
-
-void Model::stopped(const std::string& drone)
-{
+    const auto was = condition_;
+    condition_.follow(step);
+    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop)
+        excuse_receivers_of(step.drone);
     for (const auto& edge : topology_.edges())
-        if (edge.receiver == drone)
-            left(edge.sender, drone);
+        if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
+            left(edge.sender, edge.receiver);
 }
 
 void Model::left(const std::string& sender, const std::string& receiver)
 {
-    connected_.erase({sender, receiver});
     if (receiver == watcher)
         return;
     const auto& stage = topology_.stages.at(topology_.stage_of(receiver));
     if (!stage.shared())
         return excuse(receiver);
-    const bool last = std::ranges::none_of(stage.drones, [&](auto& drone) {
-        return connected_.contains({sender, drone});
-    });
+    const bool last =
+        std::ranges::none_of(stage.drones, [&](auto& drone) { return condition_.connected(sender, drone); });
     if (last && sender != source)
         excuse(topology_.stages.at(topology_.stage_of(sender)).shared() ? "" : sender);
 }

@@ -1,12 +1,10 @@
 // What a swarm owes to whoever collects its results, and what orders have excused it from.
 #pragma once
 
-#include "plan.hpp"
+#include "condition.hpp"
 
 #include <limits>
-#include <map>
 #include <optional>
-#include <set>
 
 namespace hive::mixtures {
 
@@ -22,7 +20,7 @@ std::string to_text(const Outcome& outcome);
 
 class Model {
 public:
-    explicit Model(Topology topology);
+    explicit Model(const Topology& topology);
 
     /// To be called before a step is done: an order may end what was promised.
     void before(const Step& step);
@@ -56,10 +54,9 @@ private:
     void excuse(const std::string& drone);
     void excuse_receivers_of(const std::string& drone);
     void left(const std::string& sender, const std::string& receiver);
-    void stopped(const std::string& drone);
 
     Topology topology_;
-    std::set<std::pair<std::string, std::string>> connected_;
+    Condition condition_;
     std::vector<Excuse> excuses_;
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
     std::map<Way, std::pair<std::int64_t, std::int64_t>> last_;

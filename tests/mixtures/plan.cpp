@@ -1,27 +1,17 @@
 // From a seed to a sequence of steps: what is broken is known at each step, so every step makes sense where it stands.
-#include "plan.hpp"
+#include "condition.hpp"
 #include "random.hpp"
 #include "topology.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
 
 namespace hive::mixtures {
 namespace {
 
-enum class Life { up, killed, stopped, frozen, halted };
-
 /// Words that mend are likelier than words that break, and no more than two drones are broken at once.
 class Planner {
 public:
-    Planner(Topology topology, Random& random) : topology_(std::move(topology)), random_(random)
-    {
-        for (const auto& drone : topology_.drones())
-            life_[drone] = Life::up;
-        for (const auto& edge : topology_.edges())
-            connected_.insert({edge.sender, edge.receiver});
-    }
+    Planner(const Topology& topology, Random& random) : topology_(topology), random_(random), condition_(topology) {}
 
     std::vector<Step> steps(int wanted)
     {
@@ -36,37 +26,30 @@ public:
     }
 
 private:
-    bool runs(const std::string& drone) const { return life_.at(drone) == Life::up || life_.at(drone) == Life::halted; }
-
-    std::size_t broken() const
-    {
-        return static_cast<std::size_t>(
-            std::ranges::count_if(life_, [](auto& entry) { return entry.second != Life::up; }));
-    }
-
     std::vector<std::string> workers_that_run() const
     {
         auto workers = topology_.workers();
-        std::erase_if(workers, [&](const std::string& drone) { return !runs(drone); });
+        std::erase_if(workers, [&](const std::string& drone) { return !condition_.runs(drone); });
         return workers;
     }
 
     void add(Step step)
     {
         step.settle = step.settle || random_.chance(40);
+        condition_.follow(step);
         steps_.push_back(std::move(step));
     }
 
     void feed()
     {
-        if (runs(source))
+        if (condition_.runs(source))
             steps_.push_back({.verb = Verb::feed, .drone = source, .number = random_.between(5, 80)});
     }
 
     void one_of_many()
     {
         std::vector<Step> choices;
-        for (const auto& [drone, life] : life_)
+        for (const auto& [drone, life] : condition_.lives())
             about(drone, life, choices);
         for (const auto& edge : topology_.edges())
             about(edge, choices);
@@ -80,7 +63,7 @@ private:
             for (int i = 0; i < times; ++i)
                 choices.push_back({.verb = verb, .drone = drone});
         };
-        const bool another = broken() < 2;
+        const bool another = condition_.broken() < 2;
         switch (life) {
         case Life::up:
             offer(Verb::kill, another ? 4 : 0);
@@ -100,9 +83,9 @@ private:
 
     void about(const Edge& edge, std::vector<Step>& choices) const
     {
-        if (!runs(edge.sender) || !runs(edge.receiver))
+        if (!condition_.runs(edge.sender) || !condition_.runs(edge.receiver))
             return;
-        const bool connected = connected_.contains({edge.sender, edge.receiver});
+        const bool connected = condition_.connected(edge.sender, edge.receiver);
         for (int i = 0; i < (connected ? 2 : 15); ++i)
             choices.push_back(
                 {.verb = connected ? Verb::disconnect : Verb::connect, .drone = edge.receiver, .sender = edge.sender});
@@ -117,7 +100,7 @@ private:
         if (workers.size() < 2)
             return;
         choices.insert(choices.end(), {{.verb = Verb::set_all}, {.verb = Verb::set_twice}, {.verb = Verb::set_twice}});
-        if (broken() < 2)
+        if (condition_.broken() < 2)
             choices.push_back({.verb = Verb::set_and_kill, .drone = workers.front()});
     }
 
@@ -135,27 +118,7 @@ private:
             break;
         default: break;
         }
-        follow(step);
-        add(step);
-    }
-
-    /// Keeps in mind what a step changes.
-    void follow(const Step& step)
-    {
-        switch (step.verb) {
-        case Verb::kill:
-        case Verb::set_and_kill: life_[step.drone] = Life::killed; break;
-        case Verb::halt: life_[step.drone] = Life::halted; break;
-        case Verb::start:
-        case Verb::resume: life_[step.drone] = Life::up; break;
-        case Verb::connect: connected_.insert({step.sender, step.drone}); break;
-        case Verb::disconnect: connected_.erase({step.sender, step.drone}); break;
-        case Verb::stop:
-            life_[step.drone] = Life::stopped;
-            std::erase_if(connected_, [&](const auto& edge) { return edge.second == step.drone; });
-            break;
-        default: break;
-        }
+        add(std::move(step));
     }
 
     /// For less time than a peer needs to be taken for dead, at once over; or for longer, with other steps in between.
@@ -163,7 +126,6 @@ private:
     {
         const bool brief = random_.chance(40);
         frozen_ms_[step.drone] = brief ? random_.between(50, 900) : random_.between(2300, 3500);
-        life_[step.drone] = Life::frozen;
         add(step);
         if (brief) {
             steps_.back().settle = false;
@@ -171,34 +133,29 @@ private:
         }
     }
 
-    void thaw(const std::string& drone)
-    {
-        life_[drone] = Life::up;
-        add({.verb = Verb::thaw, .drone = drone, .number = frozen_ms_[drone]});
-    }
+    void thaw(const std::string& drone) { add({.verb = Verb::thaw, .drone = drone, .number = frozen_ms_[drone]}); }
 
     void mend()
     {
         for (const auto& drone : topology_.drones()) {
-            const auto life = life_.at(drone);
+            const auto life = condition_.life(drone);
             if (life == Life::frozen)
                 thaw(drone);
             else if (life != Life::up)
                 take({.verb = life == Life::halted ? Verb::resume : Verb::start, .drone = drone});
         }
         for (const auto& edge : topology_.edges())
-            if (!connected_.contains({edge.sender, edge.receiver}))
+            if (!condition_.connected(edge.sender, edge.receiver))
                 take({.verb = Verb::connect, .drone = edge.receiver, .sender = edge.sender});
         feed();
         steps_.push_back({.verb = Verb::rest, .settle = true});
     }
 
-    Topology topology_;
+    const Topology& topology_;
     Random& random_;
-    std::vector<Step> steps_;
-    std::map<std::string, Life> life_;
+    Condition condition_;
     std::map<std::string, int> frozen_ms_;
-    std::set<std::pair<std::string, std::string>> connected_;
+    std::vector<Step> steps_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Doing the steps of a plan, and what is left when they are done.
 #include "round.hpp"
+#include "picture.hpp"
 
 #include <future>
 
@@ -39,7 +40,7 @@ Played Round::play()
         ++played.steps;
         played.problems = one(step, &step == &plan_.steps.back());
         if (!played.problems.empty()) {
-            played.picture = still_picture(running_.statuses()).dump(1);
+            played.picture = picture(running_.statuses());
             return played;
         }
     }

@@ -15,6 +15,20 @@ struct Played {
     std::string picture;     ///< what the drones said of themselves then
 };
 
+/// For how long has a picture been the same?
+class Stillness {
+public:
+    /// After that nothing moves. A source must say within 1 s why it does not.
+    static constexpr auto time = std::chrono::milliseconds(test::sanitized() ? 3000 : 1100);
+
+    void look(std::string picture);
+    [[nodiscard]] bool still() const { return test::Clock::now() - since_ >= time; }
+
+private:
+    std::string picture_;  ///< empty: unknown, so it has changed
+    test::Clock::time_point since_ = test::Clock::now();
+};
+
 class Round {
 public:
     explicit Round(Plan plan);
@@ -29,6 +43,7 @@ private:
     void set_and_kill(const Step& step);
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
     Problems settle(bool last);
+    Problems stuck(const Statuses& statuses, Stillness& stillness) const;
     Problems at_rest(const Statuses& statuses, bool complete);
     [[nodiscard]] bool source_done(const Statuses& statuses) const;
     [[nodiscard]] bool whole(const Statuses& statuses, const std::string& drone) const;

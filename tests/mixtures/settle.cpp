@@ -1,4 +1,5 @@
 // Waiting until nothing changes any more, and what must hold then.
+#include "picture.hpp"
 #include "round.hpp"
 
 #include <algorithm>
@@ -8,29 +9,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// So long nothing has changed when it counts as standing still.
-constexpr auto still_time = test::sanitized() ? 3000ms : 1100ms;
 /// Places are kept for 30 s, and so long an ordered collector waits.
-constexpr auto most_time = test::patient(45'000ms);
-
-/// Since when has a picture been the same?
-class Stillness {
-public:
-    void look(Json picture)
-    {
-        if (picture == picture_)
-            return;
-        picture_ = std::move(picture);
-        since_ = test::Clock::now();
-    }
-    [[nodiscard]] bool still() const { return test::Clock::now() - since_ >= still_time; }
-
-private:
-    Json picture_;
-    test::Clock::time_point since_ = test::Clock::now();
-};
+constexpr auto most_time = test::sanitized() ? 90'000ms : 45'000ms;
 
 }  // namespace
+
+void Stillness::look(std::string picture)
+{
+    if (!picture.empty() && picture == picture_)
+        return;
+    picture_ = std::move(picture);
+    since_ = test::Clock::now();
+}
 
 bool Round::source_done(const Statuses& statuses) const
 {
@@ -64,33 +54,43 @@ Problems Round::missing(const Statuses& statuses) const
     return model_.missing(found->second.epoch, found->second.outputs.at(0).produced);
 }
 
+/// A source on demand that does not move must say why.
+Problems Round::stuck(const Statuses& statuses, Stillness& stillness) const
+{
+    const auto found = statuses.find(source);
+    if (!plan_.topology.demand || found == statuses.end())
+        return {};
+    const auto produced = found->second.outputs.at(0).produced;
+    stillness.look(std::to_string(found->second.epoch) + " " + std::to_string(produced));
+    if (!stillness.still() || produced >= running_.fed() || says_why(found->second))
+        return {};
+    return {"the source has not moved for " + std::to_string(Stillness::time.count()) + " ms and does not say why"};
+}
+
 Problems Round::settle(bool last)
 {
-    Stillness drones, source_alone;
-    for (const auto end = test::Clock::now() + most_time;; std::this_thread::sleep_for(10ms)) {
+    Stillness all, source_alone;
+    for (const auto end = test::Clock::now() + most_time; test::Clock::now() < end; std::this_thread::sleep_for(10ms)) {
         const auto statuses = running_.statuses();
         listen();
         end_excuses(statuses);
         auto problems = unbalanced(statuses);
+        std::ranges::move(stuck(statuses, source_alone), std::back_inserter(problems));
         if (!problems.empty() || !problems_.empty())
             return problems;
-        const bool complete = statuses.size() == running_.answering().size();
-        const bool at_end = complete && idle(statuses) && source_done(statuses);
-        drones.look(complete ? still_picture(statuses) : Json(std::rand()));
-        if (const auto found = statuses.find(source); found != statuses.end()) {
-            source_alone.look({found->second.epoch, found->second.outputs.at(0).produced});
-            if (source_alone.still() && plan_.topology.demand && !source_done(statuses) && !says_why(found->second))
-                return {"the source has not moved for " + std::to_string(still_time.count())
-                        + " ms and does not say why"};
-        }
-        if (at_end && (!last || whole(statuses, "")) && missing(statuses).empty())
+        const bool answered = statuses.size() == running_.answering().size();
+        all.look(answered ? picture(statuses) : "");
+        const bool done = answered && idle(statuses) && source_done(statuses) && (!last || whole(statuses, ""));
+        // In order, a result that is late holds up others that are acknowledged.
+        if (done && (missing(statuses).empty() || (all.still() && !plan_.topology.ordered)))
             return at_rest(statuses, true);
-        if (drones.still() && !at_end && !last)
+        if (!done && !last && all.still())
             return at_rest(statuses, false);
-        if (test::Clock::now() > end || (drones.still() && at_end && !plan_.topology.ordered))
-            return at_end ? at_rest(statuses, true)
-                          : Problems{"no rest in " + std::to_string(most_time.count()) + " ms"};
     }
+    const auto statuses = running_.statuses();
+    auto problems = missing(statuses);
+    problems.insert(problems.begin(), "no rest in " + std::to_string(most_time.count()) + " ms");
+    return problems;
 }
 
 Problems Round::at_rest(const Statuses& statuses, bool complete)
