@@ -39,7 +39,7 @@ std::string to_text(const InputStatus& input)
     add(text, "unmatched", input.unmatched);
     add(text, "queued", input.queued);
     add(text, "in hand", input.in_hand);
-    return text + state_of(input.connected, input.why) + (input.error.empty() ? "" : ", " + input.error);
+    return text + state_of(input.connected, input.why);
 }
 
 std::string picture(const Statuses& statuses)
