@@ -195,7 +195,8 @@ void Intake::try_to_leave()
         self->end_if_done();
     };
     const auto link = std::exchange(link_, nullptr);
-    if (!std::exchange(connected_, false) || !link || !link->open())
+    connected_ = false;
+    if (!link || !link->open())
         return tell();
     link->release_channel(channel_);
     link->request(
