@@ -1,12 +1,12 @@
 // One file at a time; a disk that fails ends the file, never the drone.
 #include "record_drone.hpp"
 
-#include "event_record.hpp"
+#include <hive/recording/event_record.hpp>
 
 #include <csignal>
 #include <filesystem>
 
-namespace recording {
+namespace record {
 namespace {
 
 using namespace std::chrono_literals;
@@ -30,6 +30,15 @@ std::string next_free(const fs::path& file)
         next = file.parent_path() / (stem + "-" + std::to_string(number++) + file.extension().string());
     while (fs::exists(next, ignored));
     return next.string();
+}
+
+/// Events that came and that the drone's code has not seen.
+std::int64_t queued(const hive::Status& status)
+{
+    std::int64_t events = 0;
+    for (const auto& input : status.inputs)
+        events += input.queued;
+    return events;
 }
 
 }  // namespace
@@ -60,7 +69,7 @@ void RecordDrone::run()
     close("stopped");
 }
 
-Limits RecordDrone::limits() const
+hive::recording::Limits RecordDrone::limits() const
 {
     return {static_cast<std::uint64_t>(max_size_ * 1e6),
             std::chrono::microseconds(static_cast<std::int64_t>(max_duration_ * 1e6))};
@@ -90,10 +99,10 @@ void RecordDrone::spare_what_was_recorded()
 /// The new file first: if it cannot be, the old one goes on.
 void RecordDrone::open()
 {
-    std::unique_ptr<Writer> fresh;
+    std::unique_ptr<hive::recording::Writer> fresh;
     if (!file_.empty())
         try {
-            fresh = std::make_unique<Writer>(WriterSettings{
+            fresh = std::make_unique<hive::recording::Writer>(hive::recording::WriterSettings{
                 file_, overwrite_, limits(), std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
@@ -113,8 +122,7 @@ void RecordDrone::close(const std::string& how)
         return;
     count_dropped();
     if (how == "stopped")
-        if (const auto waiting = drone_.status().value("queued", std::int64_t{0});
-            waiting > 0 && writer_->ended().empty())
+        if (const auto waiting = queued(drone_.status()); waiting > 0 && writer_->ended().empty())
             writer_->lost("*", "still waiting when the drone was stopped", waiting);
     writer_->finish(how);
     drone_.log(opened_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
@@ -125,7 +133,7 @@ void RecordDrone::take(const hive::Event& event)
 {
     if (!writer_)
         return;
-    append(*writer_, event);
+    hive::recording::append(*writer_, event);
     if (!writer_->ended().empty())
         say();
 }
@@ -147,14 +155,12 @@ std::chrono::microseconds RecordDrone::look()
 /// What each connection has lost at this end since the last look.
 void RecordDrone::count_dropped()
 {
-    for (const auto& input : drone_.status().value("inputs", hive::Json::array())) {
-        const auto from = input.value("from", "?");
-        const auto now = input.value("dropped", std::int64_t{0});
-        Dropped& dropped = dropped_[from];
-        dropped.total += now >= dropped.seen ? now - dropped.seen : now;
-        dropped.seen = now;
+    for (const auto& input : drone_.status().inputs) {
+        Dropped& dropped = dropped_[input.from];
+        dropped.total += input.dropped >= dropped.seen ? input.dropped - dropped.seen : input.dropped;
+        dropped.seen = input.dropped;
         if (writer_ && dropped.total > 0)
-            writer_->lost(from, "dropped by the recorder: it could not keep up", dropped.total);
+            writer_->lost(input.from, "dropped by the recorder: it could not keep up", dropped.total);
     }
 }
 
@@ -169,4 +175,4 @@ void RecordDrone::say()
                                           + "; the recording has ended, what comes now is counted as lost");
 }
 
-}  // namespace recording
+}  // namespace record

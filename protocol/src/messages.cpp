@@ -100,7 +100,10 @@ Json to_json(const Confirmation& confirmation)
     if (confirmation.ok)
         return {{"id", confirmation.id},
                 {"result", confirmation.result.is_null() ? Json::object() : confirmation.result}};
-    return {{"id", confirmation.id}, {"error", {{"code", info(confirmation.code).token}, {"text", confirmation.text}}}};
+    Json error{{"code", info(confirmation.code).token}, {"text", confirmation.text}};
+    if (!confirmation.advice.empty())
+        error["advice"] = confirmation.advice;
+    return {{"id", confirmation.id}, {"error", error}};
 }
 
 Confirmation confirmation_from_json(const Json& object)
@@ -113,6 +116,7 @@ Confirmation confirmation_from_json(const Json& object)
         confirmation.ok = false;
         confirmation.code = errc_from_token(error.text("code"));
         confirmation.text = error.text_or("text", "");
+        confirmation.advice = error.text_or("advice", "");
     } else {
         confirmation.result = fields.object("result");
     }

@@ -114,26 +114,6 @@ void write_list(Json& json, const char* key, const std::vector<Item>& items, Wri
         json[key].push_back(write(item));
 }
 
-Json edge_to_json(const EdgeStatus& edge)
-{
-    Json json{{"receiver", edge.receiver}, {"options", to_json(edge.options)}, {"came", edge.events.total()}};
-    if (edge.group)
-        json["group"] = true;
-    if (edge.connected)
-        json["connected"] = true;
-    if (edge.registration != 0)
-        json["registration"] = edge.registration;
-    write_text(json, "encoding", edge.encoding);
-    for (const auto& [fate, key] : fate_tokens)
-        if (edge.events.of(fate) != 0)
-            json[key] = edge.events.of(fate);
-    if (edge.events.in_flight() != 0)
-        json["in_flight"] = edge.events.in_flight();
-    write_numbers(json, edge, edge_numbers);
-    write_why(json, edge.why);
-    return json;
-}
-
 EdgeStatus edge_from_json(const Json& object)
 {
     const Fields fields(object, "edge");
@@ -157,7 +137,7 @@ Json output_to_json(const OutputStatus& output)
 {
     Json json{{"name", output.name}, {"type", output.type}, {"produced", 0}};
     write_numbers(json, output, output_numbers);
-    write_list(json, "edges", output.edges, edge_to_json);
+    write_list(json, "edges", output.edges, [](const EdgeStatus& edge) { return to_json(edge); });
     write_why(json, output.why);
     return json;
 }
@@ -273,6 +253,26 @@ std::string_view token(Fate value) noexcept { return fate_tokens[static_cast<std
 std::int64_t Ledger::lost() const noexcept
 {
     return of(Fate::lost_connection) + of(Fate::lost_killed) + of(Fate::lost_cut_off) + of(Fate::lost_left);
+}
+
+Json to_json(const EdgeStatus& edge)
+{
+    Json json{{"receiver", edge.receiver}, {"options", to_json(edge.options)}, {"came", edge.events.total()}};
+    if (edge.group)
+        json["group"] = true;
+    if (edge.connected)
+        json["connected"] = true;
+    if (edge.registration != 0)
+        json["registration"] = edge.registration;
+    write_text(json, "encoding", edge.encoding);
+    for (const auto& [fate, key] : fate_tokens)
+        if (edge.events.of(fate) != 0)
+            json[key] = edge.events.of(fate);
+    if (edge.events.in_flight() != 0)
+        json["in_flight"] = edge.events.in_flight();
+    write_numbers(json, edge, edge_numbers);
+    write_why(json, edge.why);
+    return json;
 }
 
 Json to_json(const Status& status)

@@ -63,11 +63,9 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                  const std::function<void(const Welcome&)>& confirm)
 {
     Decisions decisions;
-    // It comes back before this end has seen that it went.
-    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place)) {
+    // It has other options now, or comes back before this end has seen that it went.
+    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place))
         detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
-        table_.lose(*before, Fate::lost_connection, true, Clock::now(), decisions);
-    }
     const auto id = ++next_id_;
     const Newcomer newcomer{.id = id,
                             .receiver = registration.receiver,
@@ -204,7 +202,7 @@ void Outlet::refresh()
         hooks_.changed();
 }
 
-OutputStatus Outlet::status(std::size_t& skip, std::size_t& most) const
+OutputStatus Outlet::status() const
 {
     OutputStatus status{.name = port_.name,
                         .type = port_.type,
@@ -214,15 +212,6 @@ OutputStatus Outlet::status(std::size_t& skip, std::size_t& most) const
                         .edges = {},
                         .why = table_.why()};
     for (auto& row : table_.rows()) {
-        if (skip > 0) {
-            --skip;
-            continue;
-        }
-        if (most == 0) {
-            ++status.edges_left_out;
-            continue;
-        }
-        --most;
         if (const auto place = places_.find(row.id); place != places_.end()) {
             row.status.encoding = place->second.encoding.word();
             row.status.shared = place->second.shared;

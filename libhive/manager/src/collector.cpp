@@ -87,7 +87,7 @@ void MailboxCollector::receive(const std::string& drone, const std::string& outp
     if (!outcome)
         throw Error(Errc::timeout, drone + "." + output + ": no answer in time");
     if (const auto* error = std::get_if<Error>(&*outcome))
-        throw Error(error->code(), drone + "." + output + ": " + error->what());
+        throw error->reworded(drone + "." + output + ": " + error->what());
     expect(std::get<Json>(*outcome));
 }
 

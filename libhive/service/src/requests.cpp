@@ -1,6 +1,8 @@
 // Gives each request to what answers it; put, halt, resume and stop are answered here.
 #include "requests.hpp"
 
+#include <hive/protocol/requests.hpp>
+
 namespace hive::service {
 
 using event::Incoming;
@@ -30,9 +32,11 @@ void Requests::add_handlers()
     handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });
     handle(PacketType::connect, [this](const Incoming& incoming) { wiring_.on_connect(incoming); });
     handle(PacketType::disconnect, [this](const Incoming& incoming) { wiring_.on_disconnect(incoming); });
+    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
+    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 
@@ -42,20 +46,29 @@ void Requests::restore(const Json& state)
     state_file_.remember();
 }
 
+void Requests::on_forget(const Incoming& incoming)
+{
+    const auto forget = protocol::forget_from_json(incoming.header);
+    const auto removed = parts_.module.forget(forget.receiver, forget.output);
+    if (removed == 0)
+        throw Error(Errc::not_found, parts_.module.self().name + " waits for nothing of " + forget.receiver);
+    incoming.answer(Json{{"removed", removed}});
+}
+
 void Requests::on_put(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "put");
     const auto& name = parts_.module.self().name;
-    const Port& input = require_input(fields.name("input"));
+    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
     if (parts_.board.halted())
-        throw Error(Errc::halted, name + " has halted; resume it: hivectl resume " + name);
+        throw Error(Errc::halted, name + " has halted", "let it go on: hivectl resume " + name);
     Event event;
     event.type = fields.text("type");
     if (!types_fit(event.type, input.type))
         throw Error(Errc::type_mismatch,
                     "the event is " + event.type + ", but " + name + "." + input.name + " takes " + input.type);
     event.identity = {.source = incoming.peer,
-                      .epoch = parts_.module.self().epoch,
+                      .epoch = incoming.peer_epoch,
                       .sequence = fields.integer("id", 0, max_json_integer),
                       .captured_us = event::wall_us(),
                       .monotonic_us = event::steady_us(),
@@ -73,11 +86,17 @@ void Requests::on_put(const Incoming& incoming)
     incoming.answer(Json::object());
 }
 
-const Port& Requests::require_input(const std::string& name) const
+/// Nobody waits any longer for a receiver that is gone.
+void Requests::on_forget(const Incoming& incoming)
 {
-    if (const Port* input = parts_.declaration.interface.input(name))
-        return *input;
-    throw Error(Errc::not_found, parts_.module.self().name + " has no input " + name);
+    const Fields fields(incoming.header, "forget");
+    const auto receiver = fields.name("receiver"), output = fields.name_or("output", "");
+    if (!output.empty())
+        port_named(parts_.declaration.interface.outputs, parts_.module.self().name, "output", output);
+    const auto removed = parts_.module.forget(receiver, output);
+    if (removed == 0)
+        throw Error(Errc::not_found, parts_.module.self().name + " keeps nothing for " + receiver);
+    incoming.answer(Json{{"removed", removed}});
 }
 
 /// A halt or resume that names a policy sets it, and does nothing else.

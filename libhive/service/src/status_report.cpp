@@ -1,15 +1,11 @@
 // Puts together what the board, the outlets and the intakes say.
 #include "status_report.hpp"
 
-#include <limits>
-
 namespace hive::service {
 
 using event::Clock;
 
 namespace {
-
-constexpr std::size_t most_edges_listed = 128;  ///< so that a status with all its rows fits into one header
 
 MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& counts)
 {
@@ -28,14 +24,9 @@ MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& co
 
 }  // namespace
 
-Status StatusReport::now() const { return report(0, std::numeric_limits<std::size_t>::max()); }
+Status StatusReport::page(std::int64_t skip_edges) const { return page_of(now(), skip_edges); }
 
-Status StatusReport::page(std::int64_t skip_edges) const
-{
-    return report(static_cast<std::size_t>(skip_edges), most_edges_listed);
-}
-
-Status StatusReport::report(std::size_t skip_edges, std::size_t most_edges) const
+Status StatusReport::now() const
 {
     const auto board = board_.values();
     const auto busy_for = board.state == State::busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
@@ -57,7 +48,7 @@ Status StatusReport::report(std::size_t skip_edges, std::size_t most_edges) cons
                   .matching = matching(board),
                   .last_exception = board.last_exception};
     for (const auto& outlet : module_.outlets())
-        status.outputs.push_back(outlet.status(skip_edges, most_edges));
+        status.outputs.push_back(outlet.status());
     return status;
 }
 

@@ -23,7 +23,6 @@ public:
     [[nodiscard]] Status page(std::int64_t skip_edges) const;
 
 private:
-    [[nodiscard]] Status report(std::size_t skip_edges, std::size_t most_edges) const;
     [[nodiscard]] std::vector<InputStatus> inputs() const;
     [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
     [[nodiscard]] Reason why(const StatusBoard::Values& board) const;

@@ -60,9 +60,7 @@ public:
     /// Does anybody receive bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool timed() const { return table_.timed(); }
-    /// Of the edges of an answer, `skip` are left out from the beginning, and at most `most` are listed; counts both
-    /// down.
-    [[nodiscard]] OutputStatus status(std::size_t& skip, std::size_t& most) const;
+    [[nodiscard]] OutputStatus status() const;
 
 private:
     using Key = std::pair<const Link*, std::uint16_t>;

@@ -1,0 +1,117 @@
+// The detect drone with real processes: what plain OpenCV finds in the same pictures, and models that are refused.
+#include "onnx_writer.hpp"
+#include "page.hpp"
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <people_finder.hpp>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <fstream>
+
+using namespace hive::test;
+using hive::Json;
+
+TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture what a plain program with the same "
+          "class finds")
+{
+    const auto video = shared_data("media/pedestrians_0001-0400.avi");
+    if (!video) {
+        MESSAGE("skipped: there is no video beside the source tree");
+        return;
+    }
+    constexpr int pictures = sanitized() ? 2 : 6;
+    cv::setNumThreads(1);
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"source=" + video->string(), "pace=demand"});
+    const auto detect = swarm.drone("detect", "detect", {"enlarge=2"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"detect", "objects"}});
+    application.connect({"camera", ""}, {"detect", ""});
+    cv::VideoCapture capture(video->string(), cv::CAP_FFMPEG);
+    detect::PeopleFinder finder;
+    finder.enlarge = 2;
+    std::size_t found = 0;
+    for (int index = 0; index < pictures; ++index) {
+        cv::Mat picture;
+        REQUIRE(capture.read(picture));
+        const auto result = collector->next(patient(Milliseconds(20'000)));
+        REQUIRE(result);
+        const Json& objects = result->header.at("objects");
+        CHECK(keys(result->header) == keys(json_example("detect")));
+        const auto people = finder.find(picture);
+        REQUIRE(objects.size() == people.size());
+        for (std::size_t i = 0; i < people.size(); ++i) {
+            CHECK(keys(objects[i]) == keys(json_example("detect").at("objects").at(0)));
+            CHECK(objects[i].at("x") == people[i].box.x);
+            CHECK(objects[i].at("y") == people[i].box.y);
+            CHECK(objects[i].at("w") == people[i].box.width);
+            CHECK(objects[i].at("h") == people[i].box.height);
+            CHECK(objects[i].at("class") == "person");
+            CHECK(objects[i].at("score").get<double>() == doctest::Approx(people[i].score).epsilon(0.001));
+        }
+        found += people.size();
+    }
+    CHECK(found > 0);
+}
+
+TEST_CASE("detect: a model or a file of classes that cannot be used is refused in a sentence, by set and at the start, "
+          "and people are found as before")
+{
+    const Swarm swarm;
+    const auto garbage = (swarm.home() / "garbage.onnx").string();
+    std::ofstream(garbage) << "this is no model";
+    const auto detect = swarm.drone("detect", "detect");
+    const auto refused = [&](const std::string& setting, const std::string& sentence) {
+        const auto finished = swarm.hivectl({"set", "detect", setting});
+        CHECK(finished.exit_code != 0);
+        CHECK_MESSAGE(finished.err.find(sentence) != std::string::npos, finished.err);
+    };
+    refused("model=/nowhere/model.onnx", "no model at /nowhere/model.onnx");
+    refused("model=" + garbage, "is not an ONNX model that OpenCV's DNN can read");
+    refused("classes=/nowhere/names", "no file of class names at /nowhere/names");
+    refused("mean=1,2", "mean is one number, or three");
+    refused("stride=6", "stride is a multiple of 4");
+    auto application = swarm.application();
+    CHECK(application.status("detect").state == hive::State::idle);
+    CHECK(swarm.hivectl_done({"get", "detect", "model"}).find("/nowhere") == std::string::npos);
+    const auto not_started = [&](const std::string& setting, const std::string& sentence) {
+        const auto started = swarm.run({swarm.program("hive-detect").string(), "--name", "other", "--set", setting});
+        CHECK(started.exit_code != 0);
+        CHECK_MESSAGE(started.err.find(sentence) != std::string::npos, started.err);
+    };
+    not_started("model=" + garbage, "is not an ONNX model");
+    not_started("classes=/nowhere/names", "no file of class names at /nowhere/names");
+}
+
+TEST_CASE("detect: a model that is set while pictures come is used, with the names of its classes, and people again "
+          "without it")
+{
+    const Swarm swarm;
+    // One cup in the left half of what it is shown, always.
+    const onnx::File model(
+        ".onnx", onnx::bytes_of({.shape = {1, 1, 1, 7}, .constants = {0, 1, 0.75F, 0, 0, 0.5F, 1}, .wires = {}})),
+        names(".names", "background\ncup\n");
+    const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "faces=0"});
+    const auto detect = swarm.drone("detect", "detect");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"detect", "objects"}});
+    application.connect({"camera", ""}, {"detect", ""});
+    const auto comes = [&](const Json& objects) {
+        return eventually(
+            [&] {
+                const auto result = collector->next(Milliseconds(200));
+                return result && result->header.at("objects") == objects;
+            },
+            Milliseconds(10'000));
+    };
+    CHECK(comes(Json::array()));
+    swarm.hivectl_done({"set", "detect", "model=" + model.path(), "classes=" + names.path(), "input_width=8",
+                        "input_height=8", "fit=stretch"});
+    CHECK(comes({{{"x", 0}, {"y", 0}, {"w", 320}, {"h", 480}, {"class", "cup"}, {"score", 0.75}}}));
+    swarm.hivectl_done({"set", "detect", "model="});
+    CHECK(comes(Json::array()));
+}
