@@ -189,8 +189,7 @@ try {
     event_ = hive::event_from_text(playback_->reader().text(*playback_->current()));
     auto& identity = event_->identity;
     identity.lossless = identity.lossless || pace_ == "demand";
-    identity.group.clear();  // what was shared work then is nobody's now
-    identity.turn = identity.attempt = 0;
+    identity.shares.clear();  // what was shared work then is not shared now
     // Each round is as if the sources had been started again, so that drones that keep state take it.
     identity.epoch = std::min(identity.epoch + rounds_before_ + playback_->rounds(), hive::max_json_integer);
     return true;
