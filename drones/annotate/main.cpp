@@ -1,4 +1,5 @@
-// The annotate drone: pictures, and what other drones found in them, in; the pictures with it drawn onto them out.
+// The annotate drone receives pictures and what other drones found in them, and publishes the pictures with the
+// findings drawn in.
 #include "drawing.hpp"
 #include "marks.hpp"
 

@@ -1,4 +1,4 @@
-// The wiring: parameters to VAPIX names, pictures to events.
+// Maps parameters to names of VAPIX, and pictures to events.
 #include "axis_drone.hpp"
 
 #include "certificate.hpp"

@@ -1,4 +1,4 @@
-// The background drone: pictures in, the mask of what is not background and its boxes out.
+// The background drone receives pictures, and publishes the mask of the foreground and its boxes.
 #include "foreground_finder.hpp"
 
 #include <hive/drone.hpp>

@@ -1,4 +1,4 @@
-// The wiring: parameters to sources, pictures to events.
+// Maps parameters to sources, and pictures to events.
 #include "camera_drone.hpp"
 
 #include <hive/vision/encoder.hpp>

@@ -1,4 +1,4 @@
-// The detect drone: pictures in, boxes of people or of a model's classes out.
+// The detect drone receives pictures and publishes boxes of people, or of the classes of a model.
 #include "network.hpp"
 #include "people_finder.hpp"
 

@@ -1,4 +1,4 @@
-// The face drone: pictures in, boxes of frontal faces and annotated pictures out.
+// The face drone receives pictures, and publishes boxes of frontal faces and annotated pictures.
 #include "face_finder.hpp"
 
 #include <hive/drone.hpp>

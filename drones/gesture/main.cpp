@@ -1,4 +1,4 @@
-// The gesture drone: silhouettes or pictures in, hands and their fingers out.
+// The gesture drone receives silhouettes or pictures, and publishes hands and their fingers.
 #include "gesture_finder.hpp"
 #include "silhouette.hpp"
 

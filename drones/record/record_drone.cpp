@@ -1,4 +1,4 @@
-// One file at a time; a disk that fails ends the file, never the drone.
+// Writes one file at a time. When the disk fails the recording ends, but never the drone.
 #include "record_drone.hpp"
 
 #include <hive/recording/event_record.hpp>

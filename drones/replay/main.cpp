@@ -1,4 +1,4 @@
-// The replay drone: a recording becomes the outputs that were recorded.
+// The replay drone publishes a recording on the outputs that were recorded.
 #include "replay_drone.hpp"
 
 int main(int argc, char** argv)

@@ -1,4 +1,4 @@
-// One event at a time, when it is due and asked for.
+// Sends one event at a time, when it is due and has been asked for.
 #include "replay_drone.hpp"
 
 #include <hive/event_text.hpp>

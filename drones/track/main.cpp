@@ -1,4 +1,4 @@
-// The track drone: boxes in, tracks with lasting numbers out.
+// The track drone receives boxes, and publishes tracks with lasting numbers.
 #include "boxes.hpp"
 #include "order.hpp"
 

@@ -1,4 +1,4 @@
-// The wiring: events to the exchange, parameters to who looks there.
+// Connects events to the exchange, and parameters to the window and the server.
 #include "view_drone.hpp"
 
 #include "display.hpp"
