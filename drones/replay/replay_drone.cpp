@@ -47,14 +47,14 @@ ReplayDrone::ReplayDrone(hive::Drone& drone) : drone_(drone)
 
 void ReplayDrone::declare()
 {
-    drone_.parameter("file", file_, hive::anything(), "the recording");
-    drone_.parameter("pace", pace_, hive::one_of({"real", "demand"}),
-                     "real: as the events came; demand: the next one when all receivers ask, nothing skipped");
-    drone_.parameter("speed", speed_, hive::between(0.01, 1000),
-                     "with pace=real: how many times as fast as the events came");
-    drone_.parameter("loop", loop_, hive::anything(), "begins again at the end");
-    drone_.parameter("from", from_, hive::at_least(0).in("s"), "of the recording, where to begin");
-    drone_.parameter("to", to_, hive::at_least(0).in("s"), "of the recording, where to end; 0: at its end");
+    drone_.parameter("file", file_, hive::anything(), "path of the recording");
+    drone_.parameter(
+        "pace", pace_, hive::one_of({"real", "demand"}),
+        "real: at the pace of the recording; demand: the next event when all receivers have asked, nothing skipped");
+    drone_.parameter("speed", speed_, hive::between(0.01, 1000), "with pace=real: how many times as fast as recorded");
+    drone_.parameter("loop", loop_, hive::anything(), "start again at the end");
+    drone_.parameter("from", from_, hive::at_least(0).in("s"), "where to begin in the recording");
+    drone_.parameter("to", to_, hive::at_least(0).in("s"), "where to end in the recording; 0: at its end");
 }
 
 /// A file that cannot be read is complained about when the drone runs.
