@@ -2,6 +2,7 @@
 #include "../command_line.hpp"
 #include "../event_row.hpp"
 #include "../format.hpp"
+#include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
@@ -51,7 +52,7 @@ std::string line_of(const std::vector<hive::Event>& set)
     return text + ",\"events\":" + json_array(events) + "}\n";
 }
 
-void summarize(const hive::MatchedCollector& collector)
+void summarize(const hive::MatchedCollector& collector, const std::vector<Loss>& losses)
 {
     const auto counts = collector.counts();
     std::string text;
@@ -60,9 +61,12 @@ void summarize(const hive::MatchedCollector& collector)
     if (counts.duplicates > 0)
         text += ", " + std::to_string(counts.duplicates) + " came twice";
     if (const auto dropped = collector.received().dropped; dropped > 0)
-        text += ", " + std::to_string(dropped) + " dropped here because they were not taken in time";
+        text += ", " + std::to_string(dropped) + " dropped by hivectl because they were not taken in time";
     if (!text.empty())
-        complain("collect", count_text(counts.sets, "set") + text);
+        complain("collect", count_text(counts.sets, "set") + printable(text));
+    for (const auto& loss : losses)
+        if (loss.promised)
+            complain("collect", "lost: " + printable(sentence(loss)));
 }
 
 int run(const Options& options, Session& session)
@@ -72,6 +76,7 @@ int run(const Options& options, Session& session)
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
+    const auto losses = losses_from_now(application, outputs);
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
                                   .patience = session.patience(),
@@ -80,7 +85,7 @@ int run(const Options& options, Session& session)
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;
                                  });
-    summarize(*collector);
+    summarize(*collector, losses_until_now(losses, application, outputs));
     return code;
 }
 
@@ -105,20 +110,22 @@ Run declare(CommandLine& line, Session& session)
 
 Verb collect_verb()
 {
-    return {.name = "collect",
-            .group = "look",
-            .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
-            .summary = "Prints what several drones find in the same picture, one JSON object a line",
-            .details = "Each line is a set with one event of each output, in the order given: source, epoch and seq of "
-                       "the first, spread_ms (how "
-                       "far the captures are apart) and events, each as hivectl results prints it. What found no "
-                       "partner is left out; "
-                       "the last line on stderr says how many, and where their partners were missing.",
-            .examples = "hivectl collect camera.image face.faces -n 5\n"
-                        "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
-            .timeout = "give up when no set came for this long (default: never)",
-            .operands = {Operand::sender},
-            .declare = declare};
+    return {
+        .name = "collect",
+        .group = "look",
+        .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
+        .summary = "Prints what several drones find in the same picture, one JSON object a line",
+        .details =
+            "Each line is a set with one event of each output, in the order given: source, epoch and seq of "
+            "the first, spread_ms (how "
+            "far the captures are apart) and events, each as hivectl results prints it. What found no "
+            "partner is left out; "
+            "the last lines on stderr say how many, where their partners were missing, and what was lost on the way.",
+        .examples = "hivectl collect camera.image face.faces -n 5\n"
+                    "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
+        .timeout = "give up when no set came for this long (default: never)",
+        .operands = {Operand::sender},
+        .declare = declare};
 }
 
 }  // namespace hivectl

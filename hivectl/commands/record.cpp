@@ -3,6 +3,7 @@
 #include "../exit_code.hpp"
 #include "../format.hpp"
 #include "../interrupt.hpp"
+#include "../losses.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
@@ -12,9 +13,7 @@
 
 #include <event_record.hpp>
 
-#include <array>
 #include <csignal>
-#include <unistd.h>
 
 namespace hivectl {
 namespace {
@@ -96,42 +95,13 @@ void take_rest(hive::Collector& collector, recording::Writer& writer)
         recording::append(writer, *event);
 }
 
-constexpr std::array losses{
-    std::pair{hive::Fate::skipped, "skipped by the sender: not asked for in time"},
-    std::pair{hive::Fate::dropped, "dropped by the sender: the queue was full"},
-    std::pair{hive::Fate::abandoned, "given up by the sender"},
-    std::pair{hive::Fate::lost_connection, "under way when the connection broke"},
-    std::pair{hive::Fate::lost_cut_off, "under way when hivectl was cut off: it had fallen silent"},
-    std::pair{hive::Fate::lost_left, "under way when hivectl left"},
-};
-
-/// What the sender of an output says about us.
-void note_sender(const hive::Endpoint& output, const hive::StatusAnswer& answer, recording::Writer& writer)
-{
-    if (answer.error)
-        return writer.lost(to_text(output), "not known: " + output.drone + " did not answer at the end", 0);
-    const std::string own_name = "app-" + std::to_string(::getpid());
-    for (const auto& row : answer.status.outputs)
-        for (const auto& edge : row.edges) {
-            if (row.name != output.port || edge.receiver != own_name)
-                continue;
-            for (const auto& [fate, reason] : losses)
-                if (const auto count = edge.events.of(fate); count > 0)
-                    writer.lost(to_text(output), reason, count);
-        }
-}
-
-void note_losses(const std::vector<hive::Endpoint>& outputs, hive::Application& application,
+void note_losses(const Losses& losses, hive::Application& application, const std::vector<hive::Endpoint>& outputs,
                  const hive::Collector& collector, recording::Writer& writer)
 {
-    std::vector<std::string> drones;
-    for (const auto& output : outputs)
-        drones.push_back(output.drone);
-    const auto answers = application.status(drones);
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-        note_sender(outputs[i], answers[i], writer);
+    for (const auto& loss : losses_until_now(losses, application, outputs))
+        writer.lost(loss.from, loss.reason, loss.events);
     if (const auto dropped = collector.counts().dropped; dropped > 0)
-        writer.lost("*", "dropped by hivectl: not taken in time", dropped);
+        writer.lost("*", "dropped by hivectl: it could not write them in time", dropped);
 }
 
 void summarize(const std::string& file, const recording::Writer& writer, bool json)
@@ -175,13 +145,14 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto outputs = outputs_named(application, options.names);
     const auto collector = application.collect(outputs, collecting(options));
+    const auto losses = losses_from_now(application, outputs);
     recording::Writer writer({.path = options.file,
                               .overwrite = options.overwrite,
                               .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
     const int code = take_events(*collector, writer, options, session.patience(),
                                  [&] { return reason_for_silence(application, outputs); });
-    note_losses(outputs, application, *collector, writer);
+    note_losses(losses, application, outputs, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");
     summarize(options.file, writer, session.json);

@@ -1,6 +1,8 @@
 // hivectl results: what drones find, one JSON object a line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
+#include "../exit_code.hpp"
+#include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
@@ -8,6 +10,8 @@
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
+
+#include <algorithm>
 
 namespace hivectl {
 namespace {
@@ -31,17 +35,44 @@ hive::CollectOptions collecting(const Options& options)
     return result;
 }
 
-void summarize(const hive::CollectCounts& counts)
+/// " (of camera.image#workers: 17, 21)"
+std::string turns_text(const hive::CollectCounts& counts)
 {
     std::string text;
-    for (const auto& [count, what] : {std::pair{counts.missing, "missing"},
-                                      {counts.dropped, "dropped here because they were not taken in time"},
-                                      {counts.duplicates, "second answers refused"},
-                                      {counts.failed, "reported as exceptions instead"}})
+    for (const auto& [of, turns] : counts.missing_turns) {
+        text += (text.empty() ? " (of " : "; of ") + of + ":";
+        for (std::size_t i = 0; i < std::min<std::size_t>(turns.size(), 10); ++i)
+            text += (i == 0 ? " " : ", ") + std::to_string(turns[i]);
+        text += turns.size() > 10 ? " ..." : "";
+    }
+    return text.empty() ? "" : text + ")";
+}
+
+void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losses)
+{
+    std::string text;
+    for (const auto& [count, what] :
+         {std::pair{counts.missing, "missing" + turns_text(counts)},
+          {counts.dropped, std::string("dropped by hivectl because they were not taken in time")},
+          {counts.duplicates, std::string("second answers refused")},
+          {counts.failed, std::string("reported as exceptions instead")}})
         if (count > 0)
             text += ", " + std::to_string(count) + " " + what;
     if (!text.empty())
-        complain("results", std::to_string(counts.received) + " received" + text);
+        complain("results", std::to_string(counts.received) + " received" + printable(text));
+    for (const auto& loss : losses)
+        if (loss.promised)
+            complain("results", "lost: " + printable(sentence(loss)));
+}
+
+/// A live source skips what nobody asked for; in order, or of a lossless source, all are promised.
+bool broke_promise(const Options& options, bool lossless, const hive::CollectCounts& counts,
+                   const std::vector<Loss>& losses)
+{
+    if (!options.ordered && !lossless)
+        return false;
+    return counts.missing > 0 || counts.dropped > 0
+           || std::ranges::any_of(losses, [&](const Loss& loss) { return loss.promised || lossless; });
 }
 
 int run(const Options& options, Session& session)
@@ -49,16 +80,21 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto outputs = outputs_named(application, options.names, "application/json");
     const auto collector = application.collect(outputs, collecting(options));
+    const auto losses = losses_from_now(application, outputs);
+    bool lossless = false;
     const int code = print_lines({.verb = "results",
                                   .count = options.count,
                                   .patience = session.patience(),
                                   .reason = [&] { return reason_for_silence(application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto event = collector->next(patience);
+                                     lossless = lossless || (event && event->identity.lossless);
                                      return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
                                  });
-    summarize(collector->counts());
-    return code;
+    const auto counts = collector->counts();
+    const auto lost = losses_until_now(losses, application, outputs);
+    summarize(counts, lost);
+    return code == exit_code::done && broke_promise(options, lossless, counts, lost) ? exit_code::partly_done : code;
 }
 
 Run declare(CommandLine& line, Session& session)
@@ -92,8 +128,9 @@ Verb results_verb()
             .details = "Each has source, epoch and seq of the capture it belongs to, the sender and output it came "
                        "from, time_us (of the "
                        "capture, microseconds since 1970), age_ms, size (of the body, bytes) and header (what the "
-                       "drone found). If "
-                       "anything was lost, refused or failed, the last line on stderr says how much.",
+                       "drone found). If anything was lost, refused or failed, the last lines on stderr say how much "
+                       "and where. The exit code is 8 when results are missing although they were promised: with "
+                       "--ordered, and when the source produces on demand.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header",
             .timeout = "give up when nothing came for this long (default: never)",
