@@ -11,7 +11,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-#include <event_record.hpp>
+#include <hive/recording/event_record.hpp>
 
 #include <csignal>
 
@@ -59,7 +59,7 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options,
+int take_events(hive::Collector& collector, hive::recording::Writer& writer, const Options& options,
                 std::optional<std::chrono::milliseconds> patience, const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds
@@ -71,7 +71,7 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
             writer.finish("time over");
         } else if (const auto event = collector.next(100ms)) {
             if (event->received < limit)
-                recording::append(writer, *event);
+                hive::recording::append(writer, *event);
             if (writer.summary().events() == options.count)
                 writer.finish("count reached");
             last = Clock::now();
@@ -87,16 +87,16 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
 }
 
 /// What had come before the end is part of the recording.
-void take_rest(hive::Collector& collector, recording::Writer& writer)
+void take_rest(hive::Collector& collector, hive::recording::Writer& writer)
 {
     const auto now = Clock::now();
     for (auto event = collector.next(0ms); event && event->received < now && writer.ended().empty();
          event = collector.next(0ms))
-        recording::append(writer, *event);
+        hive::recording::append(writer, *event);
 }
 
 void note_losses(const Losses& losses, hive::Application& application, const std::vector<hive::Endpoint>& outputs,
-                 const hive::Collector& collector, recording::Writer& writer)
+                 const hive::Collector& collector, hive::recording::Writer& writer)
 {
     for (const auto& loss : losses_until_now(losses, application, outputs))
         writer.lost(loss.from, loss.reason, loss.events);
@@ -104,7 +104,7 @@ void note_losses(const Losses& losses, hive::Application& application, const std
         writer.lost("*", "dropped by hivectl: it could not write them in time", dropped);
 }
 
-void summarize(const std::string& file, const recording::Writer& writer, bool json)
+void summarize(const std::string& file, const hive::recording::Writer& writer, bool json)
 {
     const auto& summary = writer.summary();
     hive::Json lost = hive::Json::array();
@@ -114,7 +114,7 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
                                + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "")
                                + printable(loss.reason));
     }
-    const auto outputs = static_cast<std::int64_t>(recording::ports_of(summary.tracks).size());
+    const auto outputs = static_cast<std::int64_t>(hive::recording::ports_of(summary.tracks).size());
     const Row row{{"file", file},
                   {"events", summary.events()},
                   {"outputs", outputs},
@@ -129,7 +129,7 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
                          + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
 }
 
-int exit_code_for(int code, const recording::Writer& writer)
+int exit_code_for(int code, const hive::recording::Writer& writer)
 {
     const bool any = writer.summary().events() > 0;
     if (!writer.failure().empty())
@@ -146,9 +146,9 @@ int run(const Options& options, Session& session)
     const auto outputs = outputs_named(application, options.names);
     const auto collector = application.collect(outputs, collecting(options));
     const auto losses = losses_from_now(application, outputs);
-    recording::Writer writer({.path = options.file,
-                              .overwrite = options.overwrite,
-                              .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
+    hive::recording::Writer writer({.path = options.file,
+                                    .overwrite = options.overwrite,
+                                    .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
     const int code = take_events(*collector, writer, options, session.patience(),
                                  [&] { return reason_for_silence(application, outputs); });

@@ -281,3 +281,37 @@ TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a
     drone.signal(SIGCONT);
     CHECK(swarm.hivectl({"get", "hung"}).exit_code == 0);
 }
+
+TEST_CASE(
+    "log: the file of a drone started by hivectl is bounded, what it held is kept once, and a file of another name "
+    "is left alone")
+{
+    constexpr std::uintmax_t full = 4 * 1024 * 1024;
+    const Swarm swarm;
+    const auto log = swarm.home() / "ticker.log", before = swarm.home() / "ticker.log.1";
+    const auto fill = [](const std::filesystem::path& file) {
+        std::ofstream(file, std::ios::binary) << "first words\n" << std::string(full - 20, 'x') << "\n";
+    };
+    fill(log);
+    swarm.hivectl_done({"start", "ticker"});
+    CHECK(std::filesystem::file_size(log) < 4096);
+    CHECK(swarm.log("ticker").find("ticker: started") != std::string::npos);
+    CHECK(std::filesystem::file_size(before) >= full - 20);
+    CHECK(std::filesystem::file_size(before) <= full);
+    swarm.hivectl_done({"stop", "ticker"});
+
+    fill(log);
+    std::ofstream(swarm.home() / "ticker.state") << R"({"kind": "camera"})";  // which it mentions, and so cuts its log
+    const auto refused = swarm.hivectl({"start", "ticker", "fps=no"});        // its last words stand in what is left
+    CHECK(refused.exit_code != 0);
+    CHECK(std::filesystem::file_size(log) < 4096);
+    CHECK(refused.err.find("fps") != std::string::npos);
+
+    const auto other = swarm.home() / "my.log";
+    fill(other);
+    const auto command = swarm.program("hive-ticker").string() + " --name ticker 2>>" + other.string() + " & wait $!";
+    const Process process({"/bin/sh", "-c", command}, {"HIVE_HOME=" + swarm.home().string()}, swarm.home() / "sh.log");
+    REQUIRE(eventually([&] { return swarm.hivectl({"ps", "ticker"}).exit_code == 0; }));
+    CHECK(std::filesystem::file_size(other) >= full - 20);
+    swarm.hivectl_done({"stop", "ticker"});
+}

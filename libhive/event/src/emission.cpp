@@ -80,6 +80,7 @@ Event event_from_json(const Json& json, std::size_t body_size)
     event.type = fields.text("type");
     event.size =
         static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(body_size)));
+    event.sized = fields.has("size") || body_size > 0;
     if (fields.has("header"))
         event.header = fields.object("header");
     return event;
@@ -95,8 +96,19 @@ bool is_share_name(std::string_view text)
            && (sharp == std::string_view::npos || is_name(text.substr(sharp + 1)));
 }
 
+namespace {
+
+/// The size of a body that was not made is known only to who keeps it elsewhere, as a recording does.
+Event with_honest_size(Event event, bool complete)
+{
+    event.sized = event.sized && (complete || event.size > 0);
+    return event;
+}
+
+}  // namespace
+
 Emission::Emission(Event event, bool complete, std::optional<Share> own)
-    : event_(std::move(event)),
+    : event_(with_honest_size(std::move(event), complete)),
       complete_(complete),
       own_(std::move(own)),
       header_(std::make_shared<const std::string>(header_text(event_, own_ ? &*own_ : nullptr)))
@@ -142,6 +154,7 @@ void Emission::keep_rendition(const std::string& encoding, std::shared_ptr<const
 Event event_from_packet(const protocol::Packet& packet)
 {
     Event event = event_from_text(packet.header_text(), packet.body);
+    event.sized = event.sized || packet.type != protocol::PacketType::notification;  // else the body tells it
     event.received = std::chrono::steady_clock::now();
     return event;
 }
@@ -156,6 +169,7 @@ Event event_from_text(std::string_view text, Body body)
 {
     Event event;
     event.size = body.size();
+    event.sized = !body.empty();
     if (!event::read_plain_header(text, event))
         event = event::event_from_json(parse_json(text), body.size());
     event.body = std::move(body);

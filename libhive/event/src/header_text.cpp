@@ -213,7 +213,7 @@ constexpr std::array known_fields{
     Field{"\"seq\":", [](Plain& text, Event& event) { return text.integer(event.identity.sequence); }},
     Field{"\"time_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.captured_us); }},
     Field{"\"mono_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.monotonic_us); }},
-    Field{"\"size\":", [](Plain& text, Event& event) { return text.integer(event.size); }},
+    Field{"\"size\":", [](Plain& text, Event& event) { return event.sized = text.integer(event.size); }},
     Field{"\"lossless\":", [](Plain& text, Event& event) { return text.flag(event.identity.lossless); }},
     Field{"\"part\":", [](Plain& text, Event& event) { return text.integer(event.identity.part, most_part); }},
     Field{"\"shares\":", [](Plain& text, Event& event) { return text.shares(event.identity.shares); }},
@@ -239,7 +239,8 @@ std::string header_text(const Event& event, const Share* own)
     header.number(",\"seq\":", identity.sequence);
     header.number(",\"time_us\":", identity.captured_us);
     header.number(",\"mono_us\":", identity.monotonic_us);
-    header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
+    if (event.sized || !event.body.empty())
+        header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
     if (identity.lossless)
         header.raw(",\"lossless\":", "true");
     if (identity.part > 0)

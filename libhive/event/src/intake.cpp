@@ -19,7 +19,7 @@ constexpr auto patience = 3s;               // for one attempt to dial and regis
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 
-transport::Backoff backoff_for(const transport::Address& address)
+Backoff backoff_for(const transport::Address& address)
 {
     // A local socket that is not there costs nothing to try, so a restarted drone is met again at once.
     const bool local = address.scheme != transport::Address::Scheme::tcp;
@@ -41,6 +41,15 @@ void Intake::start(OnOutcome first)
 {
     first_ = std::move(first);
     attempt();
+}
+
+void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
+{
+    before_ = std::exchange(spec_.options, options);
+    first_ = std::move(on_outcome);
+    connected_ = false;
+    link_->release_channel(channel_);  // what is under way there comes again
+    register_on(link_, Clock::now() + patience);
 }
 
 void Intake::attempt()
@@ -108,6 +117,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
         return link->close(error);
     }
     connected_ = true;
+    before_.reset();
     problem_.reset();
     backoff_.reset();
     if (const auto first = std::exchange(first_, {}))
@@ -134,6 +144,8 @@ void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
 void Intake::failed(const Error& error)
 {
     problem_ = error;
+    if (before_)
+        spec_.options = *std::exchange(before_, std::nullopt);
     if (const auto first = std::exchange(first_, {}))
         first(error);
     if (!stopped_)
@@ -288,14 +300,14 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, st
 }
 
 /// Is there something to tell that cannot go with a later request?
-bool Intake::ask_now(std::int64_t ask) const
+bool Intake::ask_now(std::int64_t ask, std::int64_t worked) const
 {
     if (!back_.empty())
         return true;
     const bool waits = worked_ < arrived();  // something is being worked on, and its end will be told
     if (spec_.options.transfer == Transfer::streaming)
-        return (done_ > told_done_ || worked_ > told_worked_) && (!waits || worked_ - told_worked_ >= told_at_least);
-    return ask > asked_ || (worked_ > told_worked_ && !spec_.options.group.empty()) || (done_ > told_done_ && !waits);
+        return (done_ > told_done_ || worked > told_worked_) && (!waits || worked - told_worked_ >= told_at_least);
+    return ask > asked_ || (worked > told_worked_ && !spec_.options.group.empty()) || (done_ > told_done_ && !waits);
 }
 
 void Intake::flush()
@@ -303,14 +315,17 @@ void Intake::flush()
     if (!connected_)
         return;
     const bool may_ask = !stopped_ && host_.paused() == Reason::none;
+    const bool streaming = spec_.options.transfer == Transfer::streaming;
     const auto ask = may_ask ? std::max(asked_, spec_.options.window + finished_) : asked_;
-    if (!ask_now(ask))
+    // A stream asks for nothing: what it has worked on lets more lossless events come.
+    const auto worked = may_ask || !streaming ? worked_ : std::max(told_worked_, done_);
+    if (!ask_now(ask, worked))
         return;
     asked_ = ask;
     told_done_ = done_;
-    told_worked_ = worked_;
+    told_worked_ = worked;
     link_->connection().send(protocol::make_packet(
-        PacketType::request, protocol::to_text({epoch_, ask, done_, worked_, std::exchange(back_, {})}), channel_));
+        PacketType::request, protocol::to_text({epoch_, ask, done_, worked, std::exchange(back_, {})}), channel_));
 }
 
 std::optional<Standing> Intake::standing() const

@@ -50,6 +50,7 @@ void Link::on_packet(const Packet& packet)
                 ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
             return;
         }
+        used_ = Clock::now();
         const Json header = parse_json(packet.header_text());
         if (packet.type == PacketType::confirmation)
             return on_confirmation(header);
@@ -64,7 +65,10 @@ void Link::on_packet(const Packet& packet)
 void Link::on_hello(const Packet& packet)
 {
     peer_ = protocol::hello_from_json(parse_json(packet.header_text()));
+    if (peer_.name == self_.name && peer_.epoch == self_.epoch && peer_.pid == self_.pid)
+        throw Error(Errc::invalid_argument, self_.name + " met itself");
     open_ = true;
+    used_ = Clock::now();
     connection_->open(limits_);
     if (peer_.maps && connection_->can_share())
         connection_->share(pool_);

@@ -118,15 +118,34 @@ transport::Address Module::listen(const transport::Address& address)
     listeners_.push_back(transport::listen(
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
-            if (links_.size() >= most_peers) {
+            if (links_.size() >= most_peers && !make_room()) {
                 log("refused " + connection->peer() + ": " + std::to_string(most_peers)
-                    + " peers are connected already");
+                    + " peers are connected, and each has something to do here");
                 return;
             }
             adopt(make_link(std::move(connection)), [](const LinkPtr&, const Error&) {});
         },
         options_.timing));
     return listeners_.back()->address();
+}
+
+/// Of the peers that have nothing registered and nothing under way, the one that has been idle for longest gives up its
+/// place: strangers who only hold places do not keep out who has something to say.
+bool Module::make_room()
+{
+    const auto registered = [](const Link& link) {
+        return [&link](const Outlet& outlet) { return outlet.receivers(link) > 0; };
+    };
+    LinkPtr longest;
+    for (const auto& link : links_)
+        if (link->idle() && std::ranges::none_of(outlets_, registered(*link))
+            && (!longest || link->used() < longest->used()))
+            longest = link;
+    if (!longest)
+        return false;
+    links_.erase(longest);  // at once, so that it is not chosen again before its end is told
+    longest->close(Error(Errc::refused, "it had nothing to do here, and another peer needed the place"));
+    return true;
 }
 
 std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink)
@@ -232,8 +251,10 @@ void Module::arm()
 void Module::tick()
 {
     const auto now = Clock::now();
-    for (const auto& link : std::set(links_))
+    for (const auto& link : std::set(links_)) {
         link->expire(now);
+        expire_asked(*link, now);
+    }
     expire_dialing(now);
     for (auto& outlet : outlets_)
         if (outlet.timed())

@@ -63,11 +63,9 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                  const std::function<void(const Welcome&)>& confirm)
 {
     Decisions decisions;
-    // It comes back before this end has seen that it went.
-    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place)) {
+    // It has other options now, or comes back before this end has seen that it went.
+    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place))
         detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
-        table_.lose(*before, Fate::lost_connection, true, Clock::now(), decisions);
-    }
     const auto id = ++next_id_;
     const Newcomer newcomer{.id = id,
                             .receiver = registration.receiver,

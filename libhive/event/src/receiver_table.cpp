@@ -51,6 +51,11 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
 
 std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
 {
+    if (const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place)) {
+        auto seat = seats_.extract(*before);
+        close_account({seat.mapped().line.receiver(), ""}, false);
+        kept_.emplace(newcomer.place, std::move(seat.mapped().line));
+    }
     if (newcomer.place != 0) {
         const auto kept = kept_.find(newcomer.place);
         return kept != kept_.end() && kept->second.receiver() == newcomer.receiver ? kept : kept_.end();

@@ -1,23 +1,13 @@
 // Reads parameters at once, and sets them between two callbacks.
 #include "parameter_requests.hpp"
 
-#include <algorithm>
+#include <hive/protocol/requests.hpp>
 
 namespace hive::service {
 
-using event::Clock;
 using event::Incoming;
 
 namespace {
-
-constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
-constexpr int default_deadline_ms = 5000;
-
-Clock::time_point deadline_of(const Fields& fields)
-{
-    const std::chrono::milliseconds told(fields.integer_or("deadline_ms", 0, max_json_integer, default_deadline_ms));
-    return Clock::now() + std::min(most_patience, told);
-}
 
 /// What the answer says when the drone's code threw: it understood, and said no.
 Error refusal(const Error& error)
@@ -42,15 +32,13 @@ void ParameterRequests::on_get(const Incoming& incoming) const
 
 void ParameterRequests::on_set(const Incoming& incoming)
 {
-    const Fields fields(incoming.header, "set");
-    const Json values = parameters_.checked(fields.object("parameters"));
-    const auto deadline = deadline_of(fields);
-    if (fields.flag_or("check_only", false))
+    const auto set = protocol::set_from_json(incoming.header);
+    const Json values = parameters_.checked(set.parameters);
+    if (set.check_only)
         return incoming.answer(Json{{"parameters", values}, {"previous", present_values(values)}});
-    inbox_.command([this, values, deadline, answer = incoming.answer](Worker& worker) {
-        if (Clock::now() >= deadline)
-            return answer(
-                Error(Errc::timeout, module_.self().name + " was busy until the deadline had passed; nothing was set"));
+    inbox_.command([this, values, asked = incoming.asked, answer = incoming.answer](Worker& worker) {
+        if (!asked->begin())
+            return;  // its deadline has answered, or is about to
         try {
             answer(apply(worker, values));
         } catch (...) {

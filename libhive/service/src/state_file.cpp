@@ -1,14 +1,18 @@
 // Reads and writes the state of a drone.
 #include "state_file.hpp"
 
+#include <hive/protocol/requests.hpp>
+
 namespace hive::service {
 namespace {
 
 Json connection_json(const event::IntakeSpec& spec)
 {
-    return {{"from", {{"drone", spec.sender}, {"output", spec.output}, {"address", to_text(spec.address)}}},
-            {"input", spec.input},
-            {"options", to_json(spec.options)}};
+    return to_json(protocol::Connect{.drone = spec.sender,
+                                     .output = spec.output,
+                                     .address = to_text(spec.address),
+                                     .input = spec.input,
+                                     .options = spec.options});
 }
 
 }  // namespace

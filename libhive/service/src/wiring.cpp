@@ -9,11 +9,18 @@ using event::Intake;
 using event::IntakeSpec;
 using event::Outcome;
 
+namespace {
+
+bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
+{
+    return one.sender == other.sender && one.output == other.output && one.input == other.input;
+}
+
+}  // namespace
+
 void Wiring::on_connect(const event::Incoming& incoming)
 {
-    const Fields fields(incoming.header, "connect");
-    const auto options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{};
-    connect(intake_spec(fields.object("from"), fields.name("input"), options),
+    connect(intake_spec(protocol::connect_from_json(incoming.header)),
             [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 
@@ -44,28 +51,29 @@ void Wiring::restore(const Json& connections)
 {
     for (const auto& saved : connections)
         try {
-            const Fields fields(saved, "saved connection");
-            add_intake(
-                intake_spec(fields.object("from"), fields.name("input"), connection_options(fields.object("options"))))
-                ->start({});
+            add_intake(intake_spec(protocol::connect_from_json(saved)))->start({});
         } catch (const Error& error) {
             reporter_.log(std::string("a saved connection is left out: ") + error.what());
         }
 }
 
-IntakeSpec Wiring::intake_spec(const Json& from, const std::string& input, const ConnectionOptions& options) const
+IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
 {
-    const Fields sender(from, "connect: from");
-    const Port& port = port_named(declaration_.interface.inputs, module_.self().name, "input", input);
-    const auto name = sender.name("drone");
-    return {.sender = name,
-            .output = sender.name("output"),
-            .address = sender.has("address") ? transport::parse_address(sender.text("address")) : home_.address(name),
-            .input = input,
-            .receiver = module_.self().name + "." + input,
+    const Port& port = port_named(declaration_.interface.inputs, module_.self().name, "input", connect.input);
+    const auto& self = module_.self().name;
+    const auto address =
+        connect.address.empty() ? home_.address(connect.drone) : transport::parse_address(connect.address);
+    if (address == home_.address(self))
+        throw Error(Errc::invalid_argument, self + " cannot receive its own output " + connect.output
+                                                + ": each event would bring forth the next");
+    return {.sender = connect.drone,
+            .output = connect.output,
+            .address = address,
+            .input = connect.input,
+            .receiver = self + "." + connect.input,
             .accepts = port.type,
             .stateful = declaration_.interface.stateful,
-            .options = options};
+            .options = connect.options};
 }
 
 std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
@@ -75,6 +83,12 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 
 void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
 {
+    if (const auto present = connected(spec);
+        present && present->spec().options.group.empty() && spec.options.group.empty())
+        return present->change(spec.options, [this, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+            state_file_.remember();
+            on_outcome(outcome);
+        });
     const std::weak_ptr<Intake> weak = add_intake(std::move(spec));
     weak.lock()->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
         const auto self = weak.lock();
@@ -82,20 +96,33 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
             module_.remove_intake(self);
             return on_outcome(outcome);
         }
-        replace_others(self);
+        replace_earlier(self);
         state_file_.remember();
         on_outcome(outcome);
     });
 }
 
-/// An input has one connection to an output: the newest.
-void Wiring::replace_others(const std::shared_ptr<Intake>& intake)
+std::shared_ptr<Intake> Wiring::connected(const IntakeSpec& spec) const
 {
-    const auto& spec = intake->spec();
-    for (const auto& other : std::vector(module_.intakes()))
-        if (other != intake && other->spec().sender == spec.sender && other->spec().output == spec.output
-            && other->spec().input == spec.input)
-            module_.remove_intake(other);
+    for (const auto& intake : module_.intakes())
+        if (intake->connected() && same_ends(intake->spec(), spec))
+            return intake;
+    return nullptr;
+}
+
+/// An input has one connection to an output: the newest. One that was asked for later will replace this one in its
+/// turn.
+void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
+{
+    for (const auto& other : std::vector(module_.intakes())) {
+        if (other == intake)
+            return;
+        if (!same_ends(other->spec(), intake->spec()))
+            continue;
+        if (!other->spec().options.group.empty())
+            inbox_.discard(other->spec());
+        module_.remove_intake(other);
+    }
 }
 
 }  // namespace hive::service

@@ -4,6 +4,8 @@
 #include "inbox.hpp"
 #include "state_file.hpp"
 
+#include <hive/protocol/requests.hpp>
+
 namespace hive::service {
 
 /// The network side.
@@ -26,11 +28,11 @@ public:
     void restore(const Json& connections);
 
 private:
-    [[nodiscard]] event::IntakeSpec intake_spec(const Json& from, const std::string& input,
-                                                const ConnectionOptions& options) const;
+    [[nodiscard]] event::IntakeSpec intake_spec(const protocol::Connect& connect) const;
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
-    void replace_others(const std::shared_ptr<event::Intake>& intake);
+    [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
+    void replace_earlier(const std::shared_ptr<event::Intake>& intake);
 
     const Declaration& declaration_;
     const event::Home& home_;

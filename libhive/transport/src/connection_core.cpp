@@ -212,8 +212,9 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
     if (!stream_->passes_descriptors())
         throw Error(Errc::malformed, std::string(token(packet.type)) + ": no memory is shared on this connection");
     if (packet.type == PacketType::release) {
+        const auto slots = protocol::slots_from_body(packet.body);  // checked, also when there is nothing to give back
         if (lending_)
-            lending_->released(protocol::slots_from_body(packet.body));
+            lending_->released(slots);
         return true;
     }
     if (!borrowing_)

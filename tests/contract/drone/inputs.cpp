@@ -65,6 +65,8 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
             CHECK(header.at("sender") == "subject");
             CHECK(header.at("output") == "exceptions");
             CHECK(header.at("source") == "raw");
+            CHECK(header.at("epoch") != peer.first().json().at("epoch"));  // that of the asker, not of the drone
+            CHECK(header.at("seq") == 4000 + body.size());
             CHECK(header.at("header").at("code") == "malformed");
             CHECK(header.at("header").at("policy") == "skip");
             CHECK(header.at("header").at("input") == input);
@@ -92,4 +94,22 @@ TEST_CASE("drone: with the policy halt the first exception halts it")
         CHECK(hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "halted"; },
                                      within(1000)));
     }
+}
+
+TEST_CASE("drone: no input takes an output of the drone itself, and one that has halted takes no event")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    for (const auto& input : subject::description().at("inputs")) {
+        const Json itself{{"from", {{"drone", "subject"}, {"output", "exceptions"}}}, {"input", input.at("name")}};
+        const Json answer = peer.ask(raw::connect, itself);
+        CHECK(raw::error_of(answer) == "invalid_argument");
+        CHECK(raw::text_of(answer).find("own output") != std::string::npos);
+    }
+    CHECK(peer.ask(raw::status).at("result").at("inputs") == Json::array());
+    REQUIRE(raw::error_of(peer.ask(raw::halt)) == "");
+    for (const auto& input : subject::description().at("inputs"))
+        CHECK(raw::error_of(peer.ask(raw::put, {{"input", input.at("name")}, {"type", "image/jpeg"}}, 0, "x"))
+              == "halted");
 }

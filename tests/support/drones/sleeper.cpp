@@ -15,12 +15,14 @@ std::int64_t sum_of(const hive::Body& body)
 
 void sleeper(hive::Drone& drone)
 {
-    int work_ms = 0, most_ms = 600'000, throw_at = 0, thrown_at = 0;
+    int work_ms = 0, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
     drone.parameter("most_ms", most_ms, hive::at_least(0).in("ms"),
                     "a longer work_ms is refused by this drone's own code");
     drone.parameter("throw_at", throw_at, hive::at_least(0),
                     "throws once, on the first event with this sequence number or a later one; 0: never");
+    drone.parameter("throw_every", throw_every, hive::at_least(0),
+                    "throws on each event whose sequence number it divides, at every attempt; 0: never");
     const auto result = drone.output("result", "application/json",
                                      "in the header: seq and index of the input, its age when the work was done");
     drone.on_change([&] {
@@ -35,6 +37,8 @@ void sleeper(hive::Drone& drone)
                 thrown_at = throw_at;
                 throw std::runtime_error("event " + std::to_string(event.identity.sequence) + " is not to my taste");
             }
+            if (throw_every > 0 && event.identity.sequence % throw_every == 0)
+                throw std::runtime_error("event " + std::to_string(event.identity.sequence) + " is one of those");
             if (event.body.size() == event.size && event.header.contains("sum")
                 && event.header["sum"] != sum_of(event.body))
                 throw std::runtime_error("the bytes of event " + std::to_string(event.identity.sequence)

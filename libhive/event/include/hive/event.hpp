@@ -61,6 +61,7 @@ struct Event {
     std::string type;              ///< media type of the body, "image/jpeg"
     Json header = Json::object();  ///< what the sender's author put in
     std::size_t size = 0;          ///< of the body at the sender, bytes
+    bool sized = true;             ///< is `size` known? Not in a notification of a body that nobody wanted to be made
     std::chrono::steady_clock::time_point received{};
     /// While anybody holds it, the event counts as being worked on: the next one is asked for when the last copy is
     /// gone.

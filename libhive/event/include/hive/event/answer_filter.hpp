@@ -20,7 +20,7 @@ public:
     bool first(const Event& event);
 
 private:
-    bool off_;  ///< by a test that shows what it is for
+    bool off_;                                               ///< by a test that shows what it is for
     std::unordered_map<std::string, std::string> attempts_;  ///< that answered, by the work
     std::deque<std::string> order_;
 };

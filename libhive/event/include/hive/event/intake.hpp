@@ -1,6 +1,7 @@
 // An input's connection to one output of another module: registers, asks, acknowledges, and comes back after a loss.
 #pragma once
 
+#include <hive/backoff.hpp>
 #include <hive/event/intake_host.hpp>
 #include <hive/event/receipt.hpp>
 #include <hive/status.hpp>
@@ -42,6 +43,10 @@ public:
 
     /// Dials and registers. `first` hears how the first attempt went; later losses are repaired without a word.
     void start(OnOutcome first);
+    /// Goes on with other options at the same place, so that nothing is lost and nothing comes twice. If the sender
+    /// refuses them, it goes on with those that it had. For one that is connected and no member of a group, nor is to
+    /// be one.
+    void change(const ConnectionOptions& options, OnOutcome on_outcome);
     /// No event comes after this. What is in hand of shared or lossless work is ended first; then it deregisters.
     /// `left` is called when the sender has confirmed, or cannot.
     void stop(std::function<void()> left = [] {});
@@ -76,13 +81,14 @@ private:
     [[nodiscard]] bool refuses_now() const;
     [[nodiscard]] Delivery* delivery(std::int64_t number);
     [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
-    [[nodiscard]] bool ask_now(std::int64_t ask) const;
+    [[nodiscard]] bool ask_now(std::int64_t ask, std::int64_t worked) const;
 
     IntakeHost& host_;
     IntakeSpec spec_;
     Sink sink_;
     OnOutcome first_;
-    transport::Backoff backoff_;
+    std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
+    Backoff backoff_;
     asio::steady_timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;

@@ -24,11 +24,13 @@
 
 namespace hive::event {
 
-/// A request of a peer, to be answered exactly once, from any thread.
+/// A request of a peer, to be answered exactly once, from any thread. Its deadline answers it when nobody else does.
 struct Incoming {
     std::string peer;
+    std::int64_t peer_epoch = 0;
     Json header;
     Body body;
+    std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
     std::function<void(Outcome)> answer;
 };
 
@@ -118,11 +120,14 @@ private:
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    bool make_room();
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
     [[nodiscard]] Json confirmation(const Outlet& sender, const Welcome& welcome) const;
     void require_free(const Link& link, std::uint16_t channel) const;
     void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
     void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    std::function<void(const Outcome&)> answer_to(Link& link, const std::shared_ptr<Asked>& asked);
+    void expire_asked(Link& link, Clock::time_point now);
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();

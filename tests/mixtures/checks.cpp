@@ -1,0 +1,152 @@
+// Sums of ledgers and of intakes, and the two ends of an edge laid side by side.
+#include "checks.hpp"
+#include "picture.hpp"
+
+#include <algorithm>
+
+namespace hive::mixtures {
+namespace {
+
+bool balances(const EdgeStatus& edge, std::int64_t produced)
+{
+    bool good = edge.events.in_flight() >= 0 && edge.waiting >= 0 && edge.waiting <= edge.events.in_flight();
+    for (std::size_t i = 0; i < fates; ++i)
+        good = good && edge.events.of(static_cast<Fate>(i)) >= 0;
+    return good && (edge.events.total() <= produced || !edge.options.group.empty());  // a member may get one again
+}
+
+bool balances(const InputStatus& input)
+{
+    const bool negative = input.queued < 0 || input.in_hand < 0;
+    return !negative
+           && input.received
+                  == input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped
+                         + input.unmatched + input.queued + input.in_hand;
+}
+
+/// What one end has counted while the other one was there as well.
+struct Ages {
+    bool sender_older = false, receiver_older = false;
+};
+
+/// @param left  what the receiver got through connections that were ended since
+Problems disagreeing(const EdgeStatus& edge, const InputStatus& input, std::int64_t left, Ages ages)
+{
+    const auto unsent = edge.waiting + edge.events.of(Fate::skipped) + edge.events.of(Fate::dropped);
+    const bool made_up = ages.sender_older && input.received - input.duplicates > edge.events.total() - unsent;
+    const bool lost = ages.receiver_older && edge.events.of(Fate::acknowledged) > input.received + left;
+    if (!made_up && !lost)
+        return {};
+    return {input.from + " -> " + edge.receiver + ": the sender has " + to_text(edge) + "; the receiver has "
+            + to_text(input)};
+}
+
+std::int64_t received_before(const Status& status, const std::string& input)
+{
+    std::int64_t received = 0;
+    for (const auto& row : status.left)
+        received += row.input == input ? row.received : 0;
+    return received;
+}
+
+const OutputStatus* output_of(const Statuses& statuses, const std::string& drone)
+{
+    const auto found = statuses.find(drone);
+    if (found == statuses.end())
+        return nullptr;
+    for (const auto& output : found->second.outputs)
+        if (output.name == Topology::output_of(drone))
+            return &output;
+    return nullptr;
+}
+
+}  // namespace
+
+Problems unbalanced(const Statuses& statuses)
+{
+    Problems problems;
+    for (const auto& [name, status] : statuses) {
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges)
+                if (!balances(edge, output.produced))
+                    problems.push_back("the ledger of " + name + "." + output.name + " -> " + edge.receiver
+                                       + " does not balance: " + "produced " + std::to_string(output.produced) + ", "
+                                       + to_text(edge));
+        for (const auto* inputs : {&status.inputs, &status.left})
+            for (const auto& input : *inputs)
+                if (!balances(input))
+                    problems.push_back("the account of " + input.from + " -> " + name + "." + input.input
+                                       + " does not balance: " + to_text(input));
+    }
+    return problems;
+}
+
+Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born)
+{
+    Problems problems;
+    for (const auto& [name, status] : statuses)
+        for (const auto& input : status.inputs) {
+            const auto sender = input.from.substr(0, input.from.find('.'));
+            const auto* output = output_of(statuses, sender);
+            if (!output || !input.connected || input.registration == 0)
+                continue;
+            const Ages ages{.sender_older = born.at(sender) <= born.at(name),
+                            .receiver_older = born.at(name) <= born.at(sender)};
+            for (const auto& edge : output->edges)
+                if (edge.receiver == name + "." + input.input && edge.registration == input.registration)
+                    std::ranges::move(disagreeing(edge, input, received_before(status, input.input), ages),
+                                      std::back_inserter(problems));
+        }
+    return problems;
+}
+
+bool idle(const Statuses& statuses)
+{
+    for (const auto& [name, status] : statuses) {
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges)
+                if (edge.events.in_flight() != 0)
+                    return false;
+        for (const auto& input : status.inputs)
+            if (input.queued != 0 || input.in_hand != 0)
+                return false;
+    }
+    return true;
+}
+
+bool says_why(const Status& status)
+{
+    return status.why != Reason::none || std::ranges::any_of(status.outputs, [](const OutputStatus& output) {
+               return output.why != Reason::none
+                      || std::ranges::any_of(output.edges, [](auto& edge) { return edge.why != Reason::none; });
+           });
+}
+
+Problems without_reason(const Statuses& statuses)
+{
+    Problems problems;
+    for (const auto& [name, status] : statuses)
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges)
+                if (edge.events.in_flight() != 0 && edge.why == Reason::none && output.why == Reason::none
+                    && status.why == Reason::none)
+                    problems.push_back(name + "." + output.name + " -> " + edge.receiver
+                                       + " stands still without a reason: " + to_text(edge));
+    return problems;
+}
+
+bool connected(const Statuses& statuses, const Edge& edge)
+{
+    const auto* output = output_of(statuses, edge.sender);
+    const auto receiver = statuses.find(edge.receiver);
+    if (!output || receiver == statuses.end())
+        return false;
+    const auto from = edge.sender + "." + output->name;
+    return std::ranges::any_of(receiver->second.inputs,
+                               [&](auto& input) { return input.from == from && input.connected; })
+           && std::ranges::any_of(output->edges, [&](auto& row) {
+                  return row.connected && row.receiver.substr(0, row.receiver.find('.')) == edge.receiver;
+              });
+}
+
+}  // namespace hive::mixtures

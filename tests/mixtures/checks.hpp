@@ -1,0 +1,25 @@
+// Does what drones tell of themselves add up? Pure: from statuses to what is wrong with them.
+#pragma once
+
+#include "plan.hpp"
+#include "status_of.hpp"
+
+namespace hive::mixtures {
+
+using Problems = std::vector<std::string>;
+
+/// Every account by itself, at any time.
+Problems unbalanced(const Statuses& statuses);
+/// The two ends of each edge beside each other, when nothing moves.
+/// @param born  numbers the starts of drones: an end that began later has counted less
+Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born);
+/// Nothing is under way anywhere.
+bool idle(const Statuses& statuses);
+/// Is there a word for why this source stands still?
+bool says_why(const Status& status);
+/// Edges with events under way for which there is no word. (For statuses in which nothing moves.)
+Problems without_reason(const Statuses& statuses);
+/// Are these two connected, at both ends?
+bool connected(const Statuses& statuses, const Edge& edge);
+
+}  // namespace hive::mixtures

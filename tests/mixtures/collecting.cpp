@@ -1,0 +1,67 @@
+// Results and exceptions, taken by one thread because an application is for one thread.
+#include "collecting.hpp"
+
+namespace hive::mixtures {
+namespace {
+
+using namespace std::chrono_literals;
+
+Outcome outcome_of(const Event& event, bool failed)
+{
+    Outcome outcome{.failed = failed,
+                    .sender = event.sender,
+                    .text = {},
+                    .epoch = event.identity.epoch,
+                    .sequence = event.identity.sequence,
+                    .hops = {}};
+    if (failed)
+        outcome.text = event.header.value("code", "") + ": " + event.header.value("text", "");
+    for (const auto& hop : event.identity.hops)
+        outcome.hops.push_back(hop.drone);
+    return outcome;
+}
+
+std::vector<Endpoint> last_outputs(const Topology& topology)
+{
+    std::vector<Endpoint> ends;
+    for (const auto& drone : topology.stages.back().drones)
+        ends.push_back({drone, Topology::output_of(drone)});
+    return ends;
+}
+
+}  // namespace
+
+Collecting::Collecting(const test::Swarm& swarm, const Topology& topology)
+    : application_({.name = "collector", .home = swarm.home(), .timeout = test::patient(5000ms)}),
+      results_(application_.collect(last_outputs(topology), {.ordered = topology.ordered})),
+      exceptions_(application_.exceptions(topology.drones())),
+      thread_([this](const std::stop_token& ending) { run(ending); })
+{
+}
+
+void Collecting::run(const std::stop_token& ending)
+{
+    while (!ending.stop_requested()) {
+        const auto result = results_->next(5ms), exception = exceptions_->next(0ms);
+        const std::lock_guard lock(mutex_);
+        if (result)
+            came_.push_back(outcome_of(*result, false));
+        if (exception && exception->identity.sequence > 0)
+            came_.push_back(outcome_of(*exception, true));
+        counts_ = results_->counts();
+    }
+}
+
+std::vector<Outcome> Collecting::take()
+{
+    const std::lock_guard lock(mutex_);
+    return std::exchange(came_, {});
+}
+
+CollectCounts Collecting::counts() const
+{
+    const std::lock_guard lock(mutex_);
+    return counts_;
+}
+
+}  // namespace hive::mixtures

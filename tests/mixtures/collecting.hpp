@@ -1,0 +1,33 @@
+// A collector that stays for a whole round: a thread takes results and exceptions as they come.
+#pragma once
+
+#include "model.hpp"
+
+#include <swarm.hpp>
+
+#include <mutex>
+#include <thread>
+
+namespace hive::mixtures {
+
+class Collecting {
+public:
+    /// All drones must run.
+    Collecting(const test::Swarm& swarm, const Topology& topology);
+
+    /// What has come since the last call, in the order of its coming.
+    std::vector<Outcome> take();
+    [[nodiscard]] CollectCounts counts() const;
+
+private:
+    void run(const std::stop_token& ending);
+
+    Application application_;
+    std::unique_ptr<Collector> results_, exceptions_;
+    mutable std::mutex mutex_;
+    std::vector<Outcome> came_;
+    CollectCounts counts_;
+    std::jthread thread_;  // the last: it uses all the others
+};
+
+}  // namespace hive::mixtures

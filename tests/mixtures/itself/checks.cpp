@@ -1,0 +1,89 @@
+// Statuses that add up, and such that do not.
+#include "../checks.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace hive;
+using namespace hive::mixtures;
+
+namespace {
+
+/// source.tick -> a1.image, seven sent and dealt with.
+Statuses good()
+{
+    EdgeStatus edge;
+    edge.receiver = "a1.image";
+    edge.connected = true;
+    edge.registration = 5;
+    edge.events.came(9);
+    edge.events.went(Fate::acknowledged, 7);
+    edge.events.went(Fate::skipped, 2);
+    OutputStatus output;
+    output.name = "tick";
+    output.produced = 9;
+    output.edges = {edge};
+    InputStatus input;
+    input.input = "image";
+    input.from = "source.tick";
+    input.connected = true;
+    input.registration = 5;
+    input.received = input.processed = 7;
+    Statuses statuses{{"source", {}}, {"a1", {}}};
+    statuses["source"].outputs = {output};
+    statuses["a1"].inputs = {input};
+    return statuses;
+}
+
+const std::map<std::string, int> together{{source, 0}, {"a1", 0}};
+
+EdgeStatus& edge_of(Statuses& statuses) { return statuses.at("source").outputs[0].edges[0]; }
+InputStatus& input_of(Statuses& statuses) { return statuses.at("a1").inputs[0]; }
+
+}  // namespace
+
+TEST_CASE("mixtures: accounts that add up are no problem")
+{
+    const auto statuses = good();
+    CHECK(unbalanced(statuses).empty());
+    CHECK(disagreeing(statuses, together).empty());
+    CHECK(without_reason(statuses).empty());
+    CHECK(idle(statuses));
+    CHECK(connected(statuses, {source, "a1", {}}));
+}
+
+TEST_CASE("mixtures: an account that does not add up is a problem")
+{
+    auto statuses = good();
+    edge_of(statuses).events.went(Fate::acknowledged);
+    CHECK(unbalanced(statuses).size() == 1);
+    statuses = good();
+    ++input_of(statuses).received;
+    CHECK(unbalanced(statuses).size() == 1);
+    statuses = good();
+    edge_of(statuses).events.came(1);
+    CHECK(unbalanced(statuses).size() == 1);  // more than were produced
+}
+
+TEST_CASE("mixtures: a receiver with more than was sent, or less than it acknowledged, is a problem")
+{
+    auto statuses = good();
+    ++input_of(statuses).received;
+    CHECK(disagreeing(statuses, together).size() == 1);
+    CHECK(disagreeing(statuses, {{source, 1}, {"a1", 0}}).empty());  // it received from an earlier life as well
+    statuses = good();
+    --input_of(statuses).received;
+    CHECK(disagreeing(statuses, together).size() == 1);
+    CHECK(disagreeing(statuses, {{source, 0}, {"a1", 1}}).empty());
+}
+
+TEST_CASE("mixtures: what is under way and does not move needs a reason")
+{
+    auto statuses = good();
+    edge_of(statuses).events.came(1);
+    CHECK(without_reason(statuses).size() == 1);
+    CHECK_FALSE(idle(statuses));
+    CHECK_FALSE(says_why(statuses.at("source")));
+    edge_of(statuses).why = Reason::not_asked;
+    CHECK(without_reason(statuses).empty());
+    CHECK(says_why(statuses.at("source")));
+}

@@ -1,0 +1,181 @@
+// What is promised. A source on demand, and a collector that stays:
+//
+//   Each event gives exactly one result for each way through the plain stages (one drone of each), or one exception
+//   that ends all ways through the drone that told it. A stage that shares has no ways of its own: whichever member
+//   does the work, it is done once. That holds whatever is killed, frozen or halted, and whoever leaves a group.
+//
+// What ends a promise (then there is at most one result or exception):
+//
+//   - The source is killed or stopped: what it had produced in that life.
+//   - A plain drone is disconnected or stopped by order: what it has not answered, and what is produced until it is
+//     connected again.
+//   - The last member of a group leaves a worker by order: nobody is left who receives that worker.
+//   - A sender starts anew, and two or more plain drones receive it: it does not know them before they have come back,
+//     so what it sends meanwhile reaches only those that have.
+//
+// A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
+#include "model.hpp"
+
+#include <algorithm>
+
+namespace hive::mixtures {
+namespace {
+
+template <class List>
+bool begins_with(const List& list, const List& beginning)
+{
+    return beginning.size() <= list.size() && std::equal(beginning.begin(), beginning.end(), list.begin());
+}
+
+std::string number_of(std::int64_t epoch, std::int64_t sequence)
+{
+    return std::to_string(sequence) + " (epoch " + std::to_string(epoch) + ")";
+}
+
+std::string joined(const std::vector<std::string>& names)
+{
+    std::string text;
+    for (const auto& name : names)
+        text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+}  // namespace
+
+std::string to_text(const Outcome& outcome)
+{
+    return (outcome.failed ? "the exception \"" + outcome.text + "\" of " : "a result of ") + outcome.sender
+           + " by way of " + joined(outcome.hops);
+}
+
+Model::Model(const Topology& topology) : topology_(topology), condition_(topology)
+{
+    excuse_receivers_of(source);  // they are connected one after the other
+}
+
+void Model::before(const Step& step)
+{
+    const auto was = condition_;
+    condition_.follow(step);
+    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop)
+        excuse_receivers_of(step.drone);
+    for (const auto& edge : topology_.edges())
+        if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
+            left(edge.sender, edge.receiver);
+}
+
+void Model::left(const std::string& sender, const std::string& receiver)
+{
+    if (receiver == watcher)
+        return;
+    const auto& stage = topology_.stages.at(topology_.stage_of(receiver));
+    if (!stage.shared())
+        return excuse(receiver);
+    const bool last =
+        std::ranges::none_of(stage.drones, [&](auto& drone) { return condition_.connected(sender, drone); });
+    if (last && sender != source)
+        excuse(topology_.stages.at(topology_.stage_of(sender)).shared() ? "" : sender);
+}
+
+void Model::excuse_receivers_of(const std::string& drone)
+{
+    const auto next = drone == source ? 0 : topology_.stage_of(drone) + 1;
+    if (drone == watcher || next >= topology_.stages.size())
+        return;
+    const auto& stage = topology_.stages[next];
+    if (!stage.shared() && stage.drones.size() > 1)
+        std::ranges::for_each(stage.drones, [this](auto& receiver) { excuse(receiver); });
+}
+
+void Model::excuse(const std::string& drone) { excuses_.push_back({drone, 0, open}); }
+
+std::vector<std::string> Model::excused() const
+{
+    std::set<std::string> drones;
+    for (const auto& excuse : excuses_)
+        if (excuse.until == open)
+            drones.insert(excuse.drone);
+    return {drones.begin(), drones.end()};
+}
+
+void Model::whole(const std::string& drone, std::int64_t epoch, std::int64_t produced)
+{
+    for (auto& excuse : excuses_)
+        if (excuse.until == open && excuse.drone == drone)
+            excuse.epoch = epoch, excuse.until = produced;
+}
+
+bool Model::is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const
+{
+    return std::ranges::any_of(excuses_, [&](const Excuse& excuse) {
+        const bool this_way = excuse.drone.empty() || std::ranges::count(way, excuse.drone) > 0;
+        return this_way && (excuse.until == open || (excuse.epoch == epoch && sequence <= excuse.until));
+    });
+}
+
+Model::Way Model::way_of(const Outcome& outcome) const
+{
+    Way way;
+    for (const auto& stage : topology_.stages)
+        for (const auto& drone : stage.drones)
+            if (!stage.shared() && (outcome.sender == drone || std::ranges::count(outcome.hops, drone) > 0))
+                way.push_back(drone);
+    return way;
+}
+
+std::vector<Model::Way> Model::ways() const
+{
+    std::vector<Way> ways{{}};
+    for (const auto& stage : topology_.stages) {
+        if (stage.shared())
+            continue;
+        std::vector<Way> longer;
+        for (const auto& way : ways)
+            for (const auto& drone : stage.drones) {
+                longer.push_back(way);
+                longer.back().push_back(drone);
+            }
+        ways = std::move(longer);
+    }
+    return ways;
+}
+
+std::optional<std::string> Model::came(const Outcome& outcome)
+{
+    const auto way = way_of(outcome);
+    const auto event = std::pair(outcome.epoch, outcome.sequence);
+    auto& before = came_[event];
+    for (const auto& other : before)
+        if (other.way == way || (other.outcome.failed && begins_with(way, other.way))
+            || (outcome.failed && begins_with(other.way, way)))
+            return "event " + number_of(event.first, event.second) + " was answered twice: by " + to_text(other.outcome)
+                   + ", and then by " + to_text(outcome);
+    before.push_back({way, outcome});
+    if (outcome.failed || !topology_.ordered)
+        return std::nullopt;
+    const auto last = std::exchange(last_[way], event);
+    if (event < last)
+        return "out of order: the result of event " + number_of(event.first, event.second) + " came after that of "
+               + number_of(last.first, last.second);
+    return std::nullopt;
+}
+
+std::vector<std::string> Model::missing(std::int64_t epoch, std::int64_t produced) const
+{
+    std::vector<std::string> missing;
+    const auto all = ways();
+    for (std::int64_t sequence = 1; sequence <= produced; ++sequence) {
+        const auto found = came_.find({epoch, sequence});
+        for (const auto& way : all) {
+            const bool answered = found != came_.end() && std::ranges::any_of(found->second, [&](auto& came) {
+                                      return begins_with(way, came.way);
+                                  });
+            if (!answered && !is_excused(way, epoch, sequence))
+                missing.push_back("event " + number_of(epoch, sequence) + " gave neither result nor exception"
+                                  + (way.empty() ? "" : " by way of " + joined(way)));
+        }
+    }
+    return missing;
+}
+
+}  // namespace hive::mixtures

@@ -1,0 +1,65 @@
+// What a swarm owes to whoever collects its results, and what orders have excused it from.
+#pragma once
+
+#include "condition.hpp"
+
+#include <limits>
+#include <optional>
+
+namespace hive::mixtures {
+
+/// What came of an event of the source: a result, or the exception that came instead.
+struct Outcome {
+    bool failed = false;
+    std::string sender;
+    std::string text;  ///< of an exception: its code and text
+    std::int64_t epoch = 0, sequence = 0;
+    std::vector<std::string> hops;  ///< the drones that the event went through, oldest first
+};
+std::string to_text(const Outcome& outcome);
+
+class Model {
+public:
+    explicit Model(const Topology& topology);
+
+    /// To be called before a step is done: an order may end what was promised.
+    void before(const Step& step);
+    /// What is excused now, until the edges of the drone are whole again; "" stands for all drones.
+    [[nodiscard]] std::vector<std::string> excused() const;
+    /// They are: the source had produced so many events by then.
+    void whole(const std::string& drone, std::int64_t epoch, std::int64_t produced);
+
+    /// Says what is wrong with it: a second answer, or one out of order.
+    std::optional<std::string> came(const Outcome& outcome);
+    /// Of a source on demand at rest: what has not come, of the events that it has produced in this epoch.
+    [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
+    /// Was anything excused so far?
+    [[nodiscard]] bool was_excused() const { return !excuses_.empty(); }
+
+private:
+    using Way = std::vector<std::string>;  ///< the drones of the plain stages, each of which gives a result of its own
+    static constexpr auto open = std::numeric_limits<std::int64_t>::max();
+    struct Excuse {
+        std::string drone;
+        std::int64_t epoch, until;
+    };
+    struct Came {
+        Way way;
+        Outcome outcome;
+    };
+
+    [[nodiscard]] Way way_of(const Outcome& outcome) const;
+    [[nodiscard]] std::vector<Way> ways() const;
+    [[nodiscard]] bool is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const;
+    void excuse(const std::string& drone);
+    void excuse_receivers_of(const std::string& drone);
+    void left(const std::string& sender, const std::string& receiver);
+
+    Topology topology_;
+    Condition condition_;
+    std::vector<Excuse> excuses_;
+    std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
+    std::map<Way, std::pair<std::int64_t, std::int64_t>> last_;
+};
+
+}  // namespace hive::mixtures

@@ -1,0 +1,171 @@
+// From a seed to a sequence of steps: what is broken is known at each step, so every step makes sense where it stands.
+#include "condition.hpp"
+#include "random.hpp"
+#include "topology.hpp"
+
+#include <algorithm>
+
+namespace hive::mixtures {
+namespace {
+
+/// Words that mend are likelier than words that break, and no more than two drones are broken at once.
+class Planner {
+public:
+    Planner(const Topology& topology, Random& random) : topology_(topology), random_(random), condition_(topology) {}
+
+    std::vector<Step> steps(int wanted)
+    {
+        feed();
+        while (static_cast<int>(steps_.size()) < wanted) {
+            if (random_.chance(70))
+                feed();
+            one_of_many();
+        }
+        mend();
+        return std::move(steps_);
+    }
+
+private:
+    std::vector<std::string> workers_that_run() const
+    {
+        auto workers = topology_.workers();
+        std::erase_if(workers, [&](const std::string& drone) { return !condition_.runs(drone); });
+        return workers;
+    }
+
+    void add(Step step)
+    {
+        step.settle = step.settle || random_.chance(40);
+        condition_.follow(step);
+        steps_.push_back(std::move(step));
+    }
+
+    void feed()
+    {
+        if (condition_.runs(source))
+            steps_.push_back({.verb = Verb::feed, .drone = source, .number = random_.between(5, 80)});
+    }
+
+    void one_of_many()
+    {
+        std::vector<Step> choices;
+        for (const auto& [drone, life] : condition_.lives())
+            about(drone, life, choices);
+        for (const auto& edge : topology_.edges())
+            about(edge, choices);
+        about_sets(choices);
+        take(random_.pick(choices));
+    }
+
+    void about(const std::string& drone, Life life, std::vector<Step>& choices) const
+    {
+        const auto offer = [&](Verb verb, int times) {
+            for (int i = 0; i < times; ++i)
+                choices.push_back({.verb = verb, .drone = drone});
+        };
+        const bool another = condition_.broken() < 2;
+        switch (life) {
+        case Life::up:
+            offer(Verb::kill, another ? 4 : 0);
+            offer(Verb::freeze, another ? 3 : 0);
+            offer(Verb::halt, another ? 2 : 0);
+            offer(Verb::stop, another ? 1 : 0);
+            break;
+        case Life::killed:
+        case Life::stopped: offer(Verb::start, 25); break;
+        case Life::frozen: offer(Verb::thaw, 25); break;
+        case Life::halted:
+            offer(Verb::resume, 15);
+            offer(Verb::kill, 2);
+            break;
+        }
+    }
+
+    void about(const Edge& edge, std::vector<Step>& choices) const
+    {
+        if (!condition_.runs(edge.sender) || !condition_.runs(edge.receiver))
+            return;
+        const bool connected = condition_.connected(edge.sender, edge.receiver);
+        for (int i = 0; i < (connected ? 2 : 15); ++i)
+            choices.push_back(
+                {.verb = connected ? Verb::disconnect : Verb::connect, .drone = edge.receiver, .sender = edge.sender});
+    }
+
+    void about_sets(std::vector<Step>& choices) const
+    {
+        const auto workers = workers_that_run();
+        choices.push_back({.verb = Verb::rest, .settle = true});
+        for (const auto& drone : workers)
+            choices.push_back({.verb = Verb::set_one, .drone = drone});
+        if (workers.size() < 2)
+            return;
+        choices.insert(choices.end(), {{.verb = Verb::set_all}, {.verb = Verb::set_twice}, {.verb = Verb::set_twice}});
+        if (condition_.broken() < 2)
+            choices.push_back({.verb = Verb::set_and_kill, .drone = workers.front()});
+    }
+
+    void take(Step step)
+    {
+        switch (step.verb) {
+        case Verb::freeze: return freeze(step);
+        case Verb::thaw: return thaw(step.drone);
+        case Verb::set_and_kill: step.drone = random_.pick(workers_that_run()); [[fallthrough]];
+        case Verb::set_one:
+        case Verb::set_all:
+        case Verb::set_twice:
+            step.number = random_.between(1, 12);
+            step.second = random_.between(6, 20);
+            break;
+        default: break;
+        }
+        add(std::move(step));
+    }
+
+    /// For less time than a peer needs to be taken for dead, at once over; or for longer, with other steps in between.
+    void freeze(const Step& step)
+    {
+        const bool brief = random_.chance(40);
+        frozen_ms_[step.drone] = brief ? random_.between(50, 900) : random_.between(2300, 3500);
+        add(step);
+        if (brief) {
+            steps_.back().settle = false;
+            thaw(step.drone);
+        }
+    }
+
+    void thaw(const std::string& drone) { add({.verb = Verb::thaw, .drone = drone, .number = frozen_ms_[drone]}); }
+
+    void mend()
+    {
+        for (const auto& drone : topology_.drones()) {
+            const auto life = condition_.life(drone);
+            if (life == Life::frozen)
+                thaw(drone);
+            else if (life != Life::up)
+                take({.verb = life == Life::halted ? Verb::resume : Verb::start, .drone = drone});
+        }
+        for (const auto& edge : topology_.edges())
+            if (!condition_.connected(edge.sender, edge.receiver))
+                take({.verb = Verb::connect, .drone = edge.receiver, .sender = edge.sender});
+        feed();
+        steps_.push_back({.verb = Verb::rest, .settle = true});
+    }
+
+    const Topology& topology_;
+    Random& random_;
+    Condition condition_;
+    std::map<std::string, int> frozen_ms_;
+    std::vector<Step> steps_;
+};
+
+}  // namespace
+
+Plan make_plan(std::uint64_t seed, int steps)
+{
+    Random random(seed);
+    Plan plan{.seed = seed, .topology = make_topology(random), .steps = {}};
+    plan.steps = Planner(plan.topology, random).steps(steps);
+    return plan;
+}
+
+}  // namespace hive::mixtures

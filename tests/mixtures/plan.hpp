@@ -1,0 +1,80 @@
+// A round as data: which drones there are, how they are connected, and what is done to them. It follows from the seed
+// alone, so a round that failed can be played again.
+#pragma once
+
+#include <hive/transfer.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hive::mixtures {
+
+inline const std::string source = "source", watcher = "watcher";
+
+/// Drones side by side, each connected to every drone of the stage before (the first: to the source).
+struct Stage {
+    std::vector<std::string> drones;
+    ConnectionOptions options;  ///< with a group, the drones share; otherwise each gets every event
+    int throw_every = 0;        ///< the drones throw on each event whose number it divides; 0: never
+
+    [[nodiscard]] bool shared() const { return !options.group.empty(); }
+};
+
+struct Edge {
+    std::string sender, receiver;
+    ConnectionOptions options;
+};
+
+struct Topology {
+    bool demand = true;    ///< the source is lossless; otherwise live
+    bool ordered = false;  ///< results are collected in order
+    bool watched = false;  ///< a further drone takes notifications of the source
+    std::vector<Stage> stages;
+
+    [[nodiscard]] std::vector<Edge> edges() const;
+    [[nodiscard]] std::vector<std::string> drones() const;   ///< all
+    [[nodiscard]] std::vector<std::string> workers() const;  ///< of the stages
+    [[nodiscard]] std::size_t stage_of(const std::string& worker) const;
+    /// Port by which a drone sends: that of the source, or of a worker.
+    [[nodiscard]] static std::string output_of(const std::string& drone) { return drone == source ? "tick" : "result"; }
+};
+
+enum class Verb {
+    feed,          ///< the source may make `number` events more
+    connect,       ///< `sender` to `drone`
+    disconnect,    ///< `sender` from `drone`
+    kill,          ///< SIGKILL
+    start,         ///< after a kill or a stop
+    freeze,        ///< SIGSTOP
+    thaw,          ///< SIGCONT, not before `number` milliseconds have passed since the freeze
+    halt,          ///<
+    resume,        ///<
+    stop,          ///< by order: it forgets what it was told
+    set_one,       ///< work_ms of one drone
+    set_all,       ///< work_ms and most_ms of all workers that run
+    set_twice,     ///< two of these at once
+    set_and_kill,  ///< one of these, while `drone` is killed
+    rest,          ///< nothing: only wait and check
+};
+std::string_view token(Verb verb) noexcept;
+
+struct Step {
+    Verb verb{};
+    std::string drone = {}, sender = {};
+    int number = 0, second = 0;  ///< as the verb says; of a set: work_ms, and most_ms or the other work_ms
+    bool settle = false;         ///< afterwards wait until nothing changes any more, and check
+};
+
+struct Plan {
+    std::uint64_t seed = 0;
+    Topology topology;
+    std::vector<Step> steps;
+};
+
+/// A round of about `steps` steps, and those that mend at the end whatever is broken.
+Plan make_plan(std::uint64_t seed, int steps);
+std::string to_text(const Topology& topology);
+std::string to_text(const Step& step);
+
+}  // namespace hive::mixtures

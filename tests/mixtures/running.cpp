@@ -1,0 +1,165 @@
+// Processes, signals and the calls of an application.
+#include "running.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <thread>
+
+namespace hive::mixtures {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::vector<std::string> first_settings(const Topology& topology, const std::string& drone, std::int64_t fed)
+{
+    if (drone == source)
+        return {std::string("pace=") + (topology.demand ? "demand" : "live"), "fps=200", "bytes=100",
+                "count=" + std::to_string(fed)};
+    if (drone == watcher)
+        return {};
+    const auto first = Running::first_setting();
+    return {"work_ms=" + std::to_string(first.work_ms), "most_ms=" + std::to_string(first.most_ms),
+            "throw_every=" + std::to_string(topology.stages.at(topology.stage_of(drone)).throw_every)};
+}
+
+Told told(const Error& error)
+{
+    switch (error.code()) {
+    case Errc::refused:
+    case Errc::invalid_argument:
+    case Errc::not_found: return Told::refused;
+    default: return Told::unknown;
+    }
+}
+
+}  // namespace
+
+Running::Running(const Topology& topology) : topology_(topology)
+{
+    for (const auto& drone : topology_.drones()) {
+        start(drone, false);
+        born_[drone] = 0;
+    }
+}
+
+void Running::start(const std::string& drone, bool remembers)
+{
+    if (drone == source && !remembers)
+        fed_ = 1;
+    born_[drone] = ++starts_;
+    auto settings = remembers ? std::vector<std::string>{} : first_settings(topology_, drone, fed_);
+    processes_.insert_or_assign(drone, swarm_.drone(drone == source ? "ticker" : "sleeper", drone, settings));
+}
+
+void Running::connect(const Edge& edge)
+{
+    application_.connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
+}
+
+void Running::perform(const Step& step)
+{
+    switch (step.verb) {
+    case Verb::feed: return feed(step.number);
+    case Verb::connect:
+        for (const auto& edge : topology_.edges())
+            if (edge.sender == step.sender && edge.receiver == step.drone)
+                connect(edge);
+        return;
+    case Verb::disconnect: return application_.disconnect({step.sender, ""}, {step.drone, ""});
+    case Verb::kill:
+        processes_.at(step.drone).kill();
+        killed_.insert(step.drone);
+        frozen_.erase(step.drone);
+        return;
+    case Verb::start: return start(step.drone, killed_.erase(step.drone) > 0);
+    case Verb::freeze:
+        processes_.at(step.drone).signal(SIGSTOP);
+        frozen_[step.drone] = test::Clock::now();
+        return;
+    case Verb::thaw:
+        std::this_thread::sleep_until(frozen_.at(step.drone) + std::chrono::milliseconds(step.number));
+        processes_.at(step.drone).signal(SIGCONT);
+        frozen_.erase(step.drone);
+        return;
+    case Verb::halt: return application_.halt(step.drone);
+    case Verb::resume: return application_.resume(step.drone);
+    case Verb::stop:
+        application_.stop(step.drone);
+        processes_.erase(step.drone);
+        return;
+    default: return;
+    }
+}
+
+void Running::feed(int events)
+{
+    const auto produced = statuses().at(source).outputs.at(0).produced;
+    fed_ = std::max(fed_, produced) + events;
+    application_.set(source, {{"count", fed_}});
+}
+
+Told Running::set(const Change& change)
+{
+    Application asking = swarm_.application();  // of its own: two may be under way
+    Json parameters{{"work_ms", change.work_ms}};
+    if (change.most_ms)
+        parameters["most_ms"] = *change.most_ms;
+    try {
+        auto result = Told::applied;
+        for (const auto& answer : asking.set(change.drones, parameters))
+            if (answer.error && result != Told::unknown)
+                result = told(*answer.error);
+        return result;
+    } catch (const Error& error) {
+        return told(error);
+    }
+}
+
+std::vector<std::string> Running::answering() const
+{
+    auto names = topology_.drones();
+    std::erase_if(names, [&](const auto& drone) {
+        return killed_.contains(drone) || !processes_.contains(drone) || frozen_.contains(drone);
+    });
+    return names;
+}
+
+Statuses Running::statuses() { return statuses_of(application_, answering()); }
+
+Settings Running::settings()
+{
+    Settings settings;
+    for (const auto& answer : application_.get(answering()))
+        if (!answer.error && answer.result.contains("work_ms") && answer.drone != watcher)
+            settings[answer.drone] = {answer.result.at("work_ms"), answer.result.at("most_ms")};
+    return settings;
+}
+
+std::vector<std::string> Running::fallen()
+{
+    std::vector<std::string> fallen;
+    for (auto& [drone, process] : processes_)
+        if (!killed_.contains(drone))
+            if (const auto code = process.wait(0ms))
+                fallen.push_back(drone + " ended by itself with " + std::to_string(*code) + ":\n" + swarm_.log(drone));
+    return fallen;
+}
+
+std::vector<std::string> Running::end()
+{
+    std::vector<std::string> left;
+    for (auto& [drone, process] : processes_) {
+        application_.stop(drone);
+        if (const auto code = process.wait(test::patient(5000ms)); code != 0)
+            left.push_back(drone + (code ? " ended with " + std::to_string(*code) : " still runs") + " after stop:\n"
+                           + swarm_.log(drone));
+    }
+    for (const auto& drone : application_.remembered())
+        left.push_back(drone + " is still remembered");
+    for (const auto& entry : std::filesystem::directory_iterator(swarm_.home()))
+        if (entry.path().extension() == ".sock")
+            left.push_back(entry.path().filename().string() + " is left");
+    return left;
+}
+
+}  // namespace hive::mixtures

@@ -1,0 +1,136 @@
+// Which drones a round has and how they are connected; plans and their parts as text.
+#include "topology.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace hive::mixtures {
+namespace {
+
+ConnectionOptions options_of(Random& random, bool shared, char stage)
+{
+    ConnectionOptions options;
+    if (!shared && random.chance(40))
+        options.transfer = Transfer::streaming;
+    else
+        options.window = random.pick(std::vector{1, 1, 2, 3, 8});
+    if (shared) {
+        options.group = std::string("group-") + stage;
+        options.lease = std::chrono::milliseconds(random.pick(std::vector{800, 1500, 4000}));
+    }
+    return options;
+}
+
+Stage make_stage(Random& random, char letter, int most)
+{
+    Stage stage;
+    const int drones = random.between(1, most);
+    for (int i = 1; i <= drones; ++i)
+        stage.drones.push_back(letter + std::to_string(i));
+    stage.options = options_of(random, random.chance(60), letter);
+    if (random.chance(25))
+        stage.throw_every = random.between(3, 15);
+    return stage;
+}
+
+std::string words(const ConnectionOptions& options)
+{
+    std::string text = options.transfer == Transfer::streaming ? "stream" : "window " + std::to_string(options.window);
+    if (!options.group.empty())
+        text +=
+            ", shared, lease " + std::to_string(options.lease.value_or(std::chrono::milliseconds(0)).count()) + " ms";
+    return text;
+}
+
+constexpr std::array verbs{"feed",   "connect", "disconnect", "kill",    "start",   "freeze",    "thaw", "halt",
+                           "resume", "stop",    "set one",    "set all", "set two", "set, kill", "rest"};
+
+}  // namespace
+
+std::string_view token(Verb verb) noexcept { return verbs.at(static_cast<std::size_t>(verb)); }
+
+Topology make_topology(Random& random)
+{
+    Topology topology;
+    topology.demand = random.chance(75);
+    topology.watched = random.chance(25);
+    const bool two = random.chance(50);
+    topology.stages.push_back(make_stage(random, 'a', two ? 2 : 4));
+    if (two)
+        topology.stages.push_back(make_stage(random, 'b', 2));
+    topology.ordered = std::ranges::all_of(topology.stages, &Stage::shared) && random.chance(40);
+    return topology;
+}
+
+std::vector<Edge> Topology::edges() const
+{
+    std::vector<Edge> edges;
+    std::vector<std::string> senders{source};
+    for (const auto& stage : stages) {
+        for (const auto& sender : senders)
+            for (const auto& receiver : stage.drones)
+                edges.push_back({sender, receiver, stage.options});
+        senders = stage.drones;
+    }
+    if (watched)
+        edges.push_back({source, watcher, {.delivery = Delivery::notification, .group = {}}});
+    return edges;
+}
+
+std::vector<std::string> Topology::workers() const
+{
+    std::vector<std::string> names;
+    for (const auto& stage : stages)
+        names.insert(names.end(), stage.drones.begin(), stage.drones.end());
+    return names;
+}
+
+std::vector<std::string> Topology::drones() const
+{
+    auto names = workers();
+    names.insert(names.begin(), source);
+    if (watched)
+        names.push_back(watcher);
+    return names;
+}
+
+std::size_t Topology::stage_of(const std::string& worker) const
+{
+    return static_cast<std::size_t>(
+        std::ranges::find_if(stages, [&](auto& stage) { return std::ranges::count(stage.drones, worker) > 0; })
+        - stages.begin());
+}
+
+std::string to_text(const Topology& topology)
+{
+    std::string text = topology.demand ? "source on demand" : "live source";
+    for (const auto& stage : topology.stages) {
+        text += " ->";
+        for (const auto& drone : stage.drones)
+            text += " " + drone;
+        text += " (" + words(stage.options);
+        if (stage.throw_every > 0)
+            text += ", throws on every " + std::to_string(stage.throw_every);
+        text += ")";
+    }
+    text += topology.ordered ? " -> collected in order" : " -> collected";
+    return topology.watched ? text + "; source -> watcher (notify)" : text;
+}
+
+std::string to_text(const Step& step)
+{
+    std::string text(token(step.verb));
+    if (!step.sender.empty())
+        text += " " + step.sender + " and";
+    if (!step.drone.empty())
+        text += " " + step.drone;
+    if (step.verb == Verb::thaw)
+        text += " after " + std::to_string(step.number) + " ms";
+    else if (step.number > 0)
+        text += " " + std::to_string(step.number);
+    if (step.second > 0)
+        text += " " + std::to_string(step.second);
+    return step.settle ? text + ", then check" : text;
+}
+
+}  // namespace hive::mixtures
