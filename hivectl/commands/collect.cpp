@@ -1,4 +1,4 @@
-// hivectl collect: sets of events that belong together, one JSON object a line.
+// hivectl collect: prints sets of events that belong together, one JSON object per line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
 #include "../format.hpp"
@@ -93,16 +93,16 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names,
-                "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON")
+                "two or more of drone, drone.output, or globs; the output may be left out when only one is JSON")
         .required();
     line.option("-n", options->count, "end after this many sets")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
     line.option("--within", options->within_ms,
-                "the nearest captures, at most this far apart (default: those of the same capture)")
+                "combine the nearest captures, at most this far apart (default: only events of the same capture)")
         .type_name("MS")
         .between(0, 3'600'000);
-    line.flag("--notify", options->notify, "ask for headers only; the drones need not make the bodies");
+    line.flag("--notify", options->notify, "receive headers only, so that the drones need not make the bodies");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -110,22 +110,20 @@ Run declare(CommandLine& line, Session& session)
 
 Verb collect_verb()
 {
-    return {
-        .name = "collect",
-        .group = "look",
-        .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
-        .summary = "Prints what several drones find in the same picture, one JSON object a line",
-        .details =
-            "Each line is a set with one event of each output, in the order given: source, epoch and seq of "
-            "the first, spread_ms (how "
-            "far the captures are apart) and events, each as hivectl results prints it. What found no "
-            "partner is left out; "
-            "the last lines on stderr say how many, where their partners were missing, and what was lost on the way.",
-        .examples = "hivectl collect camera.image face.faces -n 5\n"
-                    "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
-        .timeout = "give up when no set came for this long (default: never)",
-        .operands = {Operand::sender},
-        .declare = declare};
+    return {.name = "collect",
+            .group = "look",
+            .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
+            .summary = "Prints what several drones find in the same picture, one JSON object per line",
+            .details =
+                "Each line is a set with one event of each output, in the order in which they were named: source, "
+                "epoch and seq of the first event, spread_ms (how far apart the captures are) and events, each as "
+                "hivectl results prints it. Events without a partner are left out; the last lines on stderr say how "
+                "many there were, where their partners were missing, and what was lost on the way.",
+            .examples = "hivectl collect camera.image face.faces -n 5\n"
+                        "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
+            .timeout = "give up after this long without a set (default: never)",
+            .operands = {Operand::sender},
+            .declare = declare};
 }
 
 }  // namespace hivectl

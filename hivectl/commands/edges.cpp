@@ -87,7 +87,7 @@ Verb edges_verb()
         .name = "edges",
         .group = "wire them",
         .usage = "[NAME...] [options]",
-        .summary = "Lists the connections (edges), as both ends count them",
+        .summary = "Lists the connections (edges), with what both ends have counted",
         .details =
             "One row for each edge, and one for each group that shares work. Columns in which every row is 0 or empty "
             "are left out; --json has all of them.\n\n"

@@ -1,4 +1,4 @@
-// hivectl exceptions: what went wrong in drones, and what they do then.
+// hivectl exceptions: shows what went wrong in drones, or changes what they do then.
 #include "../command_line.hpp"
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
@@ -121,18 +121,20 @@ Run declare(CommandLine& line, Session& session)
 
 Verb exceptions_verb()
 {
-    return {.name = "exceptions",
-            .group = "when something goes wrong",
-            .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
-            .summary = "Shows what went wrong in drones; says what they do then",
-            .details = "An exception is what a drone's code threw. Without options, the last one of each drone.",
-            .examples = "hivectl exceptions\n"
-                        "hivectl exceptions face --follow\n"
-                        "hivectl exceptions 'face-*' --on-exception halt",
-            .timeout =
-                "give up after this long (default 5); with --follow: when none came for this long (default: never)",
-            .operands = {Operand::drone},
-            .declare = declare};
+    return {
+        .name = "exceptions",
+        .group = "when something goes wrong",
+        .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
+        .summary = "Shows what went wrong in drones, or changes what they do then",
+        .details = "When a drone's code throws, the drone reports an exception. Without options, this shows the last "
+                   "one of each drone.",
+        .examples = "hivectl exceptions\n"
+                    "hivectl exceptions face --follow\n"
+                    "hivectl exceptions 'face-*' --on-exception halt",
+        .timeout =
+            "give up after this long (default 5); with --follow: after this long without an exception (default: never)",
+        .operands = {Operand::drone},
+        .declare = declare};
 }
 
 }  // namespace hivectl

@@ -1,4 +1,4 @@
-// hivectl record: what outputs send goes into a file, and what is missing in it is said.
+// hivectl record: writes what outputs send into a file, and says what is missing from it.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -126,7 +126,7 @@ void summarize(const std::string& file, const hive::recording::Writer& writer, b
                    : printable(file) + ": " + count_text(summary.events(), "event") + " of "
                          + count_text(outputs, "output") + " in " + duration_text(summary.duration_us) + ", "
                          + size_text(static_cast<std::int64_t>(writer.size()))
-                         + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
+                         + (lost.empty() ? ", nothing lost\n" : "; what was lost is listed above\n"));
 }
 
 int exit_code_for(int code, const hive::recording::Writer& writer)
@@ -163,7 +163,7 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones (all of their outputs), drone.output, or globs").required();
-    line.option("-o,--output", options->file, "where to").type_name("FILE").required();
+    line.option("-o,--output", options->file, "the file to write").type_name("FILE").required();
     line.option("-n", options->count, "end after this many events")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
@@ -174,8 +174,9 @@ Run declare(CommandLine& line, Session& session)
     line.flag("--overwrite", options->overwrite, "replace the file if it is there");
     const auto notify = line.flag("--notify", options->notify, "headers without bodies");
     const auto stream = line.flag("--stream", options->stream,
-                                  "be sent every event, through the sender's queue; what it cannot hold is dropped");
-    line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+                                  "receive every event through the sender's queue, which drops events when it is full");
+    line.option("--window", options->window,
+                "how many events to ask for in advance; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(stream);
@@ -194,15 +195,14 @@ Verb record_verb()
             .group = "keep",
             .usage = "NAME[.OUTPUT]... -o FILE [-n N] [--for SECONDS] [options]",
             .summary = "Records what drones send into a file",
-            .details = "Until Ctrl-C, or as -n, --for and --max-size say. Every event is kept whole: header, body, "
-                       "identity, time of arrival. A recorder "
-                       "that is killed leaves a file that can be read to its last event. If anything that was sent is "
-                       "not in the file, stderr and "
-                       "the file say how much and why, and the exit code is 8.",
+            .details = "Records until Ctrl-C, or as long as -n, --for and --max-size say. Every event is kept whole: "
+                       "header, body, identity and time of arrival. If the recorder is killed, the file can be read up "
+                       "to its last event. If anything is missing from the file, stderr and the end of the file say "
+                       "how much and why, and the exit code is 8.",
             .examples = "hivectl record camera face.faces -o run.hive --for 10\n"
                         "hivectl record camera -o small.hive --encoding jpeg:90  until Ctrl-C\n"
                         "hivectl record '*' -o headers.hive --notify -n 1000",
-            .timeout = "give up when nothing came for this long (default: never)",
+            .timeout = "give up after this long without an event (default: never)",
             .operands = {Operand::sender},
             .declare = declare};
 }

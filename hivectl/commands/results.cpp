@@ -1,4 +1,4 @@
-// hivectl results: what drones find, one JSON object a line.
+// hivectl results: prints what drones find, one JSON object per line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
 #include "../exit_code.hpp"
@@ -101,16 +101,18 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names,
-                "drones, drone.output, or globs; the output goes without saying when only one is JSON")
+                "drones, drone.output, or globs; the output may be left out when only one is JSON")
         .required();
     line.option("-n", options->count, "end after this many")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
-    line.flag("--ordered", options->ordered, "in the order of capture, however many drones share the work");
-    line.flag("--notify", options->notify, "ask for headers only; the drone need not make the bodies");
+    line.flag("--ordered", options->ordered,
+              "print results in the order of capture, however many drones share the work");
+    line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
     const auto sync = line.flag("--sync", options->sync,
-                                "the newest result each time one has been printed; those in between are skipped");
-    line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+                                "receive the newest result each time one has been printed, and skip those in between");
+    line.option("--window", options->window,
+                "how many results to ask for in advance; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(sync);
@@ -124,16 +126,15 @@ Verb results_verb()
     return {.name = "results",
             .group = "look",
             .usage = "NAME[.OUTPUT]... [-n N] [options]",
-            .summary = "Prints what drones find, one JSON object a line",
-            .details = "Each has source, epoch and seq of the capture it belongs to, the sender and output it came "
-                       "from, time_us (of the "
-                       "capture, microseconds since 1970), age_ms, size (of the body, bytes) and header (what the "
-                       "drone found). If anything was lost, refused or failed, the last lines on stderr say how much "
-                       "and where. The exit code is 8 when results are missing although they were promised: with "
-                       "--ordered, and when the source produces on demand.",
+            .summary = "Prints what drones find, one JSON object per line",
+            .details = "Each line has source, epoch and seq of the capture that the result belongs to, the sender and "
+                       "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
+                       "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
+                       "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
+                       "missing that were promised: with --ordered, or when the source produces on demand.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header",
-            .timeout = "give up when nothing came for this long (default: never)",
+            .timeout = "give up after this long without a result (default: never)",
             .operands = {Operand::sender},
             .declare = declare};
 }

@@ -114,10 +114,9 @@ Verb snap_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] FILE [options]",
             .summary = "Saves one picture that a drone sends",
-            .details =
-                "A picture is saved as PNG if the file's ending says so, otherwise as JPEG. What is no picture is "
-                "saved as it came; a "
-                "warning says so if the file's ending means another type. A file that is there already is replaced.",
+            .details = "The picture is saved as PNG if the name of the file ends in .png, otherwise as JPEG. An event "
+                       "that is not a picture is saved as it came, with a warning if the ending of the file means "
+                       "another type. A file that exists already is replaced.",
             .examples = "hivectl snap camera now.jpg\n"
                         "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},

@@ -151,9 +151,8 @@ Verb view_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] [--http PORT] [options]",
             .summary = "Shows the pictures that a drone sends, in a window or a browser",
-            .details = "Runs a drone of the kind view for as long as this command runs: until Ctrl-C, or until the "
-                       "window is closed "
-                       "(q closes it too). With --http it prints the address to open in a browser of this machine.",
+            .details = "Runs a drone of the kind view until Ctrl-C, or until its window is closed (the key q closes it "
+                       "too). With --http it prints the address to open in a browser on this machine.",
             .examples = "hivectl view camera\n"
                         "hivectl view face.annotated --http 8080",
             .timeout = "give up if the drone does not answer within this long (default 10)",

@@ -36,7 +36,6 @@ void Requests::add_handlers()
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
-    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 
@@ -84,19 +83,6 @@ void Requests::on_put(const Incoming& incoming)
     event.received = event::Clock::now();
     inbox_.arrived(std::move(event));
     incoming.answer(Json::object());
-}
-
-/// Nobody waits any longer for a receiver that is gone.
-void Requests::on_forget(const Incoming& incoming)
-{
-    const Fields fields(incoming.header, "forget");
-    const auto receiver = fields.name("receiver"), output = fields.name_or("output", "");
-    if (!output.empty())
-        port_named(parts_.declaration.interface.outputs, parts_.module.self().name, "output", output);
-    const auto removed = parts_.module.forget(receiver, output);
-    if (removed == 0)
-        throw Error(Errc::not_found, parts_.module.self().name + " keeps nothing for " + receiver);
-    incoming.answer(Json{{"removed", removed}});
 }
 
 /// A halt or resume that names a policy sets it, and does nothing else.
