@@ -96,6 +96,14 @@ std::vector<Loss> losses_until_now(const Losses& losses, hive::Application& appl
     return losses.until(application.status(drones_of(outputs)));
 }
 
+bool promise_broken(const hive::CollectCounts& counts, const std::vector<Loss>& losses, bool ordered, bool lossless)
+{
+    if (!ordered && !lossless)
+        return false;
+    return counts.missing > 0 || counts.dropped > 0
+           || std::ranges::any_of(losses, [&](const Loss& loss) { return loss.promised || lossless; });
+}
+
 std::string sentence(const Loss& loss)
 {
     return loss.from + ": " + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + loss.reason;

@@ -42,6 +42,9 @@ private:
 Losses losses_from_now(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 std::vector<Loss> losses_until_now(const Losses& losses, hive::Application& application,
                                    const std::vector<hive::Endpoint>& outputs);
+/// Is something missing that was promised? Nothing is promised of a live source unless its results come in order; all
+/// is promised of a lossless one.
+bool promise_broken(const hive::CollectCounts& counts, const std::vector<Loss>& losses, bool ordered, bool lossless);
 /// "camera.image: 3 events, dropped by the sender: its queue was full".
 std::string sentence(const Loss& loss);
 

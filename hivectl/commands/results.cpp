@@ -65,16 +65,6 @@ void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losse
             complain("results", "lost: " + printable(sentence(loss)));
 }
 
-/// A live source skips what nobody asked for; in order, or of a lossless source, all are promised.
-bool broke_promise(const Options& options, bool lossless, const hive::CollectCounts& counts,
-                   const std::vector<Loss>& losses)
-{
-    if (!options.ordered && !lossless)
-        return false;
-    return counts.missing > 0 || counts.dropped > 0
-           || std::ranges::any_of(losses, [&](const Loss& loss) { return loss.promised || lossless; });
-}
-
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
@@ -94,7 +84,8 @@ int run(const Options& options, Session& session)
     const auto counts = collector->counts();
     const auto lost = losses_until_now(losses, application, outputs);
     summarize(counts, lost);
-    return code == exit_code::done && broke_promise(options, lossless, counts, lost) ? exit_code::partly_done : code;
+    return code == exit_code::done && promise_broken(counts, lost, options.ordered, lossless) ? exit_code::partly_done
+                                                                                              : code;
 }
 
 Run declare(CommandLine& line, Session& session)

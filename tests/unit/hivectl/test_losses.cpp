@@ -25,7 +25,10 @@ std::vector<hive::StatusAnswer> camera(std::int64_t produced, std::int64_t came,
     return {{"camera", status, {}}};
 }
 
-hive::Ledger& own_events(std::vector<hive::StatusAnswer>& answers) { return answers[0].status.outputs[0].edges[1].events; }
+hive::Ledger& own_events(std::vector<hive::StatusAnswer>& answers)
+{
+    return answers[0].status.outputs[0].edges[1].events;
+}
 
 }  // namespace
 
@@ -63,4 +66,17 @@ TEST_CASE("losses: of a sender that was restarted or is silent nobody knows how 
     CHECK(sentence(losses.until(camera(3, 3, 2)).at(0)) == "camera.image: not known: camera was restarted");
     const std::vector<hive::StatusAnswer> silent{{"camera", {}, hive::Error(hive::Errc::timeout, "silent")}};
     CHECK(sentence(losses.until(silent).at(0)) == "camera.image: not known: camera does not answer");
+}
+
+TEST_CASE("losses: a promise is broken by what is missing in order, and by all that a lossless source lost")
+{
+    const hive::CollectCounts none{}, missing{.missing = 1, .missing_turns = {}};
+    const std::vector<Loss> skipped{{"camera.image", "skipped", 3, false}}, lost{{"camera.image", "lost", 3}};
+    CHECK_FALSE(promise_broken(missing, lost, false, false));
+    CHECK_FALSE(promise_broken(none, skipped, true, false));
+    CHECK_FALSE(promise_broken(none, {}, true, true));
+    CHECK(promise_broken(missing, {}, true, false));
+    CHECK(promise_broken(none, lost, true, false));
+    CHECK(promise_broken(none, lost, false, true));
+    CHECK(promise_broken(none, skipped, false, true));
 }
