@@ -1,6 +1,7 @@
 // hivectl collect: prints sets of events that belong together, one JSON object per line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
+#include "../exit_code.hpp"
 #include "../format.hpp"
 #include "../losses.hpp"
 #include "../output.hpp"
@@ -72,7 +73,10 @@ void summarize(const hive::MatchedCollector& collector, const std::vector<Loss>&
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    const auto outputs = outputs_named(application, options.names, "application/json");
+    Outcome outcome("collect");
+    const auto outputs = outputs_named(application, options.names, "application/json", outcome);
+    if (outcome.exit_code() != exit_code::done)
+        return outcome.exit_code();  // a set needs all of them
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);

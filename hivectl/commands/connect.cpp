@@ -48,7 +48,7 @@ int run(const Options& options, Session& session)
     const auto sender = application.endpoint(options.sender);
     const auto connection = connection_of(options, sender.drone);
     Outcome outcome("connect");
-    for (const auto& receiver : endpoints_named(application, options.receivers)) {
+    for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
         try {
             report(application.connect(sender, receiver, connection), connection, session.json);
             outcome.done();

@@ -20,7 +20,7 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto sender = application.endpoint(options.sender);
     Outcome outcome("disconnect");
-    for (const auto& receiver : endpoints_named(application, options.receivers)) {
+    for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
         try {
             application.disconnect(sender, receiver);
             outcome.done();

@@ -32,20 +32,33 @@ struct Options {
 };
 
 /// A drone without a port means all of its outputs.
-std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& names)
+std::vector<std::string> words_of(hive::Application& application, const std::string& name)
 {
-    std::vector<hive::Endpoint> outputs;
-    for (const auto& end : endpoints_named(application, names)) {
+    std::vector<std::string> words;
+    for (const auto& end : endpoints_named(application, {name})) {
         if (!end.port.empty())
-            outputs.push_back(end);
+            words.push_back(to_text(end));
         else
             for (const auto& port : application.describe(end.drone).outputs)
-                outputs.push_back({end.drone, port.name});
+                words.push_back(end.drone + "." + port.name);
     }
-    if (outputs.empty())
-        throw hive::Error(hive::Errc::not_found, "there is no output to record",
-                          "see the ports: hivectl describe NAME");
-    return outputs;
+    if (words.empty())
+        throw hive::Error(hive::Errc::not_found, name + " has no outputs to record",
+                          "see its ports: hivectl describe " + name);
+    return words;
+}
+
+std::vector<hive::Endpoint> outputs_of(hive::Application& application, const std::vector<std::string>& names,
+                                       Outcome& outcome)
+{
+    std::vector<std::string> words;
+    for (const auto& name : names)
+        try {
+            add_new(words, words_of(application, name));
+        } catch (const hive::Error& error) {
+            outcome.failed(name, error);
+        }
+    return outputs_named(application, words, "", outcome);
 }
 
 hive::CollectOptions collecting(const Options& options)
@@ -143,7 +156,10 @@ int run(const Options& options, Session& session)
 {
     std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit of the process is an error like others
     auto& application = session.application();
-    const auto outputs = outputs_named(application, options.names);
+    Outcome outcome("record");
+    const auto outputs = outputs_of(application, options.names, outcome);
+    if (outputs.empty())
+        return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
     const auto losses = losses_from_now(application, outputs);
     hive::recording::Writer writer({.path = options.file,
@@ -156,7 +172,7 @@ int run(const Options& options, Session& session)
     take_rest(*collector, writer);
     writer.finish("stopped");
     summarize(options.file, writer, session.json);
-    return exit_code_for(code, writer);
+    return outcome.exit_code(exit_code_for(code, writer));
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -68,7 +68,10 @@ void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losse
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    const auto outputs = outputs_named(application, options.names, "application/json");
+    Outcome outcome("results");
+    const auto outputs = outputs_named(application, options.names, "application/json", outcome);
+    if (outputs.empty())
+        return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
     const auto losses = losses_from_now(application, outputs);
     bool lossless = false;
@@ -84,8 +87,8 @@ int run(const Options& options, Session& session)
     const auto counts = collector->counts();
     const auto lost = losses_until_now(losses, application, outputs);
     summarize(counts, lost);
-    return code == exit_code::done && promise_broken(counts, lost, options.ordered, lossless) ? exit_code::partly_done
-                                                                                              : code;
+    const bool broken = promise_broken(counts, lost, options.ordered, lossless);
+    return outcome.exit_code(code == exit_code::done && broken ? exit_code::partly_done : code);
 }
 
 Run declare(CommandLine& line, Session& session)

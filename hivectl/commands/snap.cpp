@@ -99,8 +99,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from,
-                "drone or drone.output; the output goes without saying when only one sends pictures")
+    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
         .required();
     line.option("FILE", options->file, "where to; - is stdout").required();
     return [options, &session] { return run(*options, session); };

@@ -129,8 +129,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from,
-                "drone or drone.output; the output goes without saying when only one sends pictures")
+    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
         .required();
     line.option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
         .type_name("PORT")

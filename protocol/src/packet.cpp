@@ -7,6 +7,19 @@
 #include <cstring>
 
 namespace hive::protocol {
+namespace {
+
+/// What they have to say is said by their type, and by the body of a release.
+void require_bare(const Prefix& prefix)
+{
+    const bool beat = prefix.type == PacketType::ping || prefix.type == PacketType::pong;
+    if ((prefix.header_size != 0 && (beat || prefix.type == PacketType::release)) || (prefix.body_size != 0 && beat))
+        throw Error(Errc::malformed, "a " + std::string(token(prefix.type)) + " with a "
+                                         + (prefix.header_size != 0 ? "header" : "body"));
+}
+
+}  // namespace
+
 std::string_view token(PacketType type) noexcept
 {
     switch (type) {
