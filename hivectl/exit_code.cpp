@@ -86,6 +86,11 @@ void Outcome::failed(std::string_view subject, const hive::Error& error)
     complain(verb_, (named ? "" : printable(subject) + ": ") + explained(error));
 }
 
+int Outcome::exit_code(int code) const
+{
+    return code == exit_code::done && !codes_.empty() ? exit_code::partly_done : code;
+}
+
 int Outcome::exit_code() const
 {
     if (codes_.empty())

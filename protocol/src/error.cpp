@@ -49,6 +49,14 @@ Errc errc_from_token(std::string_view token) noexcept
     return row == table.end() ? Errc::failed : row->code;
 }
 
+void require_at_most(std::string_view what, std::uint64_t bytes, std::uint64_t limit, const std::string& advice)
+{
+    if (bytes > limit)
+        throw Error(Errc::too_large,
+                    std::string(what) + " of " + std::to_string(bytes) + " bytes, limit " + std::to_string(limit),
+                    advice);
+}
+
 Error current_error()
 try {
     throw;

@@ -16,6 +16,7 @@ Application::Application() : Application(Options{}) {}
 Application::Application(Options options) : core_(std::make_unique<Core>(std::move(options))) {}
 Application::~Application() = default;
 
+const std::string& Application::name() const { return core_->module.self().name; }
 void Application::timeout(std::chrono::milliseconds timeout) { core_->timeout = timeout; }
 
 std::vector<std::string> Application::drones() { return core_->running(); }

@@ -35,7 +35,6 @@ void Requests::add_handlers()
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
-    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 

@@ -1,6 +1,7 @@
 // The one vocabulary of errors, in memory and on the wire (SPEC.md, section 7).
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -63,6 +64,9 @@ private:
     Errc code_;
     std::string advice_;
 };
+
+/// Throws Errc::too_large for more: "a body of 70000000 bytes, limit 67108864".
+void require_at_most(std::string_view what, std::uint64_t bytes, std::uint64_t limit, const std::string& advice = {});
 
 /// For a catch clause: what is being handled there. Another exception than an Error becomes Errc::failed with its text,
 /// and so does what is no exception at all (`throw 42`), with a text that says so.

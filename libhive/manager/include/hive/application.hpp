@@ -100,6 +100,8 @@ public:
     Application(const Application&) = delete;
     Application& operator=(const Application&) = delete;
 
+    /// What drones call it: the name of its edges at their outputs.
+    [[nodiscard]] const std::string& name() const;
     /// Changes the deadline of the calls that follow.
     void timeout(std::chrono::milliseconds timeout);
 
