@@ -114,8 +114,12 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
             return send(outcome);
         door->post([send, outcome] { send(outcome); });
     };
+    const auto connected = [weak = link.weak_from_this()] {
+        const auto asker = weak.lock();
+        return asker && asker->open();
+    };
     try {
-        handler->second({link.peer().name, header, packet.body, answer});
+        handler->second({link.peer().name, header, packet.body, answer, connected});
     } catch (const Error& error) {
         send(error);
     }

@@ -43,7 +43,11 @@ struct Incoming {
     Json header;
     Body body;
     std::function<void(Outcome)> answer;
+    std::function<bool()> connected;  ///< network side: does the connection last on which the answer goes?
 };
+
+/// Holds a task for later; it is not run any more when this is gone.
+using Alarm = std::shared_ptr<void>;
 
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
 class Module {
@@ -108,6 +112,8 @@ public:
     void emit(Outlet& outlet, EmissionPtr event);
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
     [[nodiscard]] bool paused() const noexcept { return halted_ || backlogged_; }
+    /// Runs a task at a time. The alarm must be gone before the end of the module, which would wait for it.
+    [[nodiscard]] Alarm alarm(Clock::time_point time, Loop::Task task);
     /// Ticks while something has a deadline.
     void arm();
 
