@@ -1,0 +1,177 @@
+// Many who set the same drones at once, some of them interrupted or killed: what is confirmed holds on all drones.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// Of HIVE_SEED, or another one each time.
+std::uint64_t seed()
+{
+    const char* told = std::getenv("HIVE_SEED");
+    return told ? std::stoull(told) : std::random_device{}();
+}
+
+std::string number(int value) { return std::to_string(value); }
+
+std::vector<Process> sleepers(const Swarm& swarm, int count)
+{
+    std::vector<Process> drones;
+    for (int i = 1; i <= count; ++i)
+        drones.push_back(swarm.drone("sleeper", "s" + number(i)));
+    return drones;
+}
+
+void make_busy(hive::Application& application, const std::string& drone, int work_ms)
+{
+    application.set(drone, {{"work_ms", work_ms}});
+    application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
+    REQUIRE(eventually([&] { return application.status(drone).at("state") == "busy"; }));
+}
+
+/// The value of each drone, s1 first. A set that is being put back does not show.
+std::vector<int> values(hive::Application& application, const std::string& parameter)
+{
+    std::vector<int> found;
+    for (const auto& answer : application.get(application.find("s*"), {parameter})) {
+        REQUIRE_FALSE(answer.error.has_value());
+        found.push_back(answer.result.at(parameter));
+    }
+    return found;
+}
+
+/// Does another set hold the drone, so that it can be prepared by nobody else?
+bool is_locked(const Swarm& swarm, const std::string& drone)
+{
+    auto other = swarm.application(50ms);
+    const auto result = other.set(std::vector{drone}, Json::object());
+    return result.answers.at(0).error && result.answers[0].error->code() == hive::Errc::locked;
+}
+
+/// One hivectl that sets all of them.
+struct Setter {
+    int value;
+    Process process;
+    std::optional<int> exit_code;
+};
+
+}  // namespace
+
+TEST_CASE("joint set: a Ctrl-C before all drones are prepared leaves them all as they were")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 3);
+    auto application = swarm.application();
+    make_busy(application, "s3", 1500);
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    setter.signal(SIGINT);
+    CHECK(setter.wait(patient(5000ms)) == 130);
+    REQUIRE(eventually([&] { return application.status("s3").at("state") == "idle"; }));
+    CHECK(application.set("s3", {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
+    CHECK(values(application, "most_ms") == std::vector{600'000, 600'000, 600'000});
+}
+
+TEST_CASE("joint set: a set on one drone that a set on many has prepared comes after it, and is what holds then")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 2);
+    auto application = swarm.application();
+    make_busy(application, "s2", 1000);
+    auto many = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "many");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    CHECK(swarm.hivectl_done({"set", "s1", "most_ms=8000"}) == "8000\n");
+    REQUIRE(many.wait(patient(10'000ms)).has_value());
+    const auto after = values(application, "most_ms");
+    CHECK((after == std::vector{8000, 7000} || after == std::vector{7000, 7000}));
+}
+
+TEST_CASE("joint set: a drone that ends after it has prepared is the reason why nothing changes")
+{
+    const Swarm swarm;
+    auto drones = sleepers(swarm, 3);
+    auto application = swarm.application();
+    make_busy(application, "s3", 1500);
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    drones[0].kill();
+    const auto exit_code = setter.wait(patient(10'000ms));
+    REQUIRE(exit_code.has_value());
+    CHECK(*exit_code != 0);
+    CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
+    CHECK(application.get("s2", {"most_ms"}).at("most_ms") != 7000);
+    CHECK(application.get("s3", {"most_ms"}).at("most_ms") != 7000);
+}
+
+TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in one value, which one of them confirmed")
+{
+    const auto used = seed();
+    MESSAGE("again with HIVE_SEED=", used);
+    CAPTURE(used);
+    std::mt19937_64 random(used);
+    const auto pick = [&](int least, int most) { return std::uniform_int_distribution(least, most)(random); };
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 4);
+    auto application = swarm.application();
+    int next = 1000, confirmed_sets = 0, interrupted = 0, killed = 0, torn = 0;
+    std::vector<int> last{600'000, 600'000, 600'000, 600'000};
+    for (int round = 0; round < 12; ++round) {
+        CAPTURE(round);
+        std::vector<Setter> setters;
+        for (int i = pick(2, 5); i > 0; --i) {
+            const int value = ++next;
+            setters.push_back(
+                {value, swarm.hivectl_running({"set", "s*", "most_ms=" + number(value)}, "set-" + number(value)), {}});
+        }
+        for (auto& setter : setters) {
+            const int fate = pick(0, 5);
+            if (fate > 1)
+                continue;
+            std::this_thread::sleep_for(std::chrono::microseconds(pick(0, 40'000)));  // anywhere in its life
+            setter.process.signal(fate == 0 ? SIGINT : SIGKILL);
+            ++(fate == 0 ? interrupted : killed);
+        }
+        for (auto& setter : setters)
+            setter.exit_code = setter.process.wait(patient(20'000ms));
+        // Behind all that a killed one may have left: a plain set of nothing.
+        for (const auto& name : application.find("s*"))
+            application.set(name, Json::object());
+        const auto now = values(application, "most_ms");
+        CAPTURE(now);
+        if (std::ranges::any_of(now, [&](int value) { return value != now.front(); })) {
+            // Only a SIGKILL between the first byte of a decision and the last one can do that.
+            CHECK(std::ranges::any_of(setters, [](const Setter& setter) { return setter.exit_code == 128 + SIGKILL; }));
+            CHECK(++torn == 1);
+            for (const auto& answer : application.set(application.find("s*"), {{"most_ms", ++next}}).answers)
+                CHECK_FALSE(answer.error.has_value());
+            last = values(application, "most_ms");
+            continue;
+        }
+        bool possible = now == last;
+        for (const auto& setter : setters) {
+            REQUIRE(setter.exit_code.has_value());
+            CAPTURE(*setter.exit_code);
+            // Killed ones may have got as far as the decision; what was refused or interrupted has changed nothing.
+            if (*setter.exit_code == 0 || *setter.exit_code == 128 + SIGKILL)
+                possible = possible || now.front() == setter.value;
+            else
+                CHECK(now.front() != setter.value);
+            confirmed_sets += *setter.exit_code == 0;
+        }
+        CHECK(possible);
+        if (std::ranges::any_of(setters, [](const Setter& setter) { return setter.exit_code == 0; }))
+            CHECK(now != last);
+        last = now;
+    }
+    MESSAGE(confirmed_sets, " sets confirmed, ", interrupted, " interrupted, ", killed, " killed");
+    CHECK(confirmed_sets > 0);
+}
