@@ -112,6 +112,24 @@ TEST_CASE("joint set: a drone that ends after it has prepared is the reason why 
     CHECK(application.get("s3", {"most_ms"}).at("most_ms") != 7000);
 }
 
+TEST_CASE("joint set: a drone that is stopped before it is prepared leaves all as they were, also when it goes on")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 2);
+    auto application = swarm.application();
+    make_busy(application, "s2", 1000);
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    drones[1].signal(SIGSTOP);
+    const auto exit_code = setter.wait(patient(10'000ms));
+    drones[1].signal(SIGCONT);
+    CHECK(exit_code == 4);
+    CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
+    for (const std::string drone : {"s1", "s2"})
+        CHECK(application.set(drone, {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
+    CHECK(values(application, "most_ms") == std::vector{600'000, 600'000});
+}
+
 TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in one value, which one of them confirmed")
 {
     const auto used = seed();

@@ -89,7 +89,7 @@ bool JointSet::commit()
 {
     bool decided = false;
     module_.call([&] {
-        if (!all_prepared() || lost_one() || Clock::now() >= terms_.deadline)
+        if (lost_one() || !all_prepared() || Clock::now() >= terms_.deadline)
             return;
         decided = true;
         for (const auto& part : parts_)
@@ -138,18 +138,19 @@ void JointSet::wait(Clock::time_point until, Condition done, const std::function
         module_.loop().wait(std::min(until, Clock::now() + look_period), [&] { return is_done = (this->*done)(); });
 }
 
-bool JointSet::prepared_or_refused() const
+bool JointSet::prepared_or_refused()
 {
-    return all_prepared() || std::ranges::any_of(parts_, [](const PartPtr& part) { return error_in(part->prepared); });
+    return lost_one() || all_prepared()
+           || std::ranges::any_of(parts_, [](const PartPtr& part) { return error_in(part->prepared); });
 }
 
-bool JointSet::all_prepared() const
+bool JointSet::all_prepared()
 {
     return std::ranges::all_of(
         parts_, [](const PartPtr& part) { return part->prepared.has_value() && !error_in(part->prepared); });
 }
 
-bool JointSet::all_decided() const
+bool JointSet::all_decided()
 {
     return std::ranges::all_of(
         parts_, [](const PartPtr& part) { return part->decided || error_in(part->prepared) || !part->link; });
@@ -159,7 +160,7 @@ bool JointSet::all_decided() const
 bool JointSet::lost_one()
 {
     for (const auto& part : parts_)
-        if (!part->link->open()) {
+        if (part->prepared && !error_in(part->prepared) && !part->link->open()) {
             part->prepared = Error(Errc::connection_lost, "its connection ended before the set was decided");
             return true;
         }

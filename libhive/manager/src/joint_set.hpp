@@ -32,7 +32,7 @@ private:
         bool over = false;  ///< decided: what comes of the prepare now is of no interest
     };
     using PartPtr = std::shared_ptr<Part>;
-    using Condition = bool (JointSet::*)() const;
+    using Condition = bool (JointSet::*)();
 
     void prepare();
     void ask_to_prepare(const PartPtr& part, const event::LinkPtr& link);
@@ -44,10 +44,10 @@ private:
     void wait(event::Clock::time_point until, Condition done, const std::function<bool()>& cancelled);
 
     // --- with the turn ---
-    [[nodiscard]] bool none() const { return false; }
-    [[nodiscard]] bool prepared_or_refused() const;
-    [[nodiscard]] bool all_prepared() const;
-    [[nodiscard]] bool all_decided() const;
+    [[nodiscard]] bool none() { return false; }
+    [[nodiscard]] bool prepared_or_refused();
+    [[nodiscard]] bool all_prepared();
+    [[nodiscard]] bool all_decided();
     [[nodiscard]] bool lost_one();
 
     [[nodiscard]] bool only_locked() const;
