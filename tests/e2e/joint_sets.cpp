@@ -2,6 +2,7 @@
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
+#include <raw_peer.hpp>
 
 #include <csignal>
 #include <cstdlib>
@@ -128,6 +129,24 @@ TEST_CASE("joint set: a drone that is stopped before it is prepared leaves all a
     for (const std::string drone : {"s1", "s2"})
         CHECK(application.set(drone, {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
     CHECK(values(application, "most_ms") == std::vector{600'000, 600'000});
+}
+
+TEST_CASE("joint set: a commit that came in time counts, even if the drone was stopped until its time was over")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 1);
+    auto asker = raw::Peer::meet(swarm.home() / "s1.sock");
+    const Json prepared =
+        asker.ask(raw::set, {{"parameters", {{"most_ms", 7000}}}, {"prepare", 7}, {"deadline_ms", 200}});
+    REQUIRE(raw::text_of(prepared) == "");
+    drones[0].signal(SIGSTOP);
+    asker.send(raw::packet(raw::set, 0, R"({"id":70,"commit":7})"));
+    std::this_thread::sleep_for(1300ms);  // the deadline, and the second for which the drone holds it
+    drones[0].signal(SIGCONT);
+    const auto answer = asker.next_of(raw::confirmation);
+    REQUIRE(answer.has_value());
+    CHECK(raw::text_of(Json::parse(answer->header)) == "");
+    CHECK(swarm.hivectl_done({"get", "s1", "most_ms"}) == "7000\n");
 }
 
 TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in one value, which one of them confirmed")

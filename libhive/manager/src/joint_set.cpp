@@ -44,9 +44,11 @@ SetResult JointSet::run()
         if (!terms_.cancelled() && commit())
             return committed();
         abort();
-        if (!only_locked() || terms_.cancelled() || Clock::now() >= terms_.deadline)
+        if (!only_locked())
             return unchanged();
         pause();
+        if (terms_.cancelled() || Clock::now() >= terms_.deadline)
+            return unchanged();
     }
 }
 
@@ -104,12 +106,19 @@ void JointSet::abort()
 {
     module_.call([&] {
         for (const auto& part : parts_)
-            if (!error_in(part->prepared) && part->link)
+            if (part->link && may_hold(*part))
                 tell(part, "abort", Clock::now() + patience_after_abort);
             else
                 part->over = true;
     });
     wait(Clock::time_point::max(), &JointSet::all_decided, [] { return false; });
+}
+
+/// One that did not answer in time may be prepared later than anybody wants.
+bool JointSet::may_hold(const Part& part)
+{
+    const auto* error = error_in(part.prepared);
+    return !error || error->code() == Errc::timeout;
 }
 
 void JointSet::tell(const PartPtr& part, const char* decision, Clock::time_point until)

@@ -38,6 +38,7 @@ private:
     void ask_to_prepare(const PartPtr& part, const event::LinkPtr& link);
     bool commit();
     void abort();
+    [[nodiscard]] static bool may_hold(const Part& part);
     void tell(const PartPtr& part, const char* decision, event::Clock::time_point until);
     void pause();
     /// Until the condition, which is asked with the turn.

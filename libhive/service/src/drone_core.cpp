@@ -54,9 +54,8 @@ DroneCore::Running::Running(DroneCore& core)
 
 void DroneCore::Running::end()
 {
-    if (!module.loop().started())
-        return;  // it has ended already, or never began
-    module.call([this] { requests.end(); });
+    if (module.loop().started())
+        module.call([this] { requests.end(); });
     module.end();
 }
 

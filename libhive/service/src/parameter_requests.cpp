@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
 constexpr int default_deadline_ms = 5000;
+/// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
+constexpr std::chrono::milliseconds last_look(20);
 
 Clock::time_point deadline_of(const Fields& fields)
 {
@@ -175,9 +177,10 @@ void ParameterRequests::hold(const Worker& worker, Proposal& proposal)
     });
     const auto until = proposal.deadline() + Proposal::grace;
     auto& loop = parts_.module.loop();
-    loop.wait(until, [&] { return !proposal.wanted() || parts_.board.stopping(); });
+    const auto over = [&] { return !proposal.wanted() || parts_.board.stopping(); };
+    loop.wait(until, over);
     if (Clock::now() >= until)
-        loop.serve();  // this process may have been stopped: a commit that came in time counts
+        loop.wait(Clock::now() + last_look, over);
 }
 
 /// What is kept is in the state file before anybody is told.
