@@ -149,6 +149,30 @@ TEST_CASE("joint set: a commit that came in time counts, even if the drone was s
     CHECK(swarm.hivectl_done({"get", "s1", "most_ms"}) == "7000\n");
 }
 
+TEST_CASE("joint set: a drone that goes away when it is told to keep the values is unknown, and the others are told")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 1);
+    raw::Listener listener(swarm.home() / "s2.sock");
+    std::thread s2([&] {
+        auto asker = listener.accept();
+        asker->send(raw::hello_packet("s2", "sleeper"));
+        const auto prepare = asker->next_of(raw::set);
+        const Json answer{{"id", prepare->json().at("id")}, {"result", Json::object()}};
+        asker->send(raw::packet(raw::confirmation, 0, answer.dump()));
+        static_cast<void>(asker->next_of(raw::set));  // the commit
+    });
+    auto application = swarm.application();
+    const auto result = application.set(std::vector<std::string>{"s1", "s2"}, {{"most_ms", 7000}});
+    s2.join();
+    CHECK(result.changed == hive::SetResult::Changed::unclear);
+    CHECK_FALSE(result.answers.at(0).error.has_value());
+    CHECK(result.answers.at(0).result == Json{{"most_ms", 7000}});
+    REQUIRE(result.answers.at(1).error.has_value());
+    CHECK(result.answers.at(1).error->code() == hive::Errc::connection_lost);
+    CHECK(std::string(result.answers.at(1).error->what()).find("s2: unknown") == 0);
+}
+
 TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in one value, which one of them confirmed")
 {
     const auto used = seed();
