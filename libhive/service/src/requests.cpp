@@ -13,7 +13,11 @@ Requests::Requests(Parts parts)
       inbox_(parts_.mailbox, parts_.worker),
       state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.reporter),
       wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
-      parameters_(parts_.declaration.parameters, parts_.module, inbox_, state_file_),
+      parameters_({.parameters = parts_.declaration.parameters,
+                   .board = parts_.board,
+                   .module = parts_.module,
+                   .inbox = inbox_,
+                   .state_file = state_file_}),
       status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module)
 {
     add_handlers();

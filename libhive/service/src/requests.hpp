@@ -26,6 +26,8 @@ public:
 
     /// Connects again what was connected before a crash.
     void restore(const Json& state);
+    /// Answers whoever still waits: the drone ends.
+    void end() { parameters_.end(); }
     [[nodiscard]] Status status() const { return status_.now(); }
 
 private:
