@@ -188,7 +188,9 @@ std::string BackgroundProcess::last_words(std::size_t lines) const
     constexpr std::uintmax_t most = 16 * 1024;
     const auto size = size_or_zero(log_);
     std::ifstream file(log_, std::ios::binary);
-    file.seekg(static_cast<std::streamoff>(std::max(log_begin_, size > most ? size - most : 0)));
+    // A log that is shorter than it was has been cut off by the drone: all of it is of this run.
+    const auto begin = log_begin_ <= size ? log_begin_ : 0;
+    file.seekg(static_cast<std::streamoff>(std::max(begin, size > most ? size - most : 0)));
     std::vector<std::string> read;
     for (std::string line; std::getline(file, line);)
         read.push_back(line);

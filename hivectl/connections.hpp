@@ -1,4 +1,4 @@
-// The connections of a swarm, put together from what both ends say in their status.
+// The edges of a swarm, put together from what both ends say in their status.
 #pragma once
 
 #include "table.hpp"
@@ -9,9 +9,8 @@
 
 namespace hivectl {
 
-/// One row a connection: from, to, transfer, delivery, window, group, encoding, state, known_by ("both", "sender",
-/// "receiver"), the sender's counters (produced, delivered, skipped, dropped, abandoned, in_flight), the receiver's
-/// age_us and error. Null where the end that would know does not speak. Sorted by from, then to.
-std::vector<Row> connection_rows(const std::vector<hive::Answer>& statuses);
+/// One row for each edge, and one for each group as a whole, sorted by sender, group and receiver. The keys are those
+/// that `hivectl edges --help` explains. Null where the end that would know does not speak.
+std::vector<Row> connection_rows(const std::vector<hive::StatusAnswer>& statuses);
 
 }  // namespace hivectl

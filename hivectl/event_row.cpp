@@ -13,7 +13,7 @@ Row event_row(const hive::Event& event)
             {"output", event.output},
             {"time_us", identity.captured_us},
             {"age_ms", static_cast<double>(event.age().count()) / 1000},
-            {"size", event.size},
+            {"size", event.sized ? hive::Json(event.size) : hive::Json()},
             {"header", event.header}};
 }
 

@@ -47,13 +47,6 @@ constexpr bool in_order()
 static_assert(in_order(), "the table is indexed by the enumerator");
 static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
 
-/// "face is not running": the drone, when that is what the text says.
-std::string missing_drone(std::string_view text)
-{
-    constexpr std::string_view ending = " is not running";
-    return text.ends_with(ending) ? std::string(text.substr(0, text.size() - ending.size())) : "";
-}
-
 /// Its kind, where there is one: a drone is often called after it, "face" or "face-2".
 std::string kind_of(const std::string& drone)
 {
@@ -66,6 +59,12 @@ std::string kind_of(const std::string& drone)
     return {};
 }
 
+const Entry& entry(Errc code) noexcept { return table[static_cast<std::size_t>(code)]; }
+
+}  // namespace
+
+int exit_code_of(Errc code) noexcept { return hive::info(code).exit_code; }
+
 std::string advice_for_missing(const std::string& drone)
 {
     const auto kind = kind_of(drone);
@@ -73,29 +72,18 @@ std::string advice_for_missing(const std::string& drone)
                         : "start it: hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
 }
 
-const Entry& entry(Errc code) noexcept { return table[static_cast<std::size_t>(code)]; }
-
-}  // namespace
-
-int exit_code_of(Errc code) noexcept { return hive::info(code).exit_code; }
-
 std::string explained(const hive::Error& error)
 {
-    const std::string text = printable(error.what());
-    const auto missing = error.code() == Errc::not_found ? missing_drone(text) : "";
-    const std::string advice = missing.empty() ? std::string(entry(error.code()).advice) : advice_for_missing(missing);
-    // A text with a semicolon, or with the nearest name, has said already what to do.
-    const bool told = text.find("; ") != std::string::npos || text.find("did you mean") != std::string::npos;
-    return told || advice.empty() ? text : text + "; " + advice;
+    const std::string advice = error.advice().empty() ? std::string(entry(error.code()).advice) : error.advice();
+    return printable(error.what() + (advice.empty() ? "" : "; " + advice));
 }
 
 void Outcome::failed(std::string_view subject, const hive::Error& error)
 {
     codes_.insert(exit_code_of(error.code()));
-    std::string text = explained(error);
-    if (text.find(subject) == std::string::npos)
-        text = printable(subject) + ": " + text;
-    complain(verb_, text);
+    const std::string_view text = error.what();
+    const bool named = text.find(subject) != std::string_view::npos;
+    complain(verb_, (named ? "" : printable(subject) + ": ") + explained(error));
 }
 
 int Outcome::exit_code() const

@@ -26,7 +26,9 @@ inline constexpr int interrupted = 130;
 
 int exit_code_of(hive::Errc code) noexcept;
 
-/// The error's text, safe to print, and what to do about it unless the text says so already.
+/// How to get a drone that does not run: by starting it, when there is a program of its kind.
+std::string advice_for_missing(const std::string& drone);
+/// The error's text and what to do about it, safe to print.
 std::string explained(const hive::Error& error);
 
 /// How something asked of several drones went, drone by drone. Failures go to stderr as they come.

@@ -1,4 +1,4 @@
-// Durations, rates and times as texts; tolerant reading of a status.
+// Durations, sizes, rates and times as texts.
 #include "format.hpp"
 
 #include <cmath>
@@ -19,15 +19,6 @@ std::tm local(std::time_t seconds)
     std::tm result{};
     localtime_r(&seconds, &result);
     return result;
-}
-
-const hive::Json& typed(const hive::Json& object, const char* key, bool (hive::Json::*is)() const noexcept,
-                        const hive::Json& otherwise)
-{
-    if (!object.is_object())
-        return otherwise;
-    const auto found = object.find(key);
-    return found != object.end() && ((*found).*is)() ? *found : otherwise;
 }
 
 }  // namespace
@@ -101,30 +92,6 @@ std::string as_time(const hive::Json& value)
 std::string as_percent(const hive::Json& value)
 {
     return value.is_number() ? std::to_string(std::lround(value.get<double>())) + "%" : std::string();
-}
-
-std::string text_in(const hive::Json& object, const char* key)
-{
-    static const hive::Json empty = "";
-    return typed(object, key, &hive::Json::is_string, empty).get<std::string>();
-}
-
-std::int64_t count_in(const hive::Json& object, const char* key)
-{
-    static const hive::Json zero = 0;
-    return typed(object, key, &hive::Json::is_number, zero).get<std::int64_t>();
-}
-
-const hive::Json& list_in(const hive::Json& object, const char* key)
-{
-    static const hive::Json empty = hive::Json::array();
-    return typed(object, key, &hive::Json::is_array, empty);
-}
-
-const hive::Json& object_in(const hive::Json& object, const char* key)
-{
-    static const hive::Json empty = hive::Json::object();
-    return typed(object, key, &hive::Json::is_object, empty);
 }
 
 }  // namespace hivectl

@@ -1,4 +1,4 @@
-// Numbers as people read them, and fields of a status that may be missing.
+// Numbers as people read them.
 #pragma once
 
 #include <hive/json.hpp>
@@ -24,11 +24,5 @@ std::string as_duration(const hive::Json& microseconds);
 std::string as_tenths(const hive::Json& number);
 std::string as_percent(const hive::Json& number);
 std::string as_time(const hive::Json& microseconds_since_1970);
-
-// Fields of an object that came from another process: of the right type, or nothing.
-std::string text_in(const hive::Json& object, const char* key);
-std::int64_t count_in(const hive::Json& object, const char* key);
-const hive::Json& list_in(const hive::Json& object, const char* key);
-const hive::Json& object_in(const hive::Json& object, const char* key);
 
 }  // namespace hivectl

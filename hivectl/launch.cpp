@@ -29,20 +29,17 @@ std::filesystem::path require_program(const std::string& kind)
     std::string list;
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
-    const std::string near = hive::nearest(kind, known);
-    throw hive::Error(hive::Errc::not_found, "there is no drone hive-" + kind
-                                                 + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; "
-                                                 + (near.empty() ? "" : "did you mean " + near + "? ")
-                                                 + "kinds found: " + (list.empty() ? "none" : list));
+    throw hive::no_such("there is no drone hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH", kind,
+                        known, "kinds found: " + (list.empty() ? "none" : list));
 }
 
 void require_free(Session& session, const LaunchPlan& plan)
 {
     hive::require_name(plan.name, "drone");
     if (runs(session.application(), plan.name))
-        throw hive::Error(hive::Errc::name_taken, plan.name + " is running already; stop it: hivectl stop " + plan.name
-                                                      + ", or start another beside it: hivectl start " + plan.kind
-                                                      + " --as " + plan.name + "-2");
+        throw hive::Error(hive::Errc::name_taken, plan.name + " is running already",
+                          "stop it: hivectl stop " + plan.name + ", or start another beside it: hivectl start "
+                              + plan.kind + " --as " + plan.name + "-2");
 }
 
 BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
@@ -67,8 +64,7 @@ std::filesystem::path Launch::log() const { return session_.home() / (plan_.name
 bool Launch::ready()
 {
     const auto answer = session_.application().status(std::vector{plan_.name}).at(0);
-    return !answer.error && count_in(answer.result, "pid") == process_.pid()
-           && text_in(answer.result, "state") != "starting";
+    return !answer.error && answer.status.pid == process_.pid() && answer.status.state != hive::State::starting;
 }
 
 std::optional<int> Launch::await(std::chrono::milliseconds limit)

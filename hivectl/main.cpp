@@ -20,11 +20,12 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
     for (const auto& verb : all)
         if (!verb.group.empty())
             names.emplace_back(verb.name);
-    const std::string near = hive::nearest(word, names);
-    const std::string what =
-        word.starts_with('-') ? "options come after the verb" : "there is no verb " + hive::in_quotes(word);
-    complain("", what + (near.empty() || word.starts_with('-') ? "" : "; did you mean " + near + "?")
-                     + "; see all: hivectl --help");
+    if (word.starts_with('-')) {
+        complain("", "options come after the verb; see all: hivectl --help");
+        return exit_code::usage;
+    }
+    complain("", explained(hive::no_such("there is no verb " + hive::in_quotes(word), word, names,
+                                         "see all: hivectl --help")));
     return exit_code::usage;
 }
 

@@ -5,42 +5,42 @@
 #include "format.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace hivectl {
 namespace {
 
 /// The status of a drone before, when it is the same run of it; otherwise nullptr.
-const hive::Json* same_run(const std::vector<hive::Answer>& earlier, const hive::Answer& now)
+const hive::Status* same_run(const std::vector<hive::StatusAnswer>& earlier, const hive::StatusAnswer& now)
 {
-    const auto found = std::ranges::find(earlier, now.drone, &hive::Answer::drone);
-    const bool same =
-        found != earlier.end() && !found->error && count_in(found->result, "epoch") == count_in(now.result, "epoch");
-    return same ? &found->result : nullptr;
+    const auto found = std::ranges::find(earlier, now.drone, &hive::StatusAnswer::drone);
+    const bool same = found != earlier.end() && !found->error && found->status.epoch == now.status.epoch;
+    return same ? &found->status : nullptr;
 }
 
 /// Events that its code has dealt with, well or not.
-std::int64_t processed(const hive::Json& status)
-{
-    const auto& events = object_in(status, "events");
-    return count_in(events, "processed") + count_in(events, "abandoned");
-}
-
-std::int64_t produced(const hive::Json& status)
+std::int64_t processed(const hive::Status& status)
 {
     std::int64_t sum = 0;
-    for (const auto& output : list_in(status, "outputs"))
-        sum += count_in(output, "produced");
+    for (const auto* rows : {&status.inputs, &status.left})
+        for (const auto& input : *rows)
+            sum += input.processed + input.abandoned;
     return sum;
 }
 
-/// With the call that is under way.
-std::int64_t busy(const hive::Json& status) { return count_in(status, "busy_us"); }
+std::int64_t produced(const hive::Status& status)
+{
+    std::int64_t sum = 0;
+    for (const auto& output : status.outputs)
+        sum += output.produced;
+    return sum;
+}
 
-std::int64_t oldest_age(const hive::Json& status)
+std::int64_t oldest_age(const hive::Status& status)
 {
     std::int64_t age = 0;
-    for (const auto& input : list_in(status, "inputs"))
-        age = std::max(age, count_in(input, "last_age_us"));
+    for (const auto& input : status.inputs)
+        age = std::max(age, input.last_age_us);
     return age;
 }
 
@@ -49,19 +49,20 @@ double per_second(std::int64_t count, std::chrono::nanoseconds interval)
     return static_cast<double>(count) / std::chrono::duration<double>(interval).count();
 }
 
-Row drone_row(const hive::Answer& now, const hive::Json* before, std::chrono::nanoseconds interval)
+Row drone_row(const hive::StatusAnswer& answer, const hive::Status* before, std::chrono::nanoseconds interval)
 {
-    Row row{{"name", now.drone}, {"state", now.error ? "silent" : text_in(now.result, "state")}};
-    if (now.error || !before)
+    const auto& now = answer.status;
+    Row row{{"name", answer.drone}, {"state", answer.error ? "silent" : token(now.state)}};
+    if (answer.error || !before)
         return row;
     // By the drone's own clock, so that it does not matter when its answer came.
-    const auto lived = std::max<std::int64_t>(1, count_in(now.result, "uptime_us") - count_in(*before, "uptime_us"));
-    row.add("in_per_s", per_second(processed(now.result) - processed(*before), interval));
-    row.add("out_per_s", per_second(produced(now.result) - produced(*before), interval));
+    const auto lived = std::max<std::int64_t>(1, now.uptime_us - before->uptime_us);
+    row.add("in_per_s", per_second(processed(now) - processed(*before), interval));
+    row.add("out_per_s", per_second(produced(now) - produced(*before), interval));
     row.add("busy_percent",
-            std::clamp(100.0 * static_cast<double>(busy(now.result) - busy(*before)) / static_cast<double>(lived), 0.0,
+            std::clamp(100.0 * static_cast<double>(now.busy_us - before->busy_us) / static_cast<double>(lived), 0.0,
                        100.0));
-    const auto age = oldest_age(now.result);
+    const auto age = oldest_age(now);
     return row.add("age_us", age > 0 ? hive::Json(age) : hive::Json());
 }
 
@@ -84,19 +85,44 @@ hive::Json rate(const Row* before, const Row& now, std::string_view key, std::ch
     return per_second(static_cast<std::int64_t>(now.number(key) - before->number(key)), interval);
 }
 
+/// What an edge counts that has a rate; the second half are events that somebody misses.
+constexpr std::array<std::string_view, 4> calm{"acknowledged", "skipped", "passed_on", "duplicates"};
+constexpr std::array<std::string_view, 5> losses{"dropped", "abandoned", "lost", "receiver_dropped",
+                                                 "receiver_abandoned"};
+
 Row edge_row(const Row* before, const Row& now, std::chrono::nanoseconds interval)
 {
-    Row row{{"from", now["from"]}, {"to", now["to"]}, {"state", now["state"]}};
-    for (const std::string key : {"delivered", "skipped", "dropped", "abandoned"})
-        row.add(key + "_per_s", rate(before, now, key, interval));
-    return row.add("in_flight", now["in_flight"]).add("age_us", now["age_us"]);
+    Row row{{"from", now["from"]}, {"to", now["to"]}, {"kind", now["kind"]}, {"state", now["state"]}};
+    for (const auto key : calm)
+        row.add(std::string(key) + "_per_s", rate(before, now, key, interval));
+    bool losing = false;
+    for (const auto key : losses) {
+        const auto per_s = rate(before, now, key, interval);
+        losing = losing || (per_s.is_number() && per_s > 0);
+        row.add(std::string(key) + "_per_s", per_s);
+    }
+    for (const char* key : {"in_flight", "missing", "age_us", "why"})
+        row.add(key, now[key]);
+    return losing ? row.add("losing", true) : row;
 }
 
-std::string as_mark(const hive::Json& slowest) { return slowest == true ? "<- slowest" : ""; }
+/// The row of the same edge: receivers of one name are told apart by their place among them.
+const Row* earlier_row(const std::vector<Row>& before, const std::vector<Row>& now, const Row& row)
+{
+    const auto same = [&](const Row& other) { return other["from"] == row["from"] && other["to"] == row["to"]; };
+    auto place = std::count_if(now.data(), &row, same);
+    for (const auto& old : before)
+        if (same(old) && place-- == 0)
+            return &old;
+    return nullptr;
+}
+
+std::string as_slowest(const hive::Json& slowest) { return slowest == true ? "<- slowest" : ""; }
+std::string as_losing(const hive::Json& losing) { return losing == true ? "<- loses events" : ""; }
 
 }  // namespace
 
-Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now,
+Rates rates_between(const std::vector<hive::StatusAnswer>& earlier, const std::vector<hive::StatusAnswer>& now,
                     std::chrono::nanoseconds interval)
 {
     Rates rates{interval, {}, {}};
@@ -104,11 +130,9 @@ Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<
         rates.drones.push_back(drone_row(answer, same_run(earlier, answer), interval));
     mark_slowest(rates.drones);
     const auto before = connection_rows(earlier);
-    for (const auto& row : connection_rows(now)) {
-        const auto same = std::ranges::find_if(
-            before, [&](const Row& old) { return old["from"] == row["from"] && old["to"] == row["to"]; });
-        rates.edges.push_back(edge_row(same == before.end() ? nullptr : &*same, row, interval));
-    }
+    const auto after = connection_rows(now);
+    for (const auto& row : after)
+        rates.edges.push_back(edge_row(earlier_row(before, after, row), row, interval));
     return rates;
 }
 
@@ -120,20 +144,29 @@ std::vector<Column> drone_rate_columns()
             {"OUT/s", "out_per_s", as_tenths},
             {"BUSY", "busy_percent", as_percent},
             {"AGE", "age_us", as_duration},
-            {"", "slowest", as_mark}};
+            {"", "slowest", as_slowest}};
 }
 
 std::vector<Column> edge_rate_columns()
 {
     return {{"FROM", "from"},
             {"TO", "to"},
+            {"KIND", "kind", nullptr, "receiver"},
             {"STATE", "state"},
-            {"DELIVERED/s", "delivered_per_s", as_tenths},
-            {"SKIPPED/s", "skipped_per_s", as_tenths},
-            {"DROPPED/s", "dropped_per_s", as_tenths},
-            {"ABANDONED/s", "abandoned_per_s", as_tenths},
+            {"ACKNOWLEDGED/s", "acknowledged_per_s", as_tenths},
+            {"SKIPPED/s", "skipped_per_s", as_tenths, nothing},
+            {"PASSED-ON/s", "passed_on_per_s", as_tenths, nothing},
+            {"DROPPED/s", "dropped_per_s", as_tenths, nothing},
+            {"ABANDONED/s", "abandoned_per_s", as_tenths, nothing},
+            {"LOST/s", "lost_per_s", as_tenths, nothing},
+            {"R-DROPPED/s", "receiver_dropped_per_s", as_tenths, nothing},
+            {"R-ABANDONED/s", "receiver_abandoned_per_s", as_tenths, nothing},
+            {"DUPLICATES/s", "duplicates_per_s", as_tenths, nothing},
             {"IN-FLIGHT", "in_flight"},
-            {"AGE", "age_us", as_duration}};
+            {"MISSING", "missing", nullptr, nothing},
+            {"AGE", "age_us", as_duration},
+            {"WHY", "why", nullptr, nothing},
+            {"", "losing", as_losing}};
 }
 
 }  // namespace hivectl

@@ -13,11 +13,11 @@ namespace hivectl {
 struct Rates {
     std::chrono::nanoseconds interval;
     std::vector<Row> drones;  ///< name, state, in_per_s, out_per_s, busy_percent, age_us, slowest
-    std::vector<Row> edges;   ///< from, to, delivered_per_s, skipped_per_s, dropped_per_s, abandoned_per_s, age_us
+    std::vector<Row> edges;   ///< from, to, kind, state, what both ends count a second, missing, age_us, why, losing
 };
 
 /// Null where there is nothing to compare with: a drone that is new, was restarted in between, or is silent.
-Rates rates_between(const std::vector<hive::Answer>& earlier, const std::vector<hive::Answer>& now,
+Rates rates_between(const std::vector<hive::StatusAnswer>& earlier, const std::vector<hive::StatusAnswer>& now,
                     std::chrono::nanoseconds interval);
 
 std::vector<Column> drone_rate_columns();

@@ -1,6 +1,8 @@
 // The common flags as values, and the lazily made application.
 #include "session.hpp"
 
+#include "exit_code.hpp"
+
 namespace hivectl {
 
 std::chrono::milliseconds Session::timeout(std::chrono::milliseconds fallback) const
@@ -11,8 +13,8 @@ std::chrono::milliseconds Session::timeout(std::chrono::milliseconds fallback) c
 hive::Application& Session::application(std::chrono::milliseconds fallback)
 {
     if (!application_)
-        application_ = std::make_unique<hive::Application>(
-            hive::Application::Options{.name = {}, .home = home(), .timeout = timeout(fallback)});
+        application_ = std::make_unique<hive::Application>(hive::Application::Options{
+            .name = {}, .home = home(), .timeout = timeout(fallback), .advice_if_missing = advice_for_missing});
     return *application_;
 }
 

@@ -14,8 +14,8 @@ hive::Json parse_settings(const std::vector<std::string>& words)
     for (const auto& word : words) {
         const auto equals = word.find('=');
         if (equals == std::string::npos)
-            throw hive::Error(hive::Errc::invalid_argument,
-                              hive::in_quotes(word) + " is not key=value; write for example " + printable(word) + "=1");
+            throw hive::Error(hive::Errc::invalid_argument, hive::in_quotes(word) + " is not key=value",
+                              "write for example " + printable(word) + "=1");
         const std::string key = hive::require_name(word.substr(0, equals), "parameter");
         if (settings.contains(key))
             throw hive::Error(hive::Errc::invalid_argument, key + " is given twice");

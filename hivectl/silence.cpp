@@ -1,8 +1,8 @@
 // Asks the senders for their state and their condition.
 #include "silence.hpp"
 
-#include "format.hpp"
 #include "output.hpp"
+#include "reasons.hpp"
 #include "targets.hpp"
 
 namespace hivectl {
@@ -11,14 +11,15 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Empty for one that has nothing to say.
-std::string state_of(const hive::Answer& answer)
+std::string state_of(const hive::StatusAnswer& answer)
 {
     if (answer.error)
         return explained(*answer.error);
-    const auto condition = text_in(answer.result, "condition");
-    const std::string halted = text_in(answer.result, "state") == "halted" ? "halted" : "";
-    const std::string both = halted + (halted.empty() || condition.empty() ? "" : ", ") + printable(condition);
-    return both.empty() ? "" : answer.drone + ": " + both;
+    std::string text;
+    for (const auto& part : {std::string(answer.status.state == hive::State::halted ? "halted" : ""),
+                             printable(answer.status.condition), printable(standstill(answer.status))})
+        text += (text.empty() || part.empty() ? "" : ", ") + part;
+    return text.empty() ? "" : answer.drone + ": " + text;
 }
 
 }  // namespace

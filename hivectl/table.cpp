@@ -4,6 +4,7 @@
 #include "output.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace hivectl {
 namespace {
@@ -25,6 +26,17 @@ std::string cell(const Column& column, const hive::Json& value)
     else
         text = value.is_string() ? value.get<std::string>() : hive::to_text(value);
     return text.empty() ? "-" : printable(text);
+}
+
+/// Does any row say something in this column?
+bool tells(const Column& column, const std::vector<Row>& rows)
+{
+    if (column.usual.empty())
+        return true;
+    return std::ranges::any_of(rows, [&](const Row& row) {
+        const auto& value = row[column.key];
+        return !value.is_null() && value != 0 && value != false && value != "" && value != column.usual;
+    });
 }
 
 struct Line {
@@ -53,10 +65,10 @@ Row& Row::add(std::string key, hive::Json value)
 
 const hive::Json& Row::operator[](std::string_view key) const
 {
-    static const hive::Json nothing;
+    static const hive::Json absent;
     const auto found =
         std::ranges::find(fields_, key, [](const auto& field) -> std::string_view { return field.first; });
-    return found == fields_.end() ? nothing : found->second;
+    return found == fields_.end() ? absent : found->second;
 }
 
 double Row::number(std::string_view key) const
@@ -79,10 +91,13 @@ std::string Row::json() const
     return text + "}";
 }
 
-std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows)
+std::string table_text(const std::vector<Column>& all_columns, const std::vector<Row>& rows)
 {
     if (rows.empty())
         return {};
+    std::vector<Column> columns;
+    std::ranges::copy_if(all_columns, std::back_inserter(columns),
+                         [&](const Column& column) { return tells(column, rows); });
     std::vector<Line> lines(1);
     std::vector<std::size_t> widths;
     std::vector<bool> right;

@@ -37,10 +37,14 @@ struct Column {
     std::string_view title;
     std::string_view key;
     Format format = nullptr;  ///< null: as it is
+    /// Not empty: the column is left out unless a row has something else there than this, nothing, or 0.
+    std::string_view usual = {};
 };
 
-/// The table with a line of titles. Numbers stand right, texts left; nothing stands at the end of a line. Empty without
-/// rows.
+/// For a column that is left out when it is empty or 0 throughout.
+inline constexpr std::string_view nothing = "0";
+
+/// The table with a line of titles. Numbers stand right, texts left; no line ends in spaces. Empty without rows.
 std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows);
 /// The rows as one JSON array.
 std::string json_array(const std::vector<Row>& rows);

@@ -8,24 +8,6 @@
 namespace hivectl {
 namespace {
 
-std::string listed(const std::vector<hive::Port>& ports)
-{
-    std::string text;
-    for (const auto& port : ports)
-        text += (text.empty() ? "" : ", ") + port.name + " (" + port.type + ")";
-    return text.empty() ? "none" : text;
-}
-
-template <class Fits>
-std::vector<std::string> names_of(const std::vector<hive::Port>& ports, Fits fits)
-{
-    std::vector<std::string> names;
-    for (const auto& port : ports)
-        if (fits(port))
-            names.push_back(port.name);
-    return names;
-}
-
 /// "face-*.image": the part behind the last dot may be a port or belong to the name; what fits a drone as a whole wins.
 std::vector<hive::Endpoint> matching(hive::Application& application, const std::string& pattern)
 {
@@ -42,7 +24,8 @@ std::vector<hive::Endpoint> matching(hive::Application& application, const std::
     if (found.empty() && dot != std::string::npos)
         found = all_like(std::string_view(pattern).substr(0, dot), pattern.substr(dot + 1));
     if (found.empty())
-        throw hive::Error(hive::Errc::not_found, "no running drone is called like " + hive::in_quotes(pattern));
+        throw hive::Error(hive::Errc::not_found, "no drone that runs fits " + hive::in_quotes(pattern),
+                          "see what runs: hivectl ps");
     return found;
 }
 
@@ -107,16 +90,11 @@ std::vector<hive::Endpoint> endpoints_named(hive::Application& application, cons
 
 std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred)
 {
-    const auto best = names_of(interface.outputs,
-                               [&](const hive::Port& port) { return port.type.find(preferred) != std::string::npos; });
-    if (best.size() == 1)
-        return best.front();
-    if (interface.outputs.size() == 1)
-        return interface.outputs.front().name;
-    throw hive::Error(hive::Errc::not_found, interface.outputs.empty()
-                                                 ? drone + " has no outputs; see its ports: hivectl describe " + drone
-                                                 : drone + " has no output that goes without saying; say which, as "
-                                                       + drone + ".OUTPUT: " + listed(interface.outputs));
+    const auto is_preferred = [&](const hive::Port& port) { return port.type.find(preferred) != std::string::npos; };
+    const bool only = std::ranges::count_if(interface.outputs, is_preferred) == 1;
+    return hive::port_meant(interface.outputs, drone, "output", "",
+                            [&](const hive::Port& port) { return !only || is_preferred(port); })
+        .name;
 }
 
 std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words,
@@ -129,17 +107,11 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
     return outputs;
 }
 
-std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type)
+std::string usual_input(const hive::Interface& interface, const std::string& drone, const std::string& type)
 {
-    const auto fitting =
-        names_of(interface.inputs, [&](const hive::Port& port) { return hive::types_fit(type, port.type); });
-    if (fitting.size() == 1)
-        return fitting.front();
-    if (fitting.empty())
-        throw hive::Error(hive::Errc::type_mismatch, drone + " has no input that takes " + std::string(type)
-                                                         + "; its inputs: " + listed(interface.inputs));
-    throw hive::Error(hive::Errc::not_found, "several inputs of " + drone + " take " + std::string(type)
-                                                 + "; say which, as " + drone + ".INPUT: " + listed(interface.inputs));
+    return hive::port_meant(interface.inputs, drone, "input", "that takes " + type,
+                            [&](const hive::Port& port) { return hive::types_fit(type, port.type); })
+        .name;
 }
 
 }  // namespace hivectl

@@ -1,4 +1,4 @@
-// From the words of a command line to drones and ports: globs, dots, and ports that go without saying.
+// From the words of a command line to drones and ports: globs, dots, and ports that need not be named.
 #pragma once
 
 #include "exit_code.hpp"
@@ -29,12 +29,11 @@ std::vector<std::string> drones_named(hive::Application& application, const std:
 std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words);
 
 /// The output meant when none is named: the only one whose type contains `preferred`, otherwise the only one there is.
-/// Throws Errc::not_found naming the outputs.
 std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred);
 /// endpoints_named(), with the usual output where none is named.
 std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words,
                                           std::string_view preferred);
-/// The input meant when none is named: the only one that takes `type`. Throws Errc::type_mismatch or Errc::not_found.
-std::string usual_input(const hive::Interface& interface, const std::string& drone, std::string_view type);
+/// The input meant when none is named: the only one that takes `type`.
+std::string usual_input(const hive::Interface& interface, const std::string& drone, const std::string& type);
 
 }  // namespace hivectl

@@ -15,7 +15,7 @@ inline bool append(Writer& writer, const hive::Event& event)
     const auto bytes = event.body.bytes();
     const std::vector<std::byte> copy(event.body.foreign() ? std::vector<std::byte>(bytes.begin(), bytes.end())
                                                            : std::vector<std::byte>());
-    const bool has_body = !bytes.empty() || event.size == 0;
+    const bool has_body = !bytes.empty() || (event.sized && event.size == 0);
     return writer.append({event.sender, event.output, event.type}, hive::event_text(event),
                          copy.empty() ? bytes : std::span<const std::byte>(copy), has_body, event.received);
 }

@@ -32,6 +32,15 @@ std::string next_free(const fs::path& file)
     return next.string();
 }
 
+/// Events that came and that the drone's code has not seen.
+std::int64_t queued(const hive::Status& status)
+{
+    std::int64_t events = 0;
+    for (const auto& input : status.inputs)
+        events += input.queued;
+    return events;
+}
+
 }  // namespace
 
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
@@ -113,8 +122,7 @@ void RecordDrone::close(const std::string& how)
         return;
     count_dropped();
     if (how == "stopped")
-        if (const auto waiting = drone_.status().value("queued", std::int64_t{0});
-            waiting > 0 && writer_->ended().empty())
+        if (const auto waiting = queued(drone_.status()); waiting > 0 && writer_->ended().empty())
             writer_->lost("*", "still waiting when the drone was stopped", waiting);
     writer_->finish(how);
     drone_.log(opened_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
@@ -147,14 +155,12 @@ std::chrono::microseconds RecordDrone::look()
 /// What each connection has lost at this end since the last look.
 void RecordDrone::count_dropped()
 {
-    for (const auto& input : drone_.status().value("inputs", hive::Json::array())) {
-        const auto from = input.value("from", "?");
-        const auto now = input.value("dropped", std::int64_t{0});
-        Dropped& dropped = dropped_[from];
-        dropped.total += now >= dropped.seen ? now - dropped.seen : now;
-        dropped.seen = now;
+    for (const auto& input : drone_.status().inputs) {
+        Dropped& dropped = dropped_[input.from];
+        dropped.total += input.dropped >= dropped.seen ? input.dropped - dropped.seen : input.dropped;
+        dropped.seen = input.dropped;
         if (writer_ && dropped.total > 0)
-            writer_->lost(from, "dropped by the recorder: it could not keep up", dropped.total);
+            writer_->lost(input.from, "dropped by the recorder: it could not keep up", dropped.total);
     }
 }
 

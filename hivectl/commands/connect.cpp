@@ -29,7 +29,7 @@ hive::ConnectionOptions connection_of(const Options& options, const std::string&
     connection.first_frame = options.first_frame;
     connection.encoding = options.encoding;
     if (options.lease_s && connection.group.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "--lease is for shared work; add --share or --group NAME");
+        throw hive::Error(hive::Errc::invalid_argument, "--lease is for shared work", "add --share or --group NAME");
     if (options.lease_s)
         connection.lease = std::chrono::milliseconds(static_cast<std::int64_t>(*options.lease_s * 1000));
     return connection;

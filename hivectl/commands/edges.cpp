@@ -22,35 +22,54 @@ bool concerns(const Row& row, const std::vector<std::string>& drones)
     });
 }
 
+/// What stands in a table of common width; --json has all.
+const std::vector<Column> columns{{"FROM", "from"},
+                                  {"TO", "to"},
+                                  {"KIND", "kind", nullptr, "receiver"},
+                                  {"GROUP", "group", nullptr, nothing},
+                                  {"TRANSFER", "transfer"},
+                                  {"DELIVERY", "delivery", nullptr, "data"},
+                                  {"WINDOW", "window"},
+                                  {"ENCODING", "encoding", nullptr, nothing},
+                                  {"BY", "way", nullptr, nothing},
+                                  {"STATE", "state"},
+                                  {"KNOWN-BY", "known_by", nullptr, "both"},
+                                  {"CAME", "came"},
+                                  {"ACKNOWLEDGED", "acknowledged"},
+                                  {"SKIPPED", "skipped", nullptr, nothing},
+                                  {"DROPPED", "dropped", nullptr, nothing},
+                                  {"PASSED-ON", "passed_on", nullptr, nothing},
+                                  {"ABANDONED", "abandoned", nullptr, nothing},
+                                  {"LOST-CONNECTION", "lost_connection", nullptr, nothing},
+                                  {"LOST-KILLED", "lost_killed", nullptr, nothing},
+                                  {"LOST-CUT-OFF", "lost_cut_off", nullptr, nothing},
+                                  {"LOST-LEFT", "lost_left", nullptr, nothing},
+                                  {"IN-FLIGHT", "in_flight"},
+                                  {"R-DROPPED", "receiver_dropped", nullptr, nothing},
+                                  {"R-ABANDONED", "receiver_abandoned", nullptr, nothing},
+                                  {"DUPLICATES", "duplicates", nullptr, nothing},
+                                  {"DISCARDED", "discarded", nullptr, nothing},
+                                  {"UNMATCHED", "unmatched", nullptr, nothing},
+                                  {"MISSING", "missing", nullptr, nothing},
+                                  {"WHY", "why", nullptr, nothing}};
+
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application(1s);
+    Outcome outcome("edges");
+    const auto named = drones_named(application, words, outcome);
+    if (!words.empty() && named.empty())
+        return outcome.exit_code();
     const auto statuses = application.status(application.drones());
     for (const auto& answer : statuses)
         if (answer.error)
-            complain("edges", answer.drone + " does not answer; its connections are known from their other ends only");
+            complain("edges", answer.drone + " does not answer; its edges are known from their other ends only");
     auto rows = connection_rows(statuses);
     if (!words.empty())
-        std::erase_if(rows,
-                      [drones = drones_named(application, words)](const Row& row) { return !concerns(row, drones); });
-    print_rows(session.json,
-               {{"FROM", "from"},
-                {"TO", "to"},
-                {"TRANSFER", "transfer"},
-                {"WINDOW", "window"},
-                {"GROUP", "group"},
-                {"ENCODING", "encoding"},
-                {"BY", "way"},
-                {"STATE", "state"},
-                {"KNOWN-BY", "known_by"},
-                {"PRODUCED", "produced"},
-                {"DELIVERED", "delivered"},
-                {"SKIPPED", "skipped"},
-                {"DROPPED", "dropped"},
-                {"ABANDONED", "abandoned"},
-                {"IN-FLIGHT", "in_flight"}},
-               rows);
-    return exit_code::done;
+        std::erase_if(rows, [&](const Row& row) { return !concerns(row, named); });
+    outcome.done();
+    print_rows(session.json, columns, rows);
+    return outcome.exit_code();
 }
 
 Run declare(CommandLine& line, Session& session)
@@ -68,14 +87,25 @@ Verb edges_verb()
         .name = "edges",
         .group = "wire them",
         .usage = "[NAME...] [options]",
-        .summary = "Lists the connections, as both ends know them",
+        .summary = "Lists the connections (edges), as both ends count them",
         .details =
-            "For each, produced = delivered + skipped + dropped + abandoned + in flight, counted at the sender. "
-            "skipped: "
-            "the receiver was not ready; dropped: the queue of a stream was full; abandoned: given up after failures. "
-            "ENCODING and BY are how the bodies travel: by shared memory within a machine, unless they are small; 'N "
-            "by socket': there was no room. KNOWN-BY sender: the receiver is an application, or does not know of it; "
-            "receiver: the sender does not (yet, or no longer) run.",
+            "One row for each edge, and one for each group that shares work. Columns in which every row is 0 or empty "
+            "are left out; --json has all of them.\n\n"
+            "The sender counts: came = acknowledged + skipped + dropped + passed_on + abandoned + lost_connection + "
+            "lost_killed + lost_cut_off + lost_left + in_flight. skipped: a newer event took its place before the "
+            "receiver asked. dropped: the queue of a stream was full. passed_on: another member of the group got it. "
+            "abandoned: given up after failed attempts. lost: it was under way when the connection broke, when the "
+            "receiver died, when it was cut off, or when it left.\n\n"
+            "The receiver counts: received = processed + receiver_abandoned (its code threw) + duplicates (second "
+            "answers, refused) + discarded (not begun when it halted or left) + receiver_dropped (its queue was full) "
+            "+ unmatched (no partner at the other inputs) + queued + in_hand; in the table R- stands for receiver. "
+            "missing is what was lost to the receiver for good, at either end.\n\n"
+            "STATE: connected; waiting, when the receiver is not registered; place_kept, when the receiver was cut off "
+            "and the sender keeps what is its own; gone. KNOWN-BY sender: the receiver is an application, or does not "
+            "know of it; receiver: the sender does not run. WHY: why nothing moves. ENCODING and BY: how bodies "
+            "travel, through shared memory or through the socket.\n\n"
+            "More keys of --json: kind (receiver, member, group), delivery, way, shared and fallback (bodies that went "
+            "through shared memory, and that could not), waiting (of in_flight: not yet sent), age_us, error.",
         .examples = "hivectl edges\n"
                     "hivectl edges camera --json | jq -r '.[].to'",
         .timeout = "how long to wait for drones that do not answer (default 1)",

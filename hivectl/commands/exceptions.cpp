@@ -1,5 +1,6 @@
 // hivectl exceptions: what went wrong in drones, and what they do then.
 #include "../command_line.hpp"
+#include "../exception_json.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
 #include "../output.hpp"
@@ -29,13 +30,12 @@ int show_last(const std::vector<std::string>& drones, Session& session)
     Outcome outcome("exceptions");
     for (const auto& answer : session.application().status(drones)) {
         answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
-        const auto& exception = object_in(answer.result, "last_exception");
-        if (exception.empty())
+        if (answer.error || !answer.status.last_exception)
             continue;
         Row& row = rows.emplace_back(Row{{"drone", answer.drone}});
+        const auto exception = exception_json(*answer.status.last_exception);
         for (const auto& [key, value] : exception.items())
-            if (key != "drone")
-                row.add(key, value);
+            row.add(key, value);
     }
     print_rows(session.json, columns, rows);
     return outcome.exit_code();
@@ -44,9 +44,10 @@ int show_last(const std::vector<std::string>& drones, Session& session)
 std::string line_of(const hive::Event& event, bool json)
 {
     const auto& header = event.header;
+    const hive::Fields fields(header, "exception of " + event.sender);
     const Row row{{"drone", event.sender},
-                  {"code", text_in(header, "code")},
-                  {"policy", text_in(header, "policy")},
+                  {"code", fields.text_or("code", "")},
+                  {"policy", fields.text_or("policy", "")},
                   {"source", event.identity.source},
                   {"epoch", event.identity.epoch},
                   {"seq", event.identity.sequence},
@@ -54,7 +55,7 @@ std::string line_of(const hive::Event& event, bool json)
     if (json)
         return row.json() + "\n";
     std::string text = printable(event.sender) + " " + printable(row.text("code")) + " ("
-                       + printable(row.text("policy")) + "): " + printable(text_in(header, "text"));
+                       + printable(row.text("policy")) + "): " + printable(fields.text_or("text", ""));
     if (event.identity.sequence > 0)
         text += " [" + printable(event.identity.source) + " " + std::to_string(event.identity.sequence) + "]";
     return text + "\n";
@@ -90,10 +91,8 @@ int change_policy(const Options& options, const std::vector<std::string>& drones
 int run(const Options& options, Session& session)
 {
     if (!options.policy.empty() && options.names.empty())
-        throw hive::Error(
-            hive::Errc::invalid_argument,
-            "--on-exception needs the names of the drones; for all of them: hivectl exceptions '*' --on-exception "
-                + options.policy);
+        throw hive::Error(hive::Errc::invalid_argument, "--on-exception needs the names of the drones",
+                          "for all of them: hivectl exceptions '*' --on-exception " + options.policy);
     auto& application = session.application();
     const auto drones = options.names.empty() ? application.drones() : drones_named(application, options.names);
     if (!options.policy.empty())

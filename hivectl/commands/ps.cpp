@@ -1,7 +1,9 @@
 // hivectl ps: what runs, and how it is.
 #include "../command_line.hpp"
+#include "../exception_json.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
+#include "../reasons.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
@@ -16,31 +18,51 @@ namespace {
 using namespace std::chrono_literals;
 
 /// "12 without marks, 3 without image": what found no partner, by the input where it was missing.
-std::string missing_text(const hive::Json& status)
+std::string missing_text(const hive::Status& status)
 {
     std::string text;
-    for (const auto& matching : list_in(status, "matching"))
-        for (const auto& [input, count] : object_in(matching, "missing").items())
-            if (count.is_number_integer() && count > 0)
-                text += (text.empty() ? "" : ", ") + hive::to_text(count) + " without " + input;
+    for (const auto& matching : status.matching)
+        for (const auto& [input, count] : matching.missing)
+            if (count > 0)
+                text += (text.empty() ? "" : ", ") + std::to_string(count) + " without " + input;
     return text;
 }
 
-/// What deserves a look: what its code is busy with, its condition, or its last exception.
-std::string note(const hive::Json& status)
+std::string busy_text(const hive::Status& status)
 {
-    std::string text = text_in(status, "condition");
-    if (const auto busy_for = count_in(status, "busy_for_us"); busy_for >= 1'000'000)
-        text += (text.empty() ? "" : "; ") + duration_text(busy_for) + " in " + text_in(status, "callback");
-    if (const auto& exception = object_in(status, "last_exception"); !exception.empty())
-        text += (text.empty() ? "" : "; ") + std::string("exception at ") + time_text(count_in(exception, "time_us"))
-                + ": " + text_in(exception, "text");
-    if (const auto missing = missing_text(status); !missing.empty())
-        text += (text.empty() ? "" : "; ") + missing;
+    return status.busy_for_us >= 1'000'000 ? duration_text(status.busy_for_us) + " in " + status.callback : "";
+}
+
+std::string exception_text(const hive::Status& status)
+{
+    const auto& exception = status.last_exception;
+    return exception ? "exception at " + time_text(exception->time_us) + ": " + exception->text : "";
+}
+
+/// What deserves a look.
+std::string note(const hive::Status& status)
+{
+    std::string text;
+    for (const auto& part :
+         {status.condition, standstill(status), busy_text(status), exception_text(status), missing_text(status)})
+        text += (text.empty() || part.empty() ? "" : "; ") + part;
     return text;
 }
 
-Row silent_row(const hive::Answer& answer)
+hive::Json matching_json(const hive::Status& status)
+{
+    hive::Json rows = hive::Json::array();
+    for (const auto& matching : status.matching)
+        rows.push_back({{"inputs", matching.inputs},
+                        {"sets", matching.sets},
+                        {"waiting", matching.waiting},
+                        {"unmatched", matching.unmatched},
+                        {"duplicates", matching.duplicates},
+                        {"missing", matching.missing}});
+    return rows.empty() ? hive::Json() : rows;
+}
+
+Row silent_row(const hive::StatusAnswer& answer)
 {
     const bool silent = answer.error->code() == hive::Errc::timeout;
     return Row{
@@ -48,23 +70,22 @@ Row silent_row(const hive::Answer& answer)
         {"uptime_us", nullptr}, {"busy_percent", nullptr}, {"note", answer.error->what()}};
 }
 
-Row row_of(const hive::Answer& answer)
+Row row_of(const hive::StatusAnswer& answer)
 {
-    const auto& status = answer.result;
-    const auto uptime = count_in(status, "uptime_us");
-    const auto busy = count_in(status, "busy_us");
-    const double percent =
-        std::min(100.0, 100.0 * static_cast<double>(busy) / static_cast<double>(std::max<std::int64_t>(1, uptime)));
-    Row row{{"name", answer.drone},
-            {"kind", text_in(status, "kind")},
-            {"state", text_in(status, "state")},
-            {"pid", count_in(status, "pid")},
-            {"uptime_us", uptime},
-            {"busy_percent", std::round(percent * 10) / 10},
-            {"note", note(status)},
-            {"condition", text_in(status, "condition")}};
-    row.add("matching", status.value("matching", hive::Json()));
-    return row.add("last_exception", status.value("last_exception", hive::Json()));
+    const auto& status = answer.status;
+    const double percent = std::min(100.0, 100.0 * static_cast<double>(status.busy_us)
+                                               / static_cast<double>(std::max<std::int64_t>(1, status.uptime_us)));
+    return Row{{"name", answer.drone},
+               {"kind", status.kind},
+               {"state", token(status.state)},
+               {"pid", status.pid},
+               {"uptime_us", status.uptime_us},
+               {"busy_percent", std::round(percent * 10) / 10},
+               {"note", note(status)},
+               {"condition", status.condition},
+               {"why", token(status.why)},
+               {"matching", matching_json(status)},
+               {"last_exception", status.last_exception ? exception_json(*status.last_exception) : hive::Json()}};
 }
 
 int run(const std::vector<std::string>& words, Session& session)
@@ -108,9 +129,9 @@ Verb ps_verb()
         .summary = "Lists the drones that run on this machine",
         .details =
             "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer. "
-            "BUSY is the share of its life that its code has worked. NOTE is its condition, what it has been "
-            "busy with for more than a second, its last exception, and how many events found no partner where "
-            "several inputs belong together.",
+            "BUSY is the share of its life that its code has worked. NOTE is its condition, why it or one of its "
+            "outputs or inputs stands still, what it has been busy with for more than a second, its last exception, "
+            "and how many events found no partner where several inputs belong together.",
         .examples = "hivectl ps\n"
                     "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
         .timeout = "a drone that has not answered by then is shown as silent (default 1)",

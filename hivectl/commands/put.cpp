@@ -50,22 +50,23 @@ std::string content_of(const std::string& file)
 
 hive::Json header_of(const std::string& text)
 {
-    constexpr auto example = "; write for example --header '{\"page\": 3}'";
+    constexpr auto example = "write for example --header '{\"page\": 3}'";
     try {
         if (auto header = hive::parse_json(text); header.is_object())
             return header;
     } catch (const hive::Error& error) {
-        throw hive::Error(hive::Errc::invalid_argument, std::string("--header: ") + error.what() + example);
+        throw hive::Error(hive::Errc::invalid_argument, std::string("--header: ") + error.what(), example);
     }
-    throw hive::Error(hive::Errc::invalid_argument, std::string("--header must be a JSON object") + example);
+    throw hive::Error(hive::Errc::invalid_argument, "--header must be a JSON object", example);
 }
 
 int run(const Options& options, Session& session)
 {
     const std::string type = options.type.empty() ? media_type_of(options.file) : options.type;
     if (type.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "the ending of " + printable(options.file)
-                                                            + " says no media type; add for example --type image/jpeg");
+        throw hive::Error(hive::Errc::invalid_argument,
+                          "the ending of " + printable(options.file) + " says no media type",
+                          "add for example --type image/jpeg");
     const auto header = header_of(options.header);
     std::string content = content_of(options.file);
     auto& application = session.application();

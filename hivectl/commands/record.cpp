@@ -12,6 +12,7 @@
 
 #include <event_record.hpp>
 
+#include <array>
 #include <csignal>
 #include <unistd.h>
 
@@ -43,7 +44,8 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
                 outputs.push_back({end.drone, port.name});
     }
     if (outputs.empty())
-        throw hive::Error(hive::Errc::not_found, "there is no output to record; see the ports: hivectl describe NAME");
+        throw hive::Error(hive::Errc::not_found, "there is no output to record",
+                          "see the ports: hivectl describe NAME");
     return outputs;
 }
 
@@ -94,19 +96,27 @@ void take_rest(hive::Collector& collector, recording::Writer& writer)
         recording::append(writer, *event);
 }
 
+constexpr std::array losses{
+    std::pair{hive::Fate::skipped, "skipped by the sender: not asked for in time"},
+    std::pair{hive::Fate::dropped, "dropped by the sender: the queue was full"},
+    std::pair{hive::Fate::abandoned, "given up by the sender"},
+    std::pair{hive::Fate::lost_connection, "under way when the connection broke"},
+    std::pair{hive::Fate::lost_cut_off, "under way when hivectl was cut off: it had fallen silent"},
+    std::pair{hive::Fate::lost_left, "under way when hivectl left"},
+};
+
 /// What the sender of an output says about us.
-void note_sender(const hive::Endpoint& output, const hive::Answer& answer, recording::Writer& writer)
+void note_sender(const hive::Endpoint& output, const hive::StatusAnswer& answer, recording::Writer& writer)
 {
     if (answer.error)
         return writer.lost(to_text(output), "not known: " + output.drone + " did not answer at the end", 0);
     const std::string own_name = "app-" + std::to_string(::getpid());
-    for (const auto& row : list_in(answer.result, "outputs"))
-        for (const auto& receiver : list_in(row, "receivers")) {
-            if (text_in(row, "name") != output.port || text_in(receiver, "receiver") != own_name)
+    for (const auto& row : answer.status.outputs)
+        for (const auto& edge : row.edges) {
+            if (row.name != output.port || edge.receiver != own_name)
                 continue;
-            for (const auto& [key, reason] : {std::pair{"skipped", "skipped by the sender: not asked for in time"},
-                                              {"dropped", "dropped by the sender: the queue was full"}})
-                if (const auto count = count_in(receiver, key); count > 0)
+            for (const auto& [fate, reason] : losses)
+                if (const auto count = edge.events.of(fate); count > 0)
                     writer.lost(to_text(output), reason, count);
         }
 }

@@ -42,14 +42,12 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     const auto collector = collect(output, file, session);
     const auto event = collector->next(session.timeout());
     if (!event)
-        throw hive::Error(
-            hive::Errc::timeout,
-            to_text(output)
-                + " sent nothing in time; is it fed? see hivectl edges, or allow more time: --timeout SECONDS");
+        throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time",
+                          "see what it receives: hivectl edges " + output.drone
+                              + ", or allow more time: --timeout SECONDS");
     if (event->body.empty())
-        throw hive::Error(hive::Errc::not_found, to_text(output)
-                                                     + " sends events without a body; read them: hivectl results "
-                                                     + to_text(output));
+        throw hive::Error(hive::Errc::not_found, to_text(output) + " sends events without a body",
+                          "read them: hivectl results " + to_text(output));
     return *event;
 }
 

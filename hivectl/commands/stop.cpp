@@ -30,13 +30,11 @@ std::vector<std::string> meant_by(const std::string& word, hive::Application& ap
     auto names = all_of(application);
     if (!is_glob(word) && runs(application, hive::require_name(word, "drone")))
         return {word};
-    const std::string near = hive::nearest(word, names);
+    const auto nothing_fits = hive::no_such("no drone " + hive::in_quotes(word) + " runs or is remembered", word, names,
+                                            "see what runs: hivectl ps");
     std::erase_if(names, [&](const std::string& name) { return !hive::matches_glob(word, name); });
     if (names.empty())
-        throw hive::Error(
-            hive::Errc::not_found,
-            "nothing to stop: no drone " + hive::in_quotes(word) + " runs or is remembered; "
-                + (near.empty() || is_glob(word) ? "see what runs: hivectl ps" : "did you mean " + near + "?"));
+        throw nothing_fits;
     return names;
 }
 
@@ -70,9 +68,9 @@ void stop(const std::string& name, Session& session)
 int run(const Options& options, Session& session)
 {
     if (options.all != options.names.empty())
-        throw hive::Error(hive::Errc::invalid_argument,
-                          options.all ? "give names or --all, not both"
-                                      : "which drones? give names, or --all; see what runs: hivectl ps");
+        throw hive::Error(
+            hive::Errc::invalid_argument, options.all ? "both names and --all are given" : "no drones are named",
+            options.all ? "give the one or the other" : "give names, or --all; see what runs: hivectl ps");
     Outcome outcome("stop");
     for (const auto& name : meant_by(options, session.application(), outcome)) {
         try {

@@ -17,7 +17,10 @@ struct Options {
     double interval_s = 1;
 };
 
-std::vector<hive::Answer> look(hive::Application& application) { return application.status(application.drones()); }
+std::vector<hive::StatusAnswer> look(hive::Application& application)
+{
+    return application.status(application.drones());
+}
 
 std::string shown(const Rates& rates, bool json)
 {
@@ -73,8 +76,10 @@ Verb top_verb()
             .details = "IN/s and OUT/s are events a second since the last look; BUSY is the share of that time in "
                        "which the drone's code "
                        "worked; AGE is how old the newest event was when it arrived, counted from its capture. The "
-                       "busiest drone that "
-                       "receives something is marked slowest: it limits the whole. With --json one object a look.",
+                       "busiest drone that receives something is marked slowest: it limits the whole. An edge is "
+                       "marked when either end has lost events since the last look; MISSING is what both ends have "
+                       "lost for good so far, and the other columns are those of hivectl edges, a second. Columns "
+                       "that are 0 throughout are left out. With --json one object a look.",
             .examples = "hivectl top\n"
                         "hivectl top --once --interval 5",
             .timeout = "a drone that has not answered by then is shown as silent (default 1)",

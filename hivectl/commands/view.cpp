@@ -26,8 +26,8 @@ void require_somewhere(const Options& options)
 {
     const char* display = std::getenv("DISPLAY");
     if (options.port == 0 && (!display || !*display))
-        throw hive::Error(hive::Errc::refused,
-                          "there is no display here for a window; look with a browser: --http PORT");
+        throw hive::Error(hive::Errc::refused, "there is no display here for a window",
+                          "look with a browser: --http PORT");
 }
 
 hive::Endpoint output_of(hive::Application& application, const std::string& from)

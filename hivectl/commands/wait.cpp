@@ -30,7 +30,7 @@ std::string state_of(hive::Application& application, const std::string& name)
         return "gone";
     const auto answer = application.status(std::vector{name}).at(0);
     if (!answer.error)
-        return text_in(answer.result, "state");
+        return std::string(token(answer.status.state));
     return answer.error->code() == hive::Errc::timeout ? "silent" : "gone";
 }
 

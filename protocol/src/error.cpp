@@ -49,4 +49,15 @@ Errc errc_from_token(std::string_view token) noexcept
     return row == table.end() ? Errc::failed : row->code;
 }
 
+Error current_error()
+try {
+    throw;
+} catch (const Error& error) {
+    return error;
+} catch (const std::exception& error) {
+    return {Errc::failed, error.what()};
+} catch (...) {
+    return {Errc::failed, "something that is not an exception was thrown"};
+}
+
 }  // namespace hive

@@ -24,17 +24,26 @@ Json to_json(const std::vector<Port>& ports)
     return array;
 }
 
+/// A bound of an integer is written as one, as far as JSON holds integers.
+void write_bound(Json& object, const char* key, const ParameterInfo& parameter, std::optional<double> bound)
+{
+    if (!bound || !std::isfinite(*bound))
+        return;
+    constexpr auto most = static_cast<double>(max_json_integer);
+    if (parameter.type == ParameterType::integer && std::trunc(*bound) == *bound && std::abs(*bound) <= most)
+        object[key] = static_cast<std::int64_t>(*bound);
+    else
+        object[key] = *bound;
+}
+
 Json to_json(const ParameterInfo& parameter)
 {
-    Json object{{"name", parameter.name},
-                {"type", token(parameter.type)},
-                {"default", parameter.default_value},
-                {"unit", parameter.unit},
-                {"help", parameter.help}};
-    if (parameter.least && std::isfinite(*parameter.least))
-        object["min"] = *parameter.least;
-    if (parameter.most && std::isfinite(*parameter.most))
-        object["max"] = *parameter.most;
+    Json object{
+        {"name", parameter.name}, {"type", token(parameter.type)}, {"unit", parameter.unit}, {"help", parameter.help}};
+    if (!parameter.default_value.is_null())
+        object["default"] = parameter.default_value;
+    write_bound(object, "min", parameter, parameter.least);
+    write_bound(object, "max", parameter, parameter.most);
     if (!parameter.choices.empty())
         object["choices"] = parameter.choices;
     return object;

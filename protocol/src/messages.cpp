@@ -35,38 +35,64 @@ Hello hello_from_json(const Json& object)
 
 Json to_json(const Registration& registration)
 {
-    return {{"id", registration.id},
-            {"epoch", registration.epoch},
-            {"output", registration.output},
-            {"receiver", registration.receiver},
-            {"accepts", registration.accepts},
-            {"stateful", registration.stateful},
-            {"options", to_json(registration.options)}};
+    Json json{{"id", registration.id},
+              {"epoch", registration.epoch},
+              {"output", registration.output},
+              {"receiver", registration.receiver},
+              {"accepts", registration.accepts},
+              {"stateful", registration.stateful},
+              {"options", to_json(registration.options)}};
+    if (registration.place != 0)
+        json["place"] = registration.place;
+    if (registration.taken)
+        json["taken"] = *registration.taken;
+    return json;
 }
 
 Registration registration_from_json(const Json& object)
 {
     const Fields fields(object, "register");
-    return {.id = fields.integer("id", 0, max_json_integer),
-            .epoch = fields.integer("epoch", 0, max_json_integer),
-            .output = fields.name("output"),
-            .receiver = receiver_name(fields),
-            .accepts = fields.text_or("accepts", "*/*"),
-            .stateful = fields.flag_or("stateful", false),
-            .options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{}};
+    Registration registration{.id = fields.integer("id", 0, max_json_integer),
+                              .epoch = fields.integer("epoch", 0, max_json_integer),
+                              .output = fields.name("output"),
+                              .receiver = receiver_name(fields),
+                              .accepts = fields.text_or("accepts", "*/*"),
+                              .stateful = fields.flag_or("stateful", false),
+                              .options = fields.has("options") ? connection_options(fields.object("options"))
+                                                               : ConnectionOptions{},
+                              .place = fields.integer_or("place", 0, max_json_integer, 0),
+                              .taken = {}};
+    if (fields.has("taken"))
+        registration.taken = fields.integer("taken", 0, max_json_integer);
+    return registration;
 }
 
 std::string to_text(const Request& request)
 {
-    return "{\"epoch\":" + std::to_string(request.epoch) + ",\"id\":" + std::to_string(request.id)
-           + ",\"done\":" + std::to_string(request.done) + "}";
+    std::string text = "{\"epoch\":" + std::to_string(request.epoch) + ",\"id\":" + std::to_string(request.id)
+                       + ",\"done\":" + std::to_string(request.done);
+    if (request.worked != request.done)
+        text += ",\"worked\":" + std::to_string(request.worked);
+    if (!request.back.empty())
+        text += ",\"back\":" + hive::to_text(Json(request.back));
+    return text + "}";
 }
 
 Request request_from_json(const Json& object)
 {
+    constexpr std::size_t most_back = 64;
     const Fields fields(object, "request");
-    return {fields.integer("epoch", 0, max_json_integer), fields.integer("id", 0, max_json_integer),
-            fields.integer_or("done", 0, max_json_integer, 0)};
+    Request request{fields.integer("epoch", 0, max_json_integer), fields.integer("id", 0, max_json_integer),
+                    fields.integer_or("done", 0, max_json_integer, 0)};
+    request.worked = fields.integer_or("worked", 0, max_json_integer, request.done);
+    if (fields.has("back"))
+        for (const auto& item : fields.array("back")) {
+            const auto number = json_integer(item);
+            if (!number || *number < 1 || request.back.size() == most_back)
+                throw Error(Errc::malformed, "request: \"back\" must be an array of at most 64 integers from 1 on");
+            request.back.push_back(*number);
+        }
+    return request;
 }
 
 Json to_json(const Confirmation& confirmation)
@@ -74,7 +100,10 @@ Json to_json(const Confirmation& confirmation)
     if (confirmation.ok)
         return {{"id", confirmation.id},
                 {"result", confirmation.result.is_null() ? Json::object() : confirmation.result}};
-    return {{"id", confirmation.id}, {"error", {{"code", info(confirmation.code).token}, {"text", confirmation.text}}}};
+    Json error{{"code", info(confirmation.code).token}, {"text", confirmation.text}};
+    if (!confirmation.advice.empty())
+        error["advice"] = confirmation.advice;
+    return {{"id", confirmation.id}, {"error", error}};
 }
 
 Confirmation confirmation_from_json(const Json& object)
@@ -87,6 +116,7 @@ Confirmation confirmation_from_json(const Json& object)
         confirmation.ok = false;
         confirmation.code = errc_from_token(error.text("code"));
         confirmation.text = error.text_or("text", "");
+        confirmation.advice = error.text_or("advice", "");
     } else {
         confirmation.result = fields.object("result");
     }

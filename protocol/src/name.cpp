@@ -1,5 +1,4 @@
 // The grammar of names, globs over them, and the nearest one to a misspelt one.
-#include <hive/error.hpp>
 #include <hive/json.hpp>
 #include <hive/name.hpp>
 
@@ -32,6 +31,13 @@ std::string require_name(std::string_view text, std::string_view what)
                     in_quotes(text) + " is not a " + std::string(what)
                         + " name: 1 to 64 letters, digits, '_', '.' or '-', starting with a letter or digit");
     return std::string(text);
+}
+
+Error no_such(const std::string& text, std::string_view name, const std::vector<std::string>& candidates,
+              const std::string& otherwise)
+{
+    const auto near = nearest(name, candidates);
+    return {Errc::not_found, text, near.empty() ? otherwise : "did you mean " + near + "?"};
 }
 
 bool matches_glob(std::string_view pattern, std::string_view text) noexcept

@@ -16,6 +16,15 @@ void require_size(std::string_view part, std::uint32_t size, std::uint32_t limit
                     std::string(part) + " of " + std::to_string(size) + " bytes, limit " + std::to_string(limit));
 }
 
+/// What they have to say is said by their type, and by the body of a release.
+void require_bare(const Prefix& prefix)
+{
+    const bool beat = prefix.type == PacketType::ping || prefix.type == PacketType::pong;
+    if ((prefix.header_size != 0 && (beat || prefix.type == PacketType::release)) || (prefix.body_size != 0 && beat))
+        throw Error(Errc::malformed, "a " + std::string(token(prefix.type)) + " with a "
+                                         + (prefix.header_size != 0 ? "header" : "body"));
+}
+
 }  // namespace
 
 std::string_view token(PacketType type) noexcept
@@ -43,6 +52,7 @@ std::string_view token(PacketType type) noexcept
     case PacketType::resume: return "resume";
     case PacketType::stop: return "stop";
     case PacketType::put: return "put";
+    case PacketType::forget: return "forget";
     case PacketType::confirmation: return "confirmation";
     }
     return {};
@@ -71,6 +81,7 @@ Prefix decode_prefix(const unsigned char* bytes, const Limits& limits)
                   get<std::uint32_t>(&bytes[12])};
     if (token(prefix.type).empty())
         throw Error(Errc::malformed, "packet type " + std::to_string(bytes[5]) + " does not exist");
+    require_bare(prefix);
     require_size("header", prefix.header_size, limits.header);
     require_size("body", prefix.body_size, limits.body);
     return prefix;

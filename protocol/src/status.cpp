@@ -45,13 +45,15 @@ constexpr std::array output_numbers{std::pair{"produced", &OutputStatus::produce
                                     std::pair{"last_emitted_us", &OutputStatus::last_emitted_us},
                                     std::pair{"edges_left_out", &OutputStatus::edges_left_out}};
 
-constexpr std::array input_numbers{
-    std::pair{"received", &InputStatus::received},        std::pair{"processed", &InputStatus::processed},
-    std::pair{"abandoned", &InputStatus::abandoned},      std::pair{"duplicates", &InputStatus::duplicates},
-    std::pair{"discarded", &InputStatus::discarded},      std::pair{"dropped", &InputStatus::dropped},
-    std::pair{"unmatched", &InputStatus::unmatched},      std::pair{"queued", &InputStatus::queued},
-    std::pair{"in_hand", &InputStatus::in_hand},          std::pair{"last_age_us", &InputStatus::last_age_us},
-    std::pair{"registration", &InputStatus::registration}};
+constexpr std::array input_counts{
+    std::pair{"received", &InputStatus::received},   std::pair{"processed", &InputStatus::processed},
+    std::pair{"abandoned", &InputStatus::abandoned}, std::pair{"duplicates", &InputStatus::duplicates},
+    std::pair{"discarded", &InputStatus::discarded}, std::pair{"dropped", &InputStatus::dropped},
+    std::pair{"unmatched", &InputStatus::unmatched}, std::pair{"queued", &InputStatus::queued},
+    std::pair{"in_hand", &InputStatus::in_hand}};
+
+constexpr std::array input_numbers{std::pair{"last_age_us", &InputStatus::last_age_us},
+                                   std::pair{"registration", &InputStatus::registration}};
 
 constexpr std::array matching_numbers{
     std::pair{"sets", &MatchingStatus::sets}, std::pair{"waiting", &MatchingStatus::waiting},
@@ -112,26 +114,6 @@ void write_list(Json& json, const char* key, const std::vector<Item>& items, Wri
         json[key].push_back(write(item));
 }
 
-Json edge_to_json(const EdgeStatus& edge)
-{
-    Json json{{"receiver", edge.receiver}, {"options", to_json(edge.options)}, {"came", edge.events.total()}};
-    if (edge.group)
-        json["group"] = true;
-    if (edge.connected)
-        json["connected"] = true;
-    if (edge.registration != 0)
-        json["registration"] = edge.registration;
-    write_text(json, "encoding", edge.encoding);
-    for (const auto& [fate, key] : fate_tokens)
-        if (edge.events.of(fate) != 0)
-            json[key] = edge.events.of(fate);
-    if (edge.events.in_flight() != 0)
-        json["in_flight"] = edge.events.in_flight();
-    write_numbers(json, edge, edge_numbers);
-    write_why(json, edge.why);
-    return json;
-}
-
 EdgeStatus edge_from_json(const Json& object)
 {
     const Fields fields(object, "edge");
@@ -153,9 +135,9 @@ EdgeStatus edge_from_json(const Json& object)
 
 Json output_to_json(const OutputStatus& output)
 {
-    Json json{{"name", output.name}, {"type", output.type}};
+    Json json{{"name", output.name}, {"type", output.type}, {"produced", 0}};
     write_numbers(json, output, output_numbers);
-    write_list(json, "edges", output.edges, edge_to_json);
+    write_list(json, "edges", output.edges, [](const EdgeStatus& edge) { return to_json(edge); });
     write_why(json, output.why);
     return json;
 }
@@ -178,6 +160,7 @@ Json input_to_json(const InputStatus& input)
     write_text(json, "from", input.from);
     if (input.connected)
         json["connected"] = true;
+    write_numbers(json, input, input_counts);
     write_numbers(json, input, input_numbers);
     write_text(json, "error", input.error);
     write_why(json, input.why);
@@ -193,6 +176,7 @@ InputStatus input_from_json(const Json& object)
     input.connected = fields.flag_or("connected", false);
     if (fields.has("options"))
         input.options = connection_options(fields.object("options"));
+    read_numbers(fields, input, input_counts);
     read_numbers(fields, input, input_numbers);
     input.error = fields.text_or("error", "");
     input.why = read_why(fields);
@@ -217,6 +201,20 @@ MatchingStatus matching_from_json(const Json& object)
             matching.missing[input] = json_integer(count).value_or(0);
     read_numbers(fields, matching, matching_numbers);
     return matching;
+}
+
+/// Of all inputs together, for who looks at the status without reading its rows.
+Json totals_to_json(const Status& status)
+{
+    InputStatus sum;
+    for (const auto* rows : {&status.inputs, &status.left})
+        for (const auto& row : *rows)
+            for (const auto& [key, member] : input_counts)
+                sum.*member += row.*member;
+    Json json;
+    for (const auto& [key, member] : input_counts)
+        json[key] = sum.*member;
+    return json;
 }
 
 Json exception_to_json(const ExceptionStatus& exception)
@@ -257,6 +255,26 @@ std::int64_t Ledger::lost() const noexcept
     return of(Fate::lost_connection) + of(Fate::lost_killed) + of(Fate::lost_cut_off) + of(Fate::lost_left);
 }
 
+Json to_json(const EdgeStatus& edge)
+{
+    Json json{{"receiver", edge.receiver}, {"options", to_json(edge.options)}, {"came", edge.events.total()}};
+    if (edge.group)
+        json["group"] = true;
+    if (edge.connected)
+        json["connected"] = true;
+    if (edge.registration != 0)
+        json["registration"] = edge.registration;
+    write_text(json, "encoding", edge.encoding);
+    for (const auto& [fate, key] : fate_tokens)
+        if (edge.events.of(fate) != 0)
+            json[key] = edge.events.of(fate);
+    if (edge.events.in_flight() != 0)
+        json["in_flight"] = edge.events.in_flight();
+    write_numbers(json, edge, edge_numbers);
+    write_why(json, edge.why);
+    return json;
+}
+
 Json to_json(const Status& status)
 {
     Json json{
@@ -265,6 +283,7 @@ Json to_json(const Status& status)
     write_text(json, "condition", status.condition);
     write_text(json, "callback", status.callback);
     write_why(json, status.why);
+    json["events"] = totals_to_json(status);
     write_list(json, "outputs", status.outputs, output_to_json);
     write_list(json, "inputs", status.inputs, input_to_json);
     if (!status.left.empty())

@@ -159,6 +159,9 @@ TEST_CASE("hostile shared memory: slots given back that were never lent, or not 
     peer.end.connection->share(std::make_shared<hive::transport::Pool>());
     peer.write(encoded(PacketType::release, "", std::string(15, '\1')));
     CHECK(verdict(peer) == Errc::malformed);
+    HostilePeer that_maps_nothing;
+    that_maps_nothing.write(encoded(PacketType::release, "", std::string(15, '\1')));
+    CHECK(verdict(that_maps_nothing) == Errc::malformed);
 }
 
 TEST_CASE("hostile shared memory: descriptors that nobody asked for end the connection and stay nowhere")

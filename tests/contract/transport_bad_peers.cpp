@@ -197,3 +197,41 @@ TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers no
         CHECK(pair.end.packets.size() == 1);
     }
 }
+
+TEST_CASE_TEMPLATE("bad peer: a heartbeat with a header or a body is malformed, from its prefix", Place, Unix, Tcp,
+                   InProcess)
+{
+    for (const auto& bytes : {prefix(PacketType::ping, 2, 0), prefix(PacketType::ping, 0, 1),
+                              prefix(PacketType::pong, 1, 0), prefix(PacketType::pong, 0, 0xffffffffU)}) {
+        RawPair pair(Place::address, patient);
+        pair.write(hello() + bytes);
+        REQUIRE(pair.until_closed());
+        CHECK(pair.end.code == Errc::malformed);
+    }
+}
+
+TEST_CASE_TEMPLATE(
+    "bad peer: one that shows life and never reads is slow and stays, until the control packets that wait "
+    "for it are too many",
+    Place, Unix, Tcp)
+{
+    Timing timing = hasty;
+    timing.control_bytes = 16 * 1024;
+    RawPair pair(Place::address, timing);
+    pair.write(hello());
+    REQUIRE(pair.loop.until([&] { return pair.end.has(1); }));
+    bool written = false;
+    pair.end.send(PacketType::event, "{}", std::string(16u << 20, 'b'), [&](bool all) { written = all; });
+    for (int i = 0; i < 40; ++i) {  // four times as long as a packet may stall on its way in
+        REQUIRE(pair.write(encoded(PacketType::ping)));
+        pair.loop.run_for(hasty.stall / 10);
+    }
+    CHECK(pair.end.closed == 0);
+    CHECK_FALSE(written);
+    for (int i = 0; i < 2000 && pair.end.closed == 0; ++i)
+        if (!pair.write(encoded(PacketType::ping)))
+            break;
+    REQUIRE(pair.until_closed(2s));
+    CHECK(pair.end.code == Errc::too_large);
+    CHECK(pair.end.text.find("it does not read") != std::string::npos);
+}

@@ -23,13 +23,16 @@ TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their orde
     CHECK_FALSE(pair.dialing.connection->peer().empty());
 }
 
-TEST_CASE_TEMPLATE("connection: unix and in-process peers are on this machine, of a tcp peer nobody knows", Place, Unix,
-                   Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: a peer on this machine is known to be here, whatever the transport, and only one at a "
+                   "unix socket can share memory",
+                   Place, Unix, Tcp, InProcess)
 {
     Pair pair(Place::address, patient);
-    const bool local = Place::address(pair.folder).scheme != hive::transport::Address::Scheme::tcp;
-    CHECK(pair.dialing.connection->local() == local);
-    CHECK(pair.listening.connection->local() == local);
+    const bool shares = Place::address(pair.folder).scheme == hive::transport::Address::Scheme::unix_socket;
+    for (const auto& connection : {pair.dialing.connection, pair.listening.connection}) {
+        CHECK(connection->local());
+        CHECK(connection->can_share() == shares);
+    }
 }
 
 TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole and in order", Place, Unix, Tcp,

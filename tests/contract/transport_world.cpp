@@ -105,7 +105,7 @@ RawPair::RawPair(Address (*address)(const Folder&), const Timing& timing)
         loop.context, place, [this](auto connection) { end.start(std::move(connection)); }, timing);
     const int family = place.scheme == Address::Scheme::tcp ? AF_INET : AF_UNIX;
     raw = hive::transport::make_socket_stream(
-        hive::transport::adopt_socket(loop.context, family, connect_raw(listener->address())), "raw");
+        hive::transport::adopt_socket(loop.context, family, connect_raw(listener->address())), "raw", true);
     REQUIRE(loop.until([this] { return end.connection != nullptr; }));
 }
 

@@ -28,7 +28,7 @@ void put_one(hive::Application& application, const std::string& drone)
 
 std::string state_of(hive::Application& application, const std::string& drone)
 {
-    return application.status(drone).at("state");
+    return std::string(token(application.status(drone).state));
 }
 
 }  // namespace

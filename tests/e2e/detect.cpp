@@ -76,7 +76,7 @@ TEST_CASE("detect: a model or a file of classes that cannot be used is refused i
     refused("mean=1,2", "mean is one number, or three");
     refused("stride=6", "stride is a multiple of 4");
     auto application = swarm.application();
-    CHECK(application.status("detect").at("state") == "idle");
+    CHECK(application.status("detect").state == hive::State::idle);
     CHECK(swarm.hivectl_done({"get", "detect", "model"}).find("/nowhere") == std::string::npos);
     const auto not_started = [&](const std::string& setting, const std::string& sentence) {
         const auto started = swarm.run({swarm.program("hive-detect").string(), "--name", "other", "--set", setting});

@@ -1,5 +1,6 @@
 // What happens when a drone's code throws: halt takes nothing more until resumed, skip abandons one input and goes on.
 #include "measure.hpp"
+#include "status_sums.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,14 +10,14 @@ using hive::Json;
 
 namespace {
 
-std::int64_t count(hive::Application& application, const std::string& drone, const char* key)
+std::int64_t count(hive::Application& application, const std::string& drone, std::int64_t hive::InputStatus::*counter)
 {
-    return application.status(drone).at("events").at(key);
+    return at_inputs(application.status(drone), counter);
 }
 
 std::int64_t produced(hive::Application& application, const std::string& drone)
 {
-    return application.status(drone).at("outputs").at(0).at("produced");
+    return application.status(drone).outputs.at(0).produced;
 }
 
 }  // namespace
@@ -47,11 +48,12 @@ TEST_CASE(
     CHECK(swarm.hivectl({"wait", "worker", "--for", "halted"}).exit_code == 0);
     const auto refused = swarm.run({"/bin/sh", "-c", "echo x | hivectl put worker - --type text/plain"});
     CHECK(refused.exit_code == 7);
-    const auto received = count(application, "worker", "received"), done = count(application, "worker", "processed");
+    const auto received = count(application, "worker", &hive::InputStatus::received),
+               done = count(application, "worker", &hive::InputStatus::processed);
     const auto made = produced(application, "source");
     REQUIRE(eventually([&] { return produced(application, "source") > made + 30; }));
-    CHECK(count(application, "worker", "received") == received);
-    CHECK(count(application, "worker", "processed") == done);
+    CHECK(count(application, "worker", &hive::InputStatus::received) == received);
+    CHECK(count(application, "worker", &hive::InputStatus::processed) == done);
     CHECK_FALSE(exceptions->next(100ms));
     std::int64_t last = 0;
     while (const auto result = collector->next(50ms))
@@ -63,8 +65,8 @@ TEST_CASE(
     const auto next = collector->next(patient(5000ms));
     REQUIRE(next);
     CHECK(next->identity.sequence >= newest);
-    CHECK(application.status("worker").at("policy") == "halt");
-    CHECK(count(application, "worker", "abandoned") == 1);
+    CHECK(application.status("worker").policy == hive::ExceptionPolicy::halt);
+    CHECK(count(application, "worker", &hive::InputStatus::abandoned) == 1);
 }
 
 TEST_CASE("skip: 36 and 38 appear, 37 is counted as abandoned and reported")
@@ -90,10 +92,10 @@ TEST_CASE("skip: 36 and 38 appear, 37 is counted as abandoned and reported")
     CHECK(exception->identity.sequence == 37);
     CHECK(exception->header.at("policy") == "skip");
     const auto status = application.status("worker");
-    CHECK(status.at("events").at("abandoned") == 1);
-    CHECK(status.at("events").at("processed") == 59);
-    CHECK(status.at("inputs").at(0).at("abandoned") == 1);
-    CHECK(status.at("last_exception").at("seq") == 37);
+    CHECK(at_inputs(status, &hive::InputStatus::abandoned) == 1);
+    CHECK(at_inputs(status, &hive::InputStatus::processed) == 59);
+    CHECK(status.inputs.at(0).abandoned == 1);
+    CHECK(status.last_exception.value().sequence == 37);
     const auto shown = swarm.hivectl_done({"exceptions", "worker"});
     CHECK(shown.find("event 37 is not to my taste") != std::string::npos);
 }
@@ -106,7 +108,7 @@ TEST_CASE("skip: an exception that nobody has subscribed to holds up no source o
     const auto worker = swarm.drone("sleeper", "worker", {"throw_at=1"});
     auto application = swarm.application();
     application.connect({"source", ""}, {"worker", ""});
-    REQUIRE(eventually([&] { return count(application, "worker", "abandoned") == 1; }));
+    REQUIRE(eventually([&] { return count(application, "worker", &hive::InputStatus::abandoned) == 1; }));
     const auto collector = application.collect({{"worker", "result"}});
     for (std::int64_t expected = 2; expected <= 10; ++expected) {
         const auto result = collector->next(patient(3000ms));
@@ -123,16 +125,18 @@ TEST_CASE("policy: it can be changed while the drone runs, and halt by hand lets
     auto application = swarm.application();
     swarm.hivectl_done({"connect", "source", "worker"});
     swarm.hivectl_done({"exceptions", "worker", "--on-exception", "halt"});
-    CHECK(application.status("worker").at("policy") == "halt");
+    CHECK(application.status("worker").policy == hive::ExceptionPolicy::halt);
     swarm.hivectl_done({"set", "worker", "throw_at=1"});
-    REQUIRE(eventually([&] { return application.status("worker").at("state") == "halted"; }));
+    REQUIRE(eventually([&] { return application.status("worker").state == hive::State::halted; }));
     swarm.hivectl_done({"resume", "worker"});
-    const auto done = count(application, "worker", "processed");
-    REQUIRE(eventually([&] { return count(application, "worker", "processed") > done; }));
+    const auto done = count(application, "worker", &hive::InputStatus::processed);
+    REQUIRE(eventually([&] { return count(application, "worker", &hive::InputStatus::processed) > done; }));
     swarm.hivectl_done({"halt", "worker"});
-    const auto at_halt = count(application, "worker", "processed"), made = produced(application, "source");
+    const auto at_halt = count(application, "worker", &hive::InputStatus::processed),
+               made = produced(application, "source");
     REQUIRE(eventually([&] { return produced(application, "source") > made + 20; }));
-    CHECK(count(application, "worker", "processed") <= at_halt + 1);  // the one under way when it was told
+    CHECK(count(application, "worker", &hive::InputStatus::processed)
+          <= at_halt + 1);  // the one under way when it was told
     swarm.hivectl_done({"resume", "worker"});
-    CHECK(eventually([&] { return count(application, "worker", "processed") > at_halt + 5; }));
+    CHECK(eventually([&] { return count(application, "worker", &hive::InputStatus::processed) > at_halt + 5; }));
 }

@@ -64,14 +64,14 @@ TEST_CASE("stall: a camera whose source is silent still answers, says that it is
         CHECK(took < static_cast<double>(patient(100ms).count()));
     }
     const auto begin = Clock::now();
-    CHECK(eventually([&] { return !application.status("camera").at("condition").get<std::string>().empty(); }, 6000ms));
+    CHECK(eventually([&] { return !application.status("camera").condition.empty(); }, 6000ms));
     MESSAGE("condition after ", std::chrono::duration_cast<Milliseconds>(Clock::now() - begin).count(),
-            " ms: ", application.status("camera").at("condition").get<std::string>());
+            " ms: ", application.status("camera").condition);
     const auto collector = application.collect({{"camera", "image"}});
     const auto set = swarm.hivectl({"set", "camera", "source=scene"});
     CHECK(set.exit_code == 0);
     CHECK(collector->next(patient(3000ms)));
-    CHECK(eventually([&] { return application.status("camera").at("condition") == ""; }));
+    CHECK(eventually([&] { return application.status("camera").condition == ""; }));
     CHECK(swarm.hivectl({"stop", "camera"}).took < patient(3000ms));
 }
 
@@ -84,9 +84,7 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
     auto application = swarm.application();
     application.halt("ticker");
     std::string condition;  // at first it is stalled only
-    REQUIRE(eventually(
-        [&] { return has(condition = application.status("camera").at("condition").get<std::string>(), server.url()); },
-        6000ms));
+    REQUIRE(eventually([&] { return has(condition = application.status("camera").condition, server.url()); }, 6000ms));
     const auto file = (swarm.home() / "run.hive").string();
     for (const auto& words : {std::vector<std::string>{"results", "camera"},
                               {"collect", "camera", "ticker"},
@@ -195,10 +193,11 @@ TEST_CASE("state: a drone that cannot write it does what it is told, and says on
     CHECK(swarm.hivectl_done({"set", "worker", "work_ms=6"}) == "6\n");
     auto application = swarm.application();
     CHECK(eventually([&] {
-        return application.status("worker").value("last_exception", Json::object()).value("code", "") == "io";
+        const auto exception = application.status("worker").last_exception;
+        return exception && exception->code == "io";
     }));
-    CHECK(application.status("worker").at("inputs").at(0).at("state") == "connected");
-    CHECK(application.status("worker").at("pid") == worker.pid());
+    CHECK(application.status("worker").inputs.at(0).connected);
+    CHECK(application.status("worker").pid == worker.pid());
     CHECK(times(swarm.log("worker"), in_the_way) == 1);
 }
 
@@ -281,4 +280,38 @@ TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a
     CHECK(get.took < patient(1500ms));
     drone.signal(SIGCONT);
     CHECK(swarm.hivectl({"get", "hung"}).exit_code == 0);
+}
+
+TEST_CASE(
+    "log: the file of a drone started by hivectl is bounded, what it held is kept once, and a file of another name "
+    "is left alone")
+{
+    constexpr std::uintmax_t full = 4 * 1024 * 1024;
+    const Swarm swarm;
+    const auto log = swarm.home() / "ticker.log", before = swarm.home() / "ticker.log.1";
+    const auto fill = [](const std::filesystem::path& file) {
+        std::ofstream(file, std::ios::binary) << "first words\n" << std::string(full - 20, 'x') << "\n";
+    };
+    fill(log);
+    swarm.hivectl_done({"start", "ticker"});
+    CHECK(std::filesystem::file_size(log) < 4096);
+    CHECK(swarm.log("ticker").find("ticker: started") != std::string::npos);
+    CHECK(std::filesystem::file_size(before) >= full - 20);
+    CHECK(std::filesystem::file_size(before) <= full);
+    swarm.hivectl_done({"stop", "ticker"});
+
+    fill(log);
+    std::ofstream(swarm.home() / "ticker.state") << R"({"kind": "camera"})";  // which it mentions, and so cuts its log
+    const auto refused = swarm.hivectl({"start", "ticker", "fps=no"});        // its last words stand in what is left
+    CHECK(refused.exit_code != 0);
+    CHECK(std::filesystem::file_size(log) < 4096);
+    CHECK(refused.err.find("fps") != std::string::npos);
+
+    const auto other = swarm.home() / "my.log";
+    fill(other);
+    const auto command = swarm.program("hive-ticker").string() + " --name ticker 2>>" + other.string() + " & wait $!";
+    const Process process({"/bin/sh", "-c", command}, {"HIVE_HOME=" + swarm.home().string()}, swarm.home() / "sh.log");
+    REQUIRE(eventually([&] { return swarm.hivectl({"ps", "ticker"}).exit_code == 0; }));
+    CHECK(std::filesystem::file_size(other) >= full - 20);
+    swarm.hivectl_done({"stop", "ticker"});
 }

@@ -1,5 +1,6 @@
 // Live cameras: nobody's slowness costs anybody else, nothing is sent that nobody can process, and watching is free.
 #include "measure.hpp"
+#include "status_sums.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,15 +11,6 @@ using namespace std::chrono_literals;
 using hive::Json;
 
 namespace {
-
-Json receiver_row(hive::Application& application, const std::string& sender, const std::string& receiver)
-{
-    const auto status = application.status(sender);
-    for (const auto& row : status.at("outputs").at(0).at("receivers"))
-        if (row.at("receiver") == receiver)
-            return row;
-    throw std::runtime_error(sender + " knows no receiver " + receiver);
-}
 
 /// How old the event was when the worker began with it: its age when the work was done, less what it waited and took
 /// there.
@@ -41,25 +33,24 @@ TEST_CASE(
     application.connect({"camera", ""}, {"worker", ""});
     REQUIRE(collector->next(patient(5000ms)));
 
-    const auto before = receiver_row(application, "camera", "worker.image");
+    const auto before = edge_to(application.status("camera"), "worker.image").events;
     const auto begin = Clock::now();
     std::vector<double> ages;
     while (Clock::now() - begin < 4s)
         if (const auto result = collector->next(100ms))
             ages.push_back(age_at_arrival_ms(*result));
-    const auto after = receiver_row(application, "camera", "worker.image");
+    const auto after = edge_to(application.status("camera"), "worker.image").events;
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    const auto grown = [&](const char* key) {
-        return (after.at(key).get<double>() - before.at(key).get<double>()) / seconds;
-    };
-    MESSAGE(grown("produced"), " images/s made, ", grown("delivered"), " sent, ", grown("skipped"),
+    const auto grown = [&](hive::Fate fate) { return static_cast<double>(after.of(fate) - before.of(fate)) / seconds; };
+    const double came = static_cast<double>(after.total() - before.total()) / seconds;
+    MESSAGE(came, " images/s made, ", grown(hive::Fate::acknowledged), " sent, ", grown(hive::Fate::skipped),
             " skipped; median age at arrival ", median(ages), " ms");
-    CHECK(grown("delivered") <= 10.5);
-    CHECK(after.at("dropped") == 0);
+    CHECK(grown(hive::Fate::acknowledged) <= 10.5);
+    CHECK(after.of(hive::Fate::dropped) == 0);
     if (sanitized())
         return;
-    CHECK(grown("produced") > 0.95 * 30);
-    CHECK(grown("delivered") > 9);
+    CHECK(came > 0.95 * 30);
+    CHECK(grown(hive::Fate::acknowledged) > 9);
     // The newest is at most one period old, and what it takes to draw, encode and send it; the one before it is a
     // period older.
     CHECK(median(ages) < 1000.0 / 30 + 10);
@@ -97,7 +88,7 @@ TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its o
         CHECK(grown <= 4 * 2 * picture);
     }
     // It goes on by itself when it goes on.
-    const auto done = [&] { return application.status("stopped").at("events").at("processed").get<std::int64_t>(); };
+    const auto done = [&] { return at_inputs(application.status("stopped"), &hive::InputStatus::processed); };
     const auto at_stop = done();
     CHECK(eventually([&] { return done() > at_stop + 2; }));
 }
@@ -146,5 +137,5 @@ TEST_CASE(
             " (9 rounds)");
     CHECK(median(ratio) > 0.99);
     for (const auto& name : names)
-        CHECK(application.status(name).at("events").at("received") > 100);
+        CHECK(at_inputs(application.status(name), &hive::InputStatus::received) > 100);
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int pictures = sanitized() ? 8 : 30;
 
-Json matching(hive::Application& application) { return application.status("annotate").at("matching").at(0); }
+hive::MatchingStatus matching(hive::Application& application) { return application.status("annotate").matching.at(0); }
 
 /// Is the box framed in green, at the middle of its left side?
 bool framed(const hive::Event& picture, const Json& box)
@@ -75,9 +75,9 @@ TEST_CASE("annotate: on demand every picture is drawn with exactly its boxes, no
             CHECK(framed(*picture, box));
     }
     const auto counts = matching(swarm.application);
-    CHECK(counts.at("unmatched") == 0);
-    CHECK(counts.at("duplicates") == 0);
-    CHECK(counts.at("missing") == Json{{"image", 0}, {"marks", 0}});
+    CHECK(counts.unmatched == 0);
+    CHECK(counts.duplicates == 0);
+    CHECK(counts.missing == std::map<std::string, std::int64_t>{{"image", 0}, {"marks", 0}});
 }
 
 TEST_CASE("annotate: on demand with two workers that share, one of them killed, every picture comes exactly once")
@@ -98,7 +98,7 @@ TEST_CASE("annotate: on demand with two workers that share, one of them killed, 
         REQUIRE(picture);
         REQUIRE(seen.insert(picture->identity.sequence).second);
     }
-    CHECK(matching(swarm.application).at("missing") == Json{{"image", 0}, {"marks", 0}});
+    CHECK(matching(swarm.application).missing == std::map<std::string, std::int64_t>{{"image", 0}, {"marks", 0}});
 }
 
 TEST_CASE("annotate: live, with a detector slower than the camera, all boxes find their pictures, and the other "
@@ -116,11 +116,11 @@ TEST_CASE("annotate: live, with a detector slower than the camera, all boxes fin
         for (const auto& box : picture->header.at("marks").at("faces"))
             CHECK(framed(*picture, box));
     }
-    CHECK(eventually(
-        [&] { return matching(swarm.application).at("sets") >= 8; }));  // the last is counted after it was emitted
+    CHECK(
+        eventually([&] { return matching(swarm.application).sets >= 8; }));  // the last is counted after it was emitted
     const auto counts = matching(swarm.application);
-    CHECK(counts.at("missing").at("image") == 0);
-    CHECK(counts.at("missing").at("marks") > 0);
+    CHECK(counts.missing.at("image") == 0);
+    CHECK(counts.missing.at("marks") > 0);
     CHECK(swarm.swarm.hivectl_done({"ps", "annotate"}).find(" without marks") != std::string::npos);
     const auto row = Json::parse(swarm.swarm.hivectl_done({"ps", "annotate", "--json"})).at(0);
     CHECK(row.at("matching").at(0).at("inputs") == Json{"image", "marks"});

@@ -18,9 +18,9 @@ namespace {
 constexpr int megabyte = 1'000'000;
 
 /// The row of the first receiver of a drone's first output.
-Json first_receiver(hive::Application& application, const std::string& sender)
+hive::EdgeStatus first_receiver(hive::Application& application, const std::string& sender)
 {
-    return application.status(sender).at("outputs").at(0).at("receivers").at(0);
+    return application.status(sender).outputs.at(0).edges.at(0);
 }
 
 bool whole(const hive::Event& event)
@@ -68,7 +68,7 @@ rlim_t addresses_in_use()
 }
 
 /// Takes a hundred lossless events; all are whole and in order.
-Json take_hundred(const Swarm& swarm, hive::Application& application)
+hive::EdgeStatus take_hundred(const Swarm& swarm, hive::Application& application)
 {
     const auto collector = application.collect({{"source", "tick"}});
     int intact = 0;
@@ -90,8 +90,8 @@ TEST_CASE("memory: between drones of one machine bodies go by reference")
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=100", "bytes=1000000"});
     auto application = swarm.application();
     const auto row = take_hundred(swarm, application);
-    CHECK(row.at("shared") == 100);
-    CHECK(row.at("fallback") == 0);
+    CHECK(row.shared == 100);
+    CHECK(row.fallback == 0);
 }
 
 TEST_CASE("memory: when memory is short the bodies go through the socket, counted, and none is lost")
@@ -104,8 +104,8 @@ TEST_CASE("memory: when memory is short the bodies go through the socket, counte
     }
     auto application = swarm.application();
     const auto row = take_hundred(swarm, application);
-    CHECK(row.at("shared") == 0);
-    CHECK(row.at("fallback") == 100);
+    CHECK(row.shared == 0);
+    CHECK(row.fallback == 100);
 }
 
 TEST_CASE("memory: a receiver that cannot map what is shared comes back and gets the bodies through the socket")
@@ -126,7 +126,7 @@ TEST_CASE("memory: a receiver that cannot map what is shared comes back and gets
         before = event->identity.sequence;
     }
     CHECK(intact == 50);
-    CHECK(first_receiver(application, "source").at("shared") == 0);
+    CHECK(first_receiver(application, "source").shared == 0);
 }
 
 TEST_CASE("memory: a receiver that keeps every event takes nothing from the others")
@@ -148,11 +148,11 @@ TEST_CASE("memory: a receiver that keeps every event takes nothing from the othe
         CHECK(whole(*event));
     }
     const auto status = modest.status("source");
-    for (const auto& row : status.at("outputs").at(0).at("receivers")) {
-        if (row.at("delivered").get<int>() >= 100)
-            CHECK(row.at("fallback") == 0);
+    for (const auto& row : status.outputs.at(0).edges) {
+        if (row.events.of(hive::Fate::acknowledged) >= 100)
+            CHECK(row.fallback == 0);
         else
-            CHECK(row.at("fallback").get<int>() > 0);
+            CHECK(row.fallback > 0);
     }
     CHECK(std::ranges::all_of(kept, whole));
 }

@@ -1,5 +1,6 @@
 // Recording and replaying with real drones: nothing is changed, nothing is lost in silence, whatever ends the recorder.
 #include "measure.hpp"
+#include "status_sums.hpp"
 
 #include <recording_reader.hpp>
 
@@ -57,7 +58,7 @@ std::vector<hive::Event> replayed(const Swarm& swarm, const fs::path& file, std:
     auto application = swarm.application();
     const auto collector = application.collect({{"replay", "tick"}});
     auto events = take(*collector, count);
-    CHECK(eventually([&] { return application.status("replay").at("condition") == "end of recording"; }));
+    CHECK(eventually([&] { return application.status("replay").condition == "end of recording"; }));
     CHECK_FALSE(collector->next(0ms));
     application.stop("replay");
     return events;
@@ -102,7 +103,8 @@ TEST_CASE("recording: ten thousand events on demand come back as they were, twic
     const auto collector = application.collect({{"source", "tick"}});
     application.resume("source");
     const auto originals = take(*collector, count);
-    REQUIRE(eventually([&] { return application.status("record").at("events").at("processed") == count; }));
+    REQUIRE(
+        eventually([&] { return at_inputs(application.status("record"), &hive::InputStatus::processed) == count; }));
     application.stop("record");
     {
         const Reader reader(file);
@@ -138,7 +140,7 @@ TEST_CASE("recording: the work of a replay that begins again and again can be sh
     take(*collector, 5 * count);
     CHECK(collector->counts().duplicates == 0);
     for (const char* worker : {"first", "second"})
-        CHECK(application.status(worker).at("events").at("duplicates") == 0);
+        CHECK(at_inputs(application.status(worker), &hive::InputStatus::duplicates) == 0);
 }
 
 TEST_CASE("recording: a recorder that is killed leaves every event that it had taken")
@@ -150,9 +152,8 @@ TEST_CASE("recording: a recorder that is killed leaves every event that it had t
     auto application = swarm.application();
     application.connect({"source", ""}, {"record", ""}, wide);
     std::int64_t taken = 0;
-    REQUIRE(eventually([&] {
-        return (taken = application.status("record").at("events").at("processed").get<std::int64_t>()) >= 100;
-    }));
+    REQUIRE(eventually(
+        [&] { return (taken = at_inputs(application.status("record"), &hive::InputStatus::processed)) >= 100; }));
     recorder.kill();
     Reader reader(file);
     CHECK(has(reader.problem(), "no end"));
@@ -166,10 +167,9 @@ TEST_CASE("recording: a recorder that is killed leaves every event that it had t
     const auto replay = swarm.drone("replay", "replay", {"file=" + file.string(), "pace=demand"});
     const auto collector = application.collect({{"replay", "tick"}});
     take(*collector, static_cast<std::size_t>(reader.summary().events()));
-    CHECK(eventually([&] {
-        return has(application.status("replay").at("condition"), "end of recording; the recording has no end");
-    }));
-    CHECK(application.status("replay").at("last_exception").at("code") == "malformed");
+    CHECK(eventually(
+        [&] { return has(application.status("replay").condition, "end of recording; the recording has no end"); }));
+    CHECK(application.status("replay").last_exception.value().code == "malformed");
 }
 
 TEST_CASE("recording: a full disk is said within a second, costs others nothing, and the file is whole up to there")
@@ -217,8 +217,8 @@ TEST_CASE("recording: a full disk is said within a second, costs others nothing,
         },
         10'000ms));
     CHECK(has(exception->header.at("text"), "disk full"));
-    CHECK(application.status("record").at("condition") == "disk full");
-    CHECK(application.status("record").at("state") != "halted");
+    CHECK(application.status("record").condition == "disk full");
+    CHECK(application.status("record").state != hive::State::halted);
     CHECK(gaps == 0);
     application.stop("record");
     REQUIRE(eventually([&] { return fs::exists(copy); }));
@@ -278,7 +278,7 @@ TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its
     CHECK(swarm.hivectl_done({"replay", file, "--pace", "demand", "--halted"}) == "replay\n");
     auto application = swarm.application();
     CHECK(application.describe("replay").outputs.size() == 2);
-    CHECK(application.status("replay").at("state") == "halted");
+    CHECK(application.status("replay").state == hive::State::halted);
 
     const auto fast = swarm.drone("ticker", "fast", {"fps=20000"});
     const auto lossy = swarm.hivectl({"record", "fast", "-o", file, "--overwrite", "--for", "0.5", "--window", "1"});
@@ -324,7 +324,7 @@ TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are repla
     const auto events = take(*watching, static_cast<std::size_t>(reader.summary().events()));
     CHECK(events.front().size == 1000);
     CHECK(eventually([&] {
-        return has(application.status("replay").at("condition"),
+        return has(application.status("replay").condition,
                    "end of recording; without a body, so for no receiver of bodies: ");
     }));
     CHECK_FALSE(receiving->next(0ms));

@@ -70,7 +70,7 @@ public:
         due_ = Clock::now() + 500ms;
     }
     [[nodiscard]] int kills() const { return kills_; }
-    [[nodiscard]] std::int64_t given() { return application_.status("source").at("outputs").at(0).at("produced"); }
+    [[nodiscard]] std::int64_t given() { return application_.status("source").outputs.at(0).produced; }
 
 private:
     Swarm swarm_;

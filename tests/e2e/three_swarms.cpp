@@ -78,7 +78,7 @@ public:
     [[nodiscard]] Arrivals watch(const std::string& without = {})
     {
         arrivals(*collector, 200ms);
-        const auto face = without == "face" ? pid_t{} : application.status("face").at("pid").get<pid_t>();
+        const auto face = without == "face" ? pid_t{} : static_cast<pid_t>(application.status("face").pid);
         Arrivals came;
         const auto enough = [&](const Own& own) { return own.drone == without || came[own.drone].size() >= 5; };
         for (const auto end = Clock::now() + 800ms; Clock::now() < end || !std::ranges::all_of(owns, enough);) {

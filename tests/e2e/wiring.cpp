@@ -1,6 +1,7 @@
 // Connections: refused with a reason when they cannot be, repaired without a word when an end is killed, forgotten by
 // stop.
 #include "measure.hpp"
+#include "status_sums.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +15,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 std::int64_t processed(hive::Application& application, const std::string& drone)
 {
-    return application.status(drone).at("events").at("processed");
+    return at_inputs(application.status(drone), &hive::InputStatus::processed);
 }
 
 /// From the start of a program until the drone behind the connection has worked on events again.
@@ -84,7 +85,7 @@ TEST_CASE("connect: a group with --first-frame is refused, and nothing is connec
     CHECK_THROWS_AS(
         application.connect({"source", ""}, {"worker", ""}, {.group = "workers", .first_frame = true, .lease = {}}),
         hive::Error);
-    CHECK(application.status("worker").at("inputs").empty());
+    CHECK(application.status("worker").inputs.empty());
 }
 
 TEST_CASE(
@@ -96,11 +97,10 @@ TEST_CASE(
     const auto collector = application.collect(
         {{"source", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming, .group = {}, .lease = {}}});
     application.set("source", {{"fps", 5000}});
-    REQUIRE(eventually([&] { return application.status("source").at("condition") == "end of source"; }, 10'000ms));
+    REQUIRE(eventually([&] { return application.status("source").condition == "end of source"; }, 10'000ms));
     while (collector->next(300ms)) {
     }
-    const auto delivered =
-        application.status("source").at("outputs").at(0).at("receivers").at(0).at("delivered").get<std::int64_t>();
+    const auto delivered = application.status("source").outputs.at(0).edges.at(0).events.of(hive::Fate::acknowledged);
     const auto counts = collector->counts();
     MESSAGE(delivered, " delivered, ", counts.received, " received, ", counts.dropped, " dropped");
     CHECK(counts.received < delivered);
@@ -146,12 +146,12 @@ TEST_CASE("restart: a receiver that was killed and started again has its connect
         CHECK(took <= patient(1000ms));
     }
     CHECK(application.get("worker", {"work_ms"}) == Json{{"work_ms", 3}});
-    CHECK(application.status("worker").at("inputs").at(0).at("window") == 2);
+    CHECK(application.status("worker").inputs.at(0).options.window == 2);
 
     swarm.hivectl_done({"stop", "worker"});
     worker = swarm.drone("sleeper", "worker");
     CHECK(application.get("worker", {"work_ms"}) == Json{{"work_ms", 0}});
-    CHECK(application.status("worker").at("inputs").empty());
+    CHECK(application.status("worker").inputs.empty());
     CHECK(swarm.hivectl_done({"edges", "--json"}) == "[]\n");
 }
 
@@ -194,10 +194,10 @@ TEST_CASE("restart: a source killed while nobody starts it is waited for, and sa
     swarm.hivectl_done({"connect", "source", "worker"});
     source.kill();
     auto application = swarm.application();
-    const auto state = [&] { return application.status("worker").at("inputs").at(0).at("state").get<std::string>(); };
+    const auto connected = [&] { return application.status("worker").inputs.at(0).connected; };
     // A dead peer on one machine is noticed within 50 ms.
     const auto begin = Clock::now();
-    REQUIRE(eventually([&] { return state() == "waiting"; }));
+    REQUIRE(eventually([&] { return !connected(); }));
     CHECK(Clock::now() - begin <= patient(200ms));
     const auto edges = Json::parse(swarm.hivectl_done({"edges", "--json"}));
     REQUIRE(edges.size() == 1);
@@ -239,6 +239,6 @@ TEST_CASE(
         REQUIRE(collector->next(patient(5000ms)));
     CHECK(processed(application, "watcher") > 10);
     const auto status = application.status("watcher");
-    CHECK(status.at("events").at("abandoned") == 0);
-    CHECK(status.at("outputs").at(0).at("receivers").empty());
+    CHECK(at_inputs(status, &hive::InputStatus::abandoned) == 0);
+    CHECK(connected_edges(status.outputs.at(0)) == 0);
 }

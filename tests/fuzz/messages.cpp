@@ -3,6 +3,8 @@
 #include "require.hpp"
 
 #include <hive/protocol/messages.hpp>
+#include <hive/protocol/requests.hpp>
+#include <hive/status.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -25,12 +27,16 @@ std::size_t depth(const Json& value)
 /// What the message says, as JSON again.
 Json reread(unsigned message, const Json& header)
 {
-    switch (message % 5) {
+    switch (message % 9) {
     case 0: return to_json(hello_from_json(header));
     case 1: return to_json(registration_from_json(header));
     case 2: return hive::parse_json(to_text(request_from_json(header)));
     case 3: return to_json(confirmation_from_json(header));
-    default: return to_json(hive::connection_options(header));
+    case 4: return to_json(hive::connection_options(header));
+    case 5: return to_json(connect_from_json(header));
+    case 6: return to_json(set_from_json(header));
+    case 7: return to_json(forget_from_json(header));
+    default: return to_json(hive::status_from_json(header));
     }
 }
 

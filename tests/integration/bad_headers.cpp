@@ -174,7 +174,7 @@ TEST_CASE("hostile header: a registration with a wrong field is answered and reg
         CHECK(raw::error_of(peer.ask(raw::register_, registration(each), 1)) == "malformed");
     }
     for (const Json outputs = peer.ask(raw::status).at("result").at("outputs"); const auto& output : outputs)
-        CHECK(output.at("receivers") == Json::array());
+        CHECK(output.at("edges") == Json::array());
     CHECK(raw::error_of(peer.ask(raw::register_, registration(Json::object()), 1)) == "");
 }
 
@@ -194,9 +194,9 @@ TEST_CASE("hostile header: a request for a billion gets one event at a time, and
     REQUIRE(peer.send(raw::packet(raw::request, 3, R"({"epoch":5,"id":1000000000,"done":1000000000})")));
     CHECK(peer.next_of(raw::event, within(1000)));
     CHECK_FALSE(peer.next_of(raw::event, Milliseconds(300)));
-    const Json rows = peer.ask(raw::status).at("result").at("outputs").at(0).at("receivers");
+    const Json rows = peer.ask(raw::status).at("result").at("outputs").at(0).at("edges");
     REQUIRE(rows.size() == 1);
-    CHECK(rows[0].at("delivered") == 2);
+    CHECK(rows[0].at("acknowledged") == 2);
 }
 
 TEST_CASE("hostile header: a request with a wrong field ends the connection")

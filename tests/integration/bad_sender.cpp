@@ -121,17 +121,18 @@ public:
     Json to_face() const
     {
         auto doctor = raw::Peer::meet(prey.swarm().home() / "cam.sock", "doctor");
-        return doctor.ask(raw::status).at("result").at("outputs").at(0).at("receivers").at(0);
+        return doctor.ask(raw::status).at("result").at("outputs").at(0).at("edges").at(0);
     }
     /// Did the other connection go on without a break or a loss?
     void check_camera() const
     {
-        const auto before = to_face().at("delivered").get<int>();
-        CHECK(hive::test::eventually([&] { return to_face().at("delivered").get<int>() > before + 1; }, within(3000)));
-        CHECK(to_face().at("dropped") == 0);
-        CHECK(to_face().at("skipped") == 0);
-        CHECK(from_camera().at("state") == "connected");
-        CHECK(from_camera().at("dropped") == 0);
+        const auto before = to_face().at("acknowledged").get<int>();
+        CHECK(
+            hive::test::eventually([&] { return to_face().at("acknowledged").get<int>() > before + 1; }, within(3000)));
+        CHECK_FALSE(to_face().contains("dropped"));
+        CHECK_FALSE(to_face().contains("skipped"));
+        CHECK(from_camera().at("connected") == true);
+        CHECK_FALSE(from_camera().contains("dropped"));
         CHECK(from_camera().at("received").get<int>() >= before);
     }
 
@@ -250,7 +251,7 @@ TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connect
         auto doctor = pair.prey.meet("doctor");
         for (const Json inputs = doctor.ask(raw::status).at("result").at("inputs"); const auto& row : inputs)
             if (row.at("from") == "liar.image")
-                return row.at("received").get<int>();
+                return row.value("received", 0);
         return -1;
     };
     CHECK(received() == 0);

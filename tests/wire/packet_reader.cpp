@@ -2,6 +2,7 @@
 #include "packet_reader.hpp"
 
 #include <hive/json.hpp>
+#include <hive/protocol/messages.hpp>
 
 namespace hive::wire {
 
@@ -43,8 +44,12 @@ void PacketReader::check(const protocol::Packet& packet) const
 {
     if (first_ && packet.type != PacketType::hello)
         throw Error(Errc::malformed, "the first packet is no hello");
-    if (packet.type == PacketType::ping || packet.type == PacketType::pong || packet.type == PacketType::release)
+    if (packet.type == PacketType::ping || packet.type == PacketType::pong)
         return;
+    if (packet.type == PacketType::release)
+        return static_cast<void>(protocol::slots_from_body(packet.body));
+    if (packet.type == PacketType::reference)
+        static_cast<void>(protocol::reference_from_body(packet.body));
     if (!parse_json(packet.header_text()).is_object())
         throw Error(Errc::malformed, "the header is not an object");
 }

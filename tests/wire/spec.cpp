@@ -4,6 +4,7 @@
 
 #include <hive/interface.hpp>
 #include <hive/protocol/messages.hpp>
+#include <hive/status.hpp>
 
 #include <map>
 #include <set>
@@ -92,7 +93,7 @@ TEST_CASE("SPEC: the table of packet types is the code's, both ways")
     for (int number = 0; number < 256; ++number)
         if (const auto name = protocol::token(static_cast<protocol::PacketType>(number)); !name.empty())
             in_code[number] = name;
-    CHECK_EQ(in_spec.size(), 23u);
+    CHECK_EQ(in_spec.size(), 24u);
     CHECK(in_spec == in_code);
 }
 
@@ -119,6 +120,25 @@ TEST_CASE("SPEC: the words of section 1 are the code's")
     CHECK(words("policy") == all(ExceptionPolicy::skip, ExceptionPolicy::halt));
     CHECK(words("parameter type")
           == all(ParameterType::integer, ParameterType::number, ParameterType::text, ParameterType::flag));
+}
+
+TEST_CASE("SPEC: the tables of fates and of reasons are the code's, in its order")
+{
+    const auto listed = [](const std::string& heading) {
+        std::vector<std::string> words;
+        for (const auto& row : table(heading))
+            words.push_back(row.at(0));
+        return words;
+    };
+    std::vector<std::string> in_code;
+    for (std::size_t i = 0; i < fates; ++i)
+        in_code.emplace_back(token(static_cast<Fate>(i)));
+    CHECK(listed("| fate | meaning |") == in_code);
+    in_code.clear();
+    for (int i = 1; !token(static_cast<Reason>(i)).empty(); ++i)
+        in_code.emplace_back(token(static_cast<Reason>(i)));
+    CHECK(in_code.size() > 10);
+    CHECK(listed("| why | meaning |") == in_code);
 }
 
 TEST_CASE("SPEC: the limits of section 3 are the code's")
@@ -150,7 +170,7 @@ TEST_CASE("SPEC: the packets written out in hex are packets")
 
 TEST_CASE("SPEC: the request written out in hex is what the code writes")
 {
-    const auto header = protocol::to_text(protocol::Request{.epoch = 7, .id = 2, .done = 1});
+    const auto header = protocol::to_text(protocol::Request{.epoch = 7, .id = 2, .done = 1, .worked = 1});
     const auto prefix = protocol::encode(protocol::make_packet(protocol::PacketType::request, header, 1).prefix());
     CHECK(hex_blocks().at(0) == std::string(prefix.begin(), prefix.end()) + header);
 }

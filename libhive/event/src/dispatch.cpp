@@ -1,26 +1,25 @@
 // Lines of events, one for each receiver that waits for an encoding.
 #include <hive/event/dispatch.hpp>
 
-#include <exception>
-
 namespace hive::event {
 namespace {
 
 /// The event as the encoder gives it, checked as an emitted one is.
-EmissionPtr encoded(const Encoder& encoder, const Event& event, const std::string& encoding)
+EmissionPtr encoded(const Encoder& encoder, const Emission& emission, const std::string& encoding)
 {
-    Event result = encoder.encode(event, encoding);
+    Event result = encoder.encode(emission.event(), encoding);
     result.receipt.reset();
+    result.custody.reset();
     result.size = result.body.size();
     if (result.size > protocol::Limits{}.body)
         throw Error(Errc::too_large, "a body of " + std::to_string(result.size) + " bytes, limit "
                                          + std::to_string(protocol::Limits{}.body));
-    return std::make_shared<const Emission>(std::move(result));
+    return std::make_shared<const Emission>(std::move(result), true, emission.own());
 }
 
 }  // namespace
 
-void Dispatch::send(const ReceiverTable::Send& send, const std::string& encoding)
+void Dispatch::send(const Send& send, const std::string& encoding)
 {
     const auto form = encoding.empty() ? send.event : send.event->rendition(encoding);
     if (form && !lines_.contains(send.receiver))
@@ -52,18 +51,16 @@ Dispatch::Made Dispatch::make(const EmissionPtr& event, const std::string& encod
     if (result.form)
         return result;
     try {
-        result.form = encoded(encoder_, event->event(), encoding);
-    } catch (const Error& error) {
-        result.problem = Error(error.code(), encoding + ": " + error.what());
-    } catch (const std::exception& error) {
-        result.problem = Error(Errc::failed, encoding + ": " + error.what());
+        result.form = encoded(encoder_, *event, encoding);
     } catch (...) {
-        result.problem = Error(Errc::failed, encoding + ": something that is no exception was thrown");
+        const Error error = current_error();
+        result.problem = Error(error.code(), encoding + ": " + error.what());
     }
-    if (result.problem) {  // an emission of its own: one that kept itself would never go
+    if (result.problem) {  // a copy: one that kept itself would never go
         Event as_it_is = event->event();
         as_it_is.receipt.reset();
-        result.form = std::make_shared<const Emission>(std::move(as_it_is));
+        as_it_is.custody.reset();
+        result.form = std::make_shared<const Emission>(std::move(as_it_is), true, event->own());
     }
     event->keep_rendition(encoding, result.form);
     return result;
@@ -80,7 +77,7 @@ void Dispatch::made(const std::weak_ptr<Waiting>& weak, const EmissionPtr& event
     advance(waiting->send.receiver);
 }
 
-void Dispatch::advance(ReceiverTable::Id receiver)
+void Dispatch::advance(ReceiverId receiver)
 {
     const auto line = lines_.find(receiver);
     if (line == lines_.end())

@@ -5,8 +5,17 @@
 #include <hive/event/emission.hpp>
 #include <hive/event/clock.hpp>
 #include <hive/event_text.hpp>
+#include <hive/name.hpp>
+
+#include <algorithm>
 
 namespace hive {
+
+const Share* Identity::shared_work() const
+{
+    const auto found = std::ranges::find_if(shares, &Share::group);
+    return found == shares.end() ? nullptr : &*found;
+}
 
 std::chrono::microseconds Event::age() const
 {
@@ -18,6 +27,21 @@ std::chrono::microseconds Event::age() const
 namespace hive::event {
 namespace {
 
+Share share_from(const Fields& fields)
+{
+    Share share;
+    share.of = fields.text("of");
+    if (!is_share_name(share.of))
+        throw Error(Errc::malformed, "share: \"of\" must be DRONE.OUTPUT or DRONE.OUTPUT#GROUP");
+    share.epoch = fields.integer("epoch", 0, max_json_integer);
+    share.turn = fields.integer("turn", 0, max_json_integer);
+    share.attempt = static_cast<int>(fields.integer_or("attempt", 0, most_attempts, 1));
+    share.closed = fields.integer_or("closed", 0, max_json_integer, 0);
+    share.part = static_cast<int>(fields.integer_or("part", 0, most_part, 0));
+    share.to = fields.name_or("to", "");
+    return share;
+}
+
 Identity identity_from(const Fields& fields)
 {
     Identity identity;
@@ -27,10 +51,13 @@ Identity identity_from(const Fields& fields)
     identity.captured_us = fields.integer_or("time_us", 0, max_json_integer, 0);
     identity.monotonic_us = fields.integer_or("mono_us", 0, max_json_integer, 0);
     identity.lossless = fields.flag_or("lossless", false);
-    identity.group = fields.name_or("group", "");
-    identity.turn = fields.integer_or("turn", 0, max_json_integer, 0);
-    identity.attempt = static_cast<int>(fields.integer_or("attempt", 0, 1000, 0));
-    identity.part = static_cast<int>(fields.integer_or("part", 0, 1 << 30, 0));
+    identity.part = static_cast<int>(fields.integer_or("part", 0, most_part, 0));
+    if (fields.has("shares"))
+        for (const auto& item : fields.array("shares")) {
+            if (identity.shares.size() == most_shares)
+                throw Error(Errc::malformed, "event: more than 16 shares");
+            identity.shares.push_back(share_from(Fields(item, "share")));
+        }
     if (fields.has("hops"))
         for (const auto& item : fields.array("hops")) {
             if (identity.hops.size() == most_hops)
@@ -53,6 +80,7 @@ Event event_from_json(const Json& json, std::size_t body_size)
     event.type = fields.text("type");
     event.size =
         static_cast<std::size_t>(fields.integer_or("size", 0, max_json_integer, static_cast<std::int64_t>(body_size)));
+    event.sized = fields.has("size") || body_size > 0;
     if (fields.has("header"))
         event.header = fields.object("header");
     return event;
@@ -60,30 +88,53 @@ Event event_from_json(const Json& json, std::size_t body_size)
 
 }  // namespace
 
-Emission::Emission(Event event, bool complete)
-    : event_(std::move(event)),
+bool is_share_name(std::string_view text)
+{
+    const auto sharp = text.find('#'), dot = text.substr(0, sharp).rfind('.');
+    return dot != std::string_view::npos && is_name(text.substr(0, dot))
+           && is_name(text.substr(0, sharp).substr(dot + 1))
+           && (sharp == std::string_view::npos || is_name(text.substr(sharp + 1)));
+}
+
+namespace {
+
+/// The size of a body that was not made is known only to who keeps it elsewhere, as a recording does.
+Event with_honest_size(Event event, bool complete)
+{
+    event.sized = event.sized && (complete || event.size > 0);
+    return event;
+}
+
+}  // namespace
+
+Emission::Emission(Event event, bool complete, std::optional<Share> own)
+    : event_(with_honest_size(std::move(event), complete)),
       complete_(complete),
-      header_(std::make_shared<const std::string>(
-          header_text(event_, {event_.identity.group, event_.identity.turn, event_.identity.attempt})))
+      own_(std::move(own)),
+      header_(std::make_shared<const std::string>(header_text(event_, own_ ? &*own_ : nullptr)))
 {
     require_within(event_.header, {}, 1);
-    constexpr std::size_t share_bytes = 128;  // what sharing adds
+    constexpr std::size_t share_bytes = 512;  // what sharing adds
     if (header_->size() + share_bytes > protocol::Limits{}.header)
         throw Error(Errc::too_large, "the header of an event is " + std::to_string(header_->size()) + " bytes, limit "
                                          + std::to_string(protocol::Limits{}.header)
                                          + ": put large data into the body");
+    if (event_.identity.shares.size() >= most_shares)
+        throw Error(Errc::refused, "this event has gone through 16 shared or lossless stages, which is the limit");
 }
 
-std::shared_ptr<const Emission> Emission::without_receipt() const
+std::shared_ptr<const Emission> Emission::without_custody() const
 {
     auto copy = std::make_shared<Emission>(*this);
     copy->event_.receipt.reset();
+    copy->event_.custody.reset();
     return copy;
 }
 
-protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel, const Share& share) const
+protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel,
+                                  const std::optional<Share>& share) const
 {
-    auto header = share.group.empty() ? header_ : std::make_shared<const std::string>(header_text(event_, share));
+    auto header = share ? std::make_shared<const std::string>(header_text(event_, &*share)) : header_;
     return {type, channel, std::move(header), type == protocol::PacketType::notification ? Body() : event_.body};
 }
 
@@ -103,6 +154,7 @@ void Emission::keep_rendition(const std::string& encoding, std::shared_ptr<const
 Event event_from_packet(const protocol::Packet& packet)
 {
     Event event = event_from_text(packet.header_text(), packet.body);
+    event.sized = event.sized || packet.type != protocol::PacketType::notification;  // else the body tells it
     event.received = std::chrono::steady_clock::now();
     return event;
 }
@@ -111,15 +163,13 @@ Event event_from_packet(const protocol::Packet& packet)
 
 namespace hive {
 
-std::string event_text(const Event& event)
-{
-    return event::header_text(event, {event.identity.group, event.identity.turn, event.identity.attempt});
-}
+std::string event_text(const Event& event) { return event::header_text(event, nullptr); }
 
 Event event_from_text(std::string_view text, Body body)
 {
     Event event;
     event.size = body.size();
+    event.sized = !body.empty();
     if (!event::read_plain_header(text, event))
         event = event::event_from_json(parse_json(text), body.size());
     event.body = std::move(body);

@@ -57,6 +57,32 @@ void write_hops(std::string& text, const std::vector<Hop>& hops)
     text += ']';
 }
 
+void write_shares(std::string& text, const std::vector<Share>& shares, const Share* own)
+{
+    text += '[';
+    const auto write = [&](const Share& each) {
+        if (text.back() != '[')
+            text += ',';
+        Writer share(text);
+        share.string(",\"of\":", each.of);
+        share.number(",\"epoch\":", each.epoch);
+        share.number(",\"turn\":", each.turn);
+        if (each.attempt != 1)
+            share.number(",\"attempt\":", each.attempt);
+        if (each.closed != 0)
+            share.number(",\"closed\":", each.closed);
+        if (each.part != 0)
+            share.number(",\"part\":", each.part);
+        if (!each.to.empty())
+            share.string(",\"to\":", each.to);
+        share.close();
+    };
+    std::ranges::for_each(shares, write);
+    if (own)
+        write(*own);
+    text += ']';
+}
+
 /// A place in a text; every function moves on when it finds what it looks for, and gives false or nothing otherwise.
 class Plain {
 public:
@@ -99,6 +125,22 @@ public:
     {
         value = rest_.starts_with('t');
         return skip(value ? "true" : "false");
+    }
+    bool shares(std::vector<Share>& shares)
+    {
+        if (!skip("["))
+            return false;
+        do {
+            Share& share = shares.emplace_back();
+            if (!skip("{\"of\":") || !string(share.of) || !is_share_name(share.of) || !skip(",\"epoch\":")
+                || !integer(share.epoch) || !skip(",\"turn\":") || !integer(share.turn)
+                || (skip(",\"attempt\":") && !integer(share.attempt, most_attempts))
+                || (skip(",\"closed\":") && !integer(share.closed))
+                || (skip(",\"part\":") && !integer(share.part, most_part)) || (skip(",\"to\":") && !name(share.to))
+                || !skip("}"))
+                return false;
+        } while (skip(","));
+        return skip("]") && shares.size() <= most_shares;
     }
     bool hops(std::vector<Hop>& hops)
     {
@@ -171,12 +213,10 @@ constexpr std::array known_fields{
     Field{"\"seq\":", [](Plain& text, Event& event) { return text.integer(event.identity.sequence); }},
     Field{"\"time_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.captured_us); }},
     Field{"\"mono_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.monotonic_us); }},
-    Field{"\"size\":", [](Plain& text, Event& event) { return text.integer(event.size); }},
+    Field{"\"size\":", [](Plain& text, Event& event) { return event.sized = text.integer(event.size); }},
     Field{"\"lossless\":", [](Plain& text, Event& event) { return text.flag(event.identity.lossless); }},
-    Field{"\"group\":", [](Plain& text, Event& event) { return text.name(event.identity.group); }},
-    Field{"\"turn\":", [](Plain& text, Event& event) { return text.integer(event.identity.turn); }},
-    Field{"\"attempt\":", [](Plain& text, Event& event) { return text.integer(event.identity.attempt, 1000); }},
-    Field{"\"part\":", [](Plain& text, Event& event) { return text.integer(event.identity.part, 1 << 30); }},
+    Field{"\"part\":", [](Plain& text, Event& event) { return text.integer(event.identity.part, most_part); }},
+    Field{"\"shares\":", [](Plain& text, Event& event) { return text.shares(event.identity.shares); }},
     Field{"\"hops\":", [](Plain& text, Event& event) { return text.hops(event.identity.hops); }},
     Field{"\"header\":", [](Plain& text, Event& event) { return text.object(event.header); }},
 };
@@ -184,7 +224,7 @@ constexpr unsigned required_fields = (1u << 7) - 1;
 
 }  // namespace
 
-std::string header_text(const Event& event, const Share& share)
+std::string header_text(const Event& event, const Share* own)
 {
     const Identity& identity = event.identity;
     std::string text;
@@ -199,16 +239,14 @@ std::string header_text(const Event& event, const Share& share)
     header.number(",\"seq\":", identity.sequence);
     header.number(",\"time_us\":", identity.captured_us);
     header.number(",\"mono_us\":", identity.monotonic_us);
-    header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
+    if (event.sized || !event.body.empty())
+        header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
     if (identity.lossless)
         header.raw(",\"lossless\":", "true");
-    if (!share.group.empty()) {
-        header.string(",\"group\":", share.group);
-        header.number(",\"turn\":", share.turn);
-        header.number(",\"attempt\":", share.attempt);
-    }
     if (identity.part > 0)
         header.number(",\"part\":", identity.part);
+    if (own || !identity.shares.empty())
+        write_shares(text += ",\"shares\":", identity.shares, own);
     if (!identity.hops.empty())
         write_hops(text += ",\"hops\":", identity.hops);
     header.raw(",\"header\":", to_text(event.header));

@@ -11,8 +11,15 @@
 namespace hive::event {
 
 inline constexpr std::size_t most_hops = 16;
+inline constexpr std::size_t most_shares = 16;
+inline constexpr int most_attempts = 1 << 20;  ///< that a share may tell
+inline constexpr int most_part = 1 << 30;
 
-[[nodiscard]] std::string header_text(const Event& event, const Share& share);
+/// Is it written as what a share is of: "camera.image", "camera.image#workers"?
+[[nodiscard]] bool is_share_name(std::string_view text);
+
+/// @param own  the share that the sender adds behind those of the event, or null
+[[nodiscard]] std::string header_text(const Event& event, const Share* own);
 
 /// Reads a header that is written as header_text writes: fields that it knows, each once, no white space between them
 /// and nothing escaped in their strings (the author's own header may be anything). False for every other text, right or

@@ -28,11 +28,11 @@ void make_private(const fs::path& directory)
     if (::lstat(directory.c_str(), &info) != 0)
         fail(Errc::io, "cannot look at " + directory.string());
     if (!S_ISDIR(info.st_mode) || info.st_uid != ::getuid())
-        throw Error(Errc::not_permitted,
-                    directory.string() + " is not a directory of this user; set HIVE_HOME to one that is");
+        throw Error(Errc::not_permitted, directory.string() + " is not a directory of this user",
+                    "set HIVE_HOME to one that is");
     if ((info.st_mode & 077) != 0)
-        throw Error(Errc::not_permitted,
-                    "others may enter " + directory.string() + "; close it: chmod 700 " + directory.string());
+        throw Error(Errc::not_permitted, "others may enter " + directory.string(),
+                    "close it: chmod 700 " + directory.string());
 }
 
 /// Open-file-description locks: they end with the process, and can be looked at without being taken.

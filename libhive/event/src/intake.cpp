@@ -1,9 +1,11 @@
-// Registering, credit and receipts at the receiving end.
+// Registering, credit and acknowledgement at the receiving end.
+#include <hive/event/clock.hpp>
+#include <hive/event/door.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
-#include <hive/event/module.hpp>
+#include <hive/name.hpp>
 
-#include <asio/post.hpp>
+#include <algorithm>
 
 namespace hive::event {
 
@@ -13,7 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto patience = 3s;  // for one attempt to dial and register
+constexpr auto patience = 3s;               // for one attempt to dial and register
+constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
+constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 
 transport::Backoff backoff_for(const transport::Address& address)
 {
@@ -24,12 +28,12 @@ transport::Backoff backoff_for(const transport::Address& address)
 
 }  // namespace
 
-Intake::Intake(Module& module, IntakeSpec spec, Sink sink)
-    : module_(module),
+Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink)
+    : host_(host),
       spec_(std::move(spec)),
       sink_(std::move(sink)),
       backoff_(backoff_for(spec_.address)),
-      timer_(module.context())
+      timer_(host.context())
 {
 }
 
@@ -39,58 +43,109 @@ void Intake::start(OnOutcome first)
     attempt();
 }
 
+void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
+{
+    before_ = std::exchange(spec_.options, options);
+    first_ = std::move(on_outcome);
+    connected_ = false;
+    link_->release_channel(channel_);  // what is under way there comes again
+    register_on(link_, Clock::now() + patience);
+}
+
 void Intake::attempt()
 {
     const auto deadline = Clock::now() + patience;
-    module_.with_link(
-        spec_.address, deadline, [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
-            if (self->stopped_)
-                return;
-            if (!link)
-                return self->failed(error);
-            self->link_ = link;
-            self->epoch_ = std::max(self->epoch_ + 1, wall_us());
-            self->arrived_ = self->finished_ = self->acknowledged_ = 0;
-            self->asked_ = self->spec_.options.window;
-            self->outstanding_.clear();
-            self->channel_ = link->claim_channel([weak = std::weak_ptr(self)](const protocol::Packet& packet) {
-                if (const auto intake = weak.lock())
-                    intake->on_packet(packet);
-            });
-            const protocol::Registration registration{.id = 0,
-                                                      .epoch = self->epoch_,
-                                                      .output = self->spec_.output,
-                                                      .receiver = self->spec_.receiver,
-                                                      .accepts = self->spec_.accepts,
-                                                      .stateful = self->spec_.stateful,
-                                                      .options = self->spec_.options};
-            link->request(
-                PacketType::register_receiver, to_json(registration), {}, deadline,
-                [self, link](const Outcome& outcome) { self->registered(link, outcome); }, self->channel_);
-            self->module_.arm();
-        });
+    host_.with_link(spec_.address, deadline,
+                    [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
+                        if (self->stopped_)
+                            return;
+                        if (link)
+                            self->register_on(link, deadline);
+                        else
+                            self->failed(error);
+                    });
 }
 
-void Intake::registered(const LinkPtr& link, const Outcome& outcome)
+void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
 {
-    if (stopped_ || link != link_)
-        return;
-    if (const auto* error = std::get_if<Error>(&outcome)) {
-        link->release_channel(channel_);
-        link_.reset();
-        return failed(*error);
+    link_ = link;
+    epoch_ = std::max(epoch_ + 1, wall_us());
+    if (link->peer().epoch != sender_epoch_)
+        place_ = 0;  // it was started again, and knows nothing of the place
+    sender_epoch_ = link->peer().epoch;
+    protocol::Registration registration{.id = 0,
+                                        .epoch = epoch_,
+                                        .output = spec_.output,
+                                        .receiver = spec_.receiver,
+                                        .accepts = spec_.accepts,
+                                        .stateful = spec_.stateful,
+                                        .options = spec_.options,
+                                        .place = place_,
+                                        .taken = {}};
+    if (place_ != 0)
+        registration.taken = arrived();
+    channel_ = link->claim_channel([weak = weak_from_this()](const protocol::Packet& packet) {
+        if (const auto intake = weak.lock())
+            intake->on_packet(packet);
+    });
+    const auto on_outcome = [self = shared_from_this(), link](const Outcome& outcome) {
+        if (self->stopped_ || link != self->link_)
+            return;
+        if (const auto* error = std::get_if<Error>(&outcome)) {
+            link->release_channel(self->channel_);
+            self->link_.reset();
+            return self->failed(*error);
+        }
+        self->confirmed(link, std::get<Json>(outcome));
+    };
+    link->request(PacketType::register_receiver, to_json(registration), {}, deadline, on_outcome, channel_);
+    host_.arm();
+}
+
+void Intake::confirmed(const LinkPtr& link, const Json& result)
+{
+    try {
+        const Fields fields(result, "confirmation of register");
+        begin_numbering(fields.integer_or("place", 0, max_json_integer, 0),
+                        fields.integer_or("taken", 0, max_json_integer, 0));
+        if (!spec_.options.group.empty() && !group_)
+            group_ = Share{.of = spec_.sender + "." + spec_.output + "#" + spec_.options.group,
+                           .epoch = sender_epoch_,
+                           .turn = fields.integer_or("turn", 0, max_json_integer, 0),
+                           .closed = fields.integer_or("closed", 0, max_json_integer, 0)};
+    } catch (const Error& error) {
+        return link->close(error);
     }
     connected_ = true;
-    error_.clear();
+    before_.reset();
+    problem_.reset();
     backoff_.reset();
     if (const auto first = std::exchange(first_, {}))
-        first(outcome);
+        first(result);
     flush();
+}
+
+/// What this end has in hand stays in hand only where the sender goes on behind it.
+void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
+{
+    if (place == 0 || place != place_ || taken != arrived()) {
+        ++generation_;
+        in_hand_.clear();
+        done_ = worked_ = finished_ = taken;
+        group_.reset();
+    }
+    place_ = place;
+    back_.clear();
+    asked_ = arrived() + spec_.options.window;
+    told_done_ = told_worked_ = done_;
+    finished_ = std::max(finished_, done_);
 }
 
 void Intake::failed(const Error& error)
 {
-    error_ = error.what();
+    problem_ = error;
+    if (before_)
+        spec_.options = *std::exchange(before_, std::nullopt);
     if (const auto first = std::exchange(first_, {}))
         first(error);
     if (!stopped_)
@@ -110,15 +165,52 @@ void Intake::stop(std::function<void()> left)
 {
     stopped_ = true;
     timer_.cancel();
-    connected_ = false;
+    on_left_ = std::move(left);
+    if (const auto first = std::exchange(first_, {}))
+        first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
+    if (connected_ && !in_hand_.empty()) {
+        timer_.expires_after(patience_to_leave);
+        timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
+            if (const auto self = weak.lock(); self && !problem) {
+                self->in_hand_.clear();
+                self->try_to_leave();
+            }
+        });
+    }
+    try_to_leave();
+}
+
+/// Work that somebody else would do again is ended first; what is merely being looked at is not waited for.
+void Intake::try_to_leave()
+{
+    const bool owed = !spec_.options.group.empty()
+                      || std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.lossless; });
+    if (left_ || (connected_ && owed && !in_hand_.empty()))
+        return;
+    left_ = true;
+    timer_.cancel();
+    const auto tell = [self = shared_from_this()] {
+        self->connected_ = false;
+        std::exchange(self->on_left_, [] {})();
+        self->end_if_done();
+    };
     const auto link = std::exchange(link_, nullptr);
-    if (!link || !link->open())
-        return left();
+    if (!std::exchange(connected_, false) || !link || !link->open())
+        return tell();
     link->release_channel(channel_);
     link->request(
-        PacketType::deregister, Json::object(), {}, Clock::now() + patience, [left](const Outcome&) { left(); },
+        PacketType::deregister, Json::object(), {}, Clock::now() + patience, [tell](const Outcome&) { tell(); },
         channel_);
-    module_.arm();
+    host_.arm();
+}
+
+void Intake::end_if_done()
+{
+    std::int64_t ended = 0;
+    for (const auto count : ended_)
+        ended += count;
+    if (left_ && ended == received_)
+        host_.gone(shared_from_this());
 }
 
 void Intake::link_closed(const Link& link)
@@ -128,76 +220,150 @@ void Intake::link_closed(const Link& link)
     link_.reset();
     if (!std::exchange(connected_, false))
         return;  // the pending registration reports it
-    error_ = "connection lost";
-    retry();
+    problem_ = Error(Errc::connection_lost, "connection lost");
+    if (stopped_)
+        try_to_leave();
+    else
+        retry();
 }
 
 void Intake::on_packet(const protocol::Packet& packet)
 {
-    if (stopped_)
-        return;
-    if (spec_.options.transfer == Transfer::synchronized && arrived_ >= asked_)
+    if (spec_.options.transfer == Transfer::synchronized && arrived() >= asked_)
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
     Event event = event_from_packet(packet);
-    ++received_;
-    age_us_ = event.age().count();
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
+    ++received_;
+    age_us_ = event.age().count();
     event.input = spec_.input;
-    event.receipt = receipt(++arrived_);
-    outstanding_.insert(arrived_);
-    sink_(std::move(event));
+    note_share(event);
+    give_receipt(event, {host_.door(), weak_from_this(), generation_, arrived()});
+    if (refuses_now())
+        conclude(event, Ending::discarded);
+    else
+        sink_(std::move(event));
 }
 
-std::shared_ptr<const void> Intake::receipt(std::int64_t number)
+/// A halted member keeps no work from others, and an input that leaves takes nothing more.
+bool Intake::refuses_now() const
 {
-    static constexpr char held = 0;  // not null, so that an event with a receipt can be told from one without
-    return {&held, [door = module_.door(), weak = weak_from_this(), epoch = epoch_, number](const void*) {
-                door->post([weak, epoch, number] {
-                    if (const auto self = weak.lock())
-                        self->finished(epoch, number);
-                });
-            }};
+    return stopped_ || (!spec_.options.group.empty() && host_.paused() == Reason::halted);
 }
 
-void Intake::finished(std::int64_t epoch, std::int64_t number)
+void Intake::note_share(Event& event)
 {
-    ++processed_;
-    if (epoch != epoch_)
+    Delivery& delivery = in_hand_.emplace_back();
+    delivery.lossless = event.identity.lossless;
+    if (event.identity.shares.empty())
         return;
-    outstanding_.erase(number);
-    ++finished_;
-    flush();
+    Share& share = event.identity.shares.back();
+    if (group_ && share.of == group_->of && share.epoch == group_->epoch) {
+        delivery.turn = share.turn;
+        group_->turn = std::max(group_->turn, share.turn);
+        group_->closed = std::max(group_->closed, share.closed);
+    }
+    if (share.to.empty() && is_name(spec_.input))
+        share.to = spec_.input;
 }
 
-std::int64_t Intake::done() const { return outstanding_.empty() ? arrived_ : *outstanding_.begin() - 1; }
+Intake::Delivery* Intake::delivery(std::int64_t number)
+{
+    const auto index = number - done_ - 1;
+    return index < 0 || index >= static_cast<std::int64_t>(in_hand_.size())
+               ? nullptr
+               : &in_hand_[static_cast<std::size_t>(index)];
+}
+
+void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, std::optional<Ending> ending)
+{
+    if (ending)
+        ++ended_[static_cast<std::size_t>(*ending)];
+    Delivery* one = generation == generation_ ? delivery(number) : nullptr;
+    if (one) {
+        finished_ += worked && !one->worked ? 1 : 0;
+        one->worked = one->worked || worked;
+        one->done = one->done || ending;
+        const bool begun = !ending || (*ending != Ending::discarded && *ending != Ending::dropped);
+        if (!begun && !spec_.options.group.empty())
+            back_.push_back(number);
+        for (; !in_hand_.empty() && in_hand_.front().done && in_hand_.front().worked; in_hand_.pop_front())
+            ++done_;
+        const auto not_worked = std::ranges::find(in_hand_, false, &Delivery::worked);
+        worked_ = done_ + (not_worked - in_hand_.begin());
+    }
+    flush();
+    if (stopped_) {
+        try_to_leave();
+        end_if_done();
+    }
+}
+
+/// Is there something to tell that cannot go with a later request?
+bool Intake::ask_now(std::int64_t ask, std::int64_t worked) const
+{
+    if (!back_.empty())
+        return true;
+    const bool waits = worked_ < arrived();  // something is being worked on, and its end will be told
+    if (spec_.options.transfer == Transfer::streaming)
+        return (done_ > told_done_ || worked > told_worked_) && (!waits || worked - told_worked_ >= told_at_least);
+    return ask > asked_ || (worked > told_worked_ && !spec_.options.group.empty()) || (done_ > told_done_ && !waits);
+}
 
 void Intake::flush()
 {
-    if (!connected_ || spec_.options.transfer == Transfer::streaming)
+    if (!connected_)
         return;
-    const auto ask = module_.paused() ? asked_ : spec_.options.window + finished_;
-    const auto acknowledge = done();
-    if (ask == asked_ && (acknowledge == acknowledged_ || spec_.options.group.empty()))
+    const bool may_ask = !stopped_ && host_.paused() == Reason::none;
+    const bool streaming = spec_.options.transfer == Transfer::streaming;
+    const auto ask = may_ask ? std::max(asked_, spec_.options.window + finished_) : asked_;
+    // A stream asks for nothing: what it has worked on lets more lossless events come.
+    const auto worked = may_ask || !streaming ? worked_ : std::max(told_worked_, done_);
+    if (!ask_now(ask, worked))
         return;
     asked_ = ask;
-    acknowledged_ = acknowledge;
-    link_->connection().send(
-        protocol::make_packet(PacketType::request, protocol::to_text({epoch_, ask, acknowledge}), channel_));
+    told_done_ = done_;
+    told_worked_ = worked;
+    link_->connection().send(protocol::make_packet(
+        PacketType::request, protocol::to_text({epoch_, ask, done_, worked, std::exchange(back_, {})}), channel_));
 }
 
-Json Intake::status() const
+std::optional<Standing> Intake::standing() const
 {
-    Json json = to_json(spec_.options);
-    json["input"] = spec_.input;
-    json["from"] = spec_.sender + "." + spec_.output;
-    json["state"] = connected_ ? "connected" : "waiting";
-    json["received"] = received_;
-    json["processed"] = processed_;
-    json["dropped"] = lost.load();
-    json["last_age_us"] = age_us_;
-    json["error"] = error_;
-    return json;
+    if (!group_ || !connected_)
+        return std::nullopt;
+    Standing standing{*group_, {}};
+    for (const auto& each : in_hand_)
+        if (each.turn != 0 && !each.done)
+            standing.open.push_back(each.turn);
+    return standing;
+}
+
+InputStatus Intake::status() const
+{
+    const auto ended = [&](Ending ending) { return ended_[static_cast<std::size_t>(ending)]; };
+    InputStatus status{.input = spec_.input,
+                       .from = spec_.sender + "." + spec_.output,
+                       .connected = connected_,
+                       .registration = epoch_,
+                       .options = spec_.options,
+                       .received = received_,
+                       .processed = ended(Ending::processed),
+                       .abandoned = ended(Ending::abandoned),
+                       .duplicates = ended(Ending::duplicate),
+                       .discarded = ended(Ending::discarded),
+                       .dropped = ended(Ending::dropped),
+                       .unmatched = ended(Ending::unmatched),
+                       .last_age_us = age_us_,
+                       .error = problem_ ? problem_->what() : ""};
+    status.in_hand = received_;
+    for (const auto count : ended_)
+        status.in_hand -= count;
+    if (connected_)
+        status.why = host_.paused();
+    else
+        status.why = problem_ && problem_->code() == Errc::refused ? Reason::refused : Reason::dialing;
+    return status;
 }
 
 }  // namespace hive::event

@@ -50,6 +50,7 @@ void Link::on_packet(const Packet& packet)
                 ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
             return;
         }
+        used_ = Clock::now();
         const Json header = parse_json(packet.header_text());
         if (packet.type == PacketType::confirmation)
             return on_confirmation(header);
@@ -64,7 +65,10 @@ void Link::on_packet(const Packet& packet)
 void Link::on_hello(const Packet& packet)
 {
     peer_ = protocol::hello_from_json(parse_json(packet.header_text()));
+    if (peer_.name == self_.name && peer_.epoch == self_.epoch && peer_.pid == self_.pid)
+        throw Error(Errc::invalid_argument, self_.name + " met itself");
     open_ = true;
+    used_ = Clock::now();
     connection_->open(limits_);
     if (peer_.maps && connection_->can_share())
         connection_->share(pool_);
@@ -82,7 +86,7 @@ void Link::on_confirmation(const Json& header)
     if (confirmation.ok)
         on_outcome(confirmation.result);
     else
-        on_outcome(Error(confirmation.code, confirmation.text));
+        on_outcome(Error(confirmation.code, confirmation.text, confirmation.advice));
 }
 
 void Link::on_closed(const Error& reason)
@@ -91,7 +95,7 @@ void Link::on_closed(const Error& reason)
     const auto events = std::exchange(events_, {});
     channels_.clear();
     for (auto& [id, pending] : std::exchange(pending_, {}))
-        pending.on_outcome(Error(reason.code(), pending.what + ": " + reason.what()));
+        pending.on_outcome(reason.reworded(pending.what + ": " + reason.what()));
     if (events.closed)
         events.closed(*this, reason);
 }
@@ -106,7 +110,7 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
     try {
         require_acceptable(header, text, body);
     } catch (const Error& error) {
-        return on_outcome(Error(error.code(), what + ": " + error.what()));
+        return on_outcome(error.reworded(what + ": " + error.what()));
     }
     pending_[id] = {deadline, std::move(on_outcome), what};
     connection_->send(protocol::make_packet(type, std::move(text), channel, std::move(body)));
@@ -114,11 +118,12 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
 
 void Link::answer(std::int64_t id, const Outcome& outcome)
 {
-    protocol::Confirmation confirmation{.id = id, .result = {}, .ok = true, .code = {}, .text = {}};
+    protocol::Confirmation confirmation{.id = id, .result = {}, .ok = true, .code = {}, .text = {}, .advice = {}};
     if (const auto* error = std::get_if<Error>(&outcome)) {
         confirmation.ok = false;
         confirmation.code = error->code();
         confirmation.text = error->what();
+        confirmation.advice = error->advice();
     } else {
         confirmation.result = std::get<Json>(outcome);
     }

@@ -1,5 +1,6 @@
 // A bounded queue of events with a lane for commands.
 #include <hive/event/mailbox.hpp>
+#include <hive/event/receipt.hpp>
 
 #include <algorithm>
 
@@ -11,23 +12,21 @@ void Mailbox::push(Command command)
     commands_.push_back(std::move(command));
 }
 
-std::size_t Mailbox::push(Event&& event)
+void Mailbox::push(Event&& event)
 {
-    std::vector<Event> lost;  // destroyed after the lock: receipts have work to do
+    std::vector<Event> dropped;  // destroyed after the lock: receipts have work to do
     const std::lock_guard lock(mutex_);
     bytes_ += event.body.size();
     events_.push_back(std::move(event));
     while (events_.size() > most_events || (events_.size() > 2 && bytes_ > most_bytes)) {
-        auto oldest = std::ranges::find_if(events_, [](const Event& e) { return !e.identity.lossless; });
-        if (oldest == events_.end() && events_.size() <= most_lossless_events && bytes_ <= most_lossless_bytes)
-            break;
+        const auto oldest = std::ranges::find_if(events_, [](const Event& each) { return !each.identity.lossless; });
         if (oldest == events_.end())
-            oldest = events_.begin();
+            break;
+        conclude(*oldest, Ending::dropped);
         bytes_ -= oldest->body.size();
-        lost.push_back(std::move(*oldest));
+        dropped.push_back(std::move(*oldest));
         events_.erase(oldest);
     }
-    return lost.size();
 }
 
 void Mailbox::nudge()
@@ -60,24 +59,32 @@ std::optional<Mailbox::Item> Mailbox::pop(bool events)
     return std::nullopt;
 }
 
-std::size_t Mailbox::discard_live()
+void Mailbox::discard(const std::function<bool(const Event&)>& fits)
 {
-    std::deque<Event> lost;
+    std::vector<Event> discarded;  // destroyed after the lock
     const std::lock_guard lock(mutex_);
     std::deque<Event> kept;
     for (auto& event : events_)
-        (event.identity.lossless ? kept : lost).push_back(std::move(event));
+        if (fits(event)) {
+            conclude(event, Ending::discarded);
+            bytes_ -= event.body.size();
+            discarded.push_back(std::move(event));
+        } else {
+            kept.push_back(std::move(event));
+        }
     events_ = std::move(kept);
-    bytes_ = 0;
-    for (const auto& event : events_)
-        bytes_ += event.body.size();
-    return lost.size();
 }
 
 std::size_t Mailbox::events() const
 {
     const std::lock_guard lock(mutex_);
     return events_.size();
+}
+
+std::int64_t Mailbox::count(const std::function<bool(const Event&)>& fits) const
+{
+    const std::lock_guard lock(mutex_);
+    return std::ranges::count_if(events_, fits);
 }
 
 }  // namespace hive::event

@@ -1,5 +1,6 @@
 // Which waiting events make a set, which have no partner to hope for, and which hold up their source.
 #include <hive/event/matcher.hpp>
+#include <hive/event/receipt.hpp>
 
 #include <hive/error.hpp>
 
@@ -43,6 +44,7 @@ void Matcher::push(Event event, TimePoint now)
     line.hear(event, now);
     if (!match_.tolerance && line.find(event.identity)) {
         ++counts_.duplicates;
+        conclude(event, Ending::duplicate);
         return;
     }
     line.add(std::move(event), now + patience);
@@ -190,7 +192,7 @@ void Matcher::give_up(std::size_t input, std::size_t place)
         counts_.missing[lines_[other].input()] += std::ssize(gone);
     counts_.unmatched += std::ssize(gone);
     for (const auto& [line, position] : gone)
-        lines_[line].take(position);
+        conclude(lines_[line].take(position), Ending::unmatched);
 }
 
 /// Can its partner at that input not come any more?
@@ -256,7 +258,7 @@ void Matcher::give_back(std::size_t input, TimePoint now)
         const bool lossless = waiting.event.identity.lossless;
         ahead += lossless && !waiting.overtaken ? 1 : 0;
         if (waiting.event.receipt && (!lossless || ahead <= most_ahead || !holds_up(waiting, input, now)))
-            waiting.event.receipt.reset();
+            give_back_credit(waiting.event);
     }
 }
 
@@ -268,17 +270,6 @@ Identity identity_of(const std::vector<Event>& set)
             if (std::ranges::find(identity.hops, hop.drone, &Hop::drone) == identity.hops.end())
                 identity.hops.push_back(hop);
     return identity;
-}
-
-std::shared_ptr<const void> receipt_of(const std::vector<Event>& set)
-{
-    if (set.size() == 1)
-        return set.front().receipt;
-    auto receipts = std::make_shared<std::vector<std::shared_ptr<const void>>>();
-    for (const auto& event : set)
-        if (event.receipt)
-            receipts->push_back(event.receipt);
-    return receipts->size() > 1 ? receipts : receipts->empty() ? nullptr : receipts->front();
 }
 
 }  // namespace hive::event

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <utility>
 
 namespace hive::event {
 
@@ -15,25 +16,6 @@ constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
 
 }  // namespace
-
-void Door::post(Loop::Task task)
-{
-    const std::lock_guard lock(mutex_);
-    if (loop_)
-        loop_->post(std::move(task));
-}
-
-bool Door::inside()
-{
-    const std::lock_guard lock(mutex_);
-    return loop_ && loop_->has_turn();
-}
-
-void Door::shut()
-{
-    const std::lock_guard lock(mutex_);
-    loop_ = nullptr;
-}
 
 Module::Module(Options options) : options_(std::move(options)) {}
 
@@ -58,9 +40,9 @@ void Module::leave()
     call([&] {
         ending_ = true;
         listeners_.clear();
-        for (const auto& intake : std::exchange(intakes_, {})) {
+        for (const auto& intake : std::vector(intakes_)) {
             ++*remaining;
-            intake->stop([remaining] { --*remaining; });
+            remove_intake(intake, [remaining] { --*remaining; });
         }
     });
     loop_.wait(Clock::now() + patience_at_end, [&] { return *remaining == 0; });
@@ -128,7 +110,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
         .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
         .on_network_side = [this](std::function<void()> task) { post(std::move(task)); }};
-    return outlets_.emplace_back(std::move(port), carrier, std::move(encoder), std::move(hooks));
+    return outlets_.emplace_back(options_.self, std::move(port), carrier, std::move(encoder), std::move(hooks));
 }
 
 transport::Address Module::listen(const transport::Address& address)
@@ -136,15 +118,34 @@ transport::Address Module::listen(const transport::Address& address)
     listeners_.push_back(transport::listen(
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
-            if (links_.size() >= most_peers) {
+            if (links_.size() >= most_peers && !make_room()) {
                 log("refused " + connection->peer() + ": " + std::to_string(most_peers)
-                    + " peers are connected already");
+                    + " peers are connected, and each has something to do here");
                 return;
             }
             adopt(make_link(std::move(connection)), [](const LinkPtr&, const Error&) {});
         },
         options_.timing));
     return listeners_.back()->address();
+}
+
+/// Of the peers that have nothing registered and nothing under way, the one that has been idle for longest gives up its
+/// place: strangers who only hold places do not keep out who has something to say.
+bool Module::make_room()
+{
+    const auto registered = [](const Link& link) {
+        return [&link](const Outlet& outlet) { return outlet.receivers(link) > 0; };
+    };
+    LinkPtr longest;
+    for (const auto& link : links_)
+        if (link->idle() && std::ranges::none_of(outlets_, registered(*link))
+            && (!longest || link->used() < longest->used()))
+            longest = link;
+    if (!longest)
+        return false;
+    links_.erase(longest);  // at once, so that it is not chosen again before its end is told
+    longest->close(Error(Errc::refused, "it had nothing to do here, and another peer needed the place"));
+    return true;
 }
 
 std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink)
@@ -154,8 +155,50 @@ std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink)
 
 void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left)
 {
-    intake->stop(std::move(left));
+    const auto keep = intake;
     std::erase(intakes_, intake);
+    leaving_.insert(keep);
+    keep->stop(std::move(left));
+}
+
+namespace {
+
+void add_counts(InputStatus& sum, const InputStatus& more)
+{
+    sum.input = more.input;
+    for (const auto count :
+         {&InputStatus::received, &InputStatus::processed, &InputStatus::abandoned, &InputStatus::duplicates,
+          &InputStatus::discarded, &InputStatus::dropped, &InputStatus::unmatched, &InputStatus::in_hand})
+        sum.*count += more.*count;
+}
+
+}  // namespace
+
+void Module::gone(const std::shared_ptr<Intake>& intake)
+{
+    if (leaving_.contains(intake))
+        add_counts(left_[intake->spec().input], intake->status());
+    leaving_.erase(intake);
+}
+
+std::vector<InputStatus> Module::left() const
+{
+    auto sums = left_;
+    for (const auto& intake : leaving_)
+        add_counts(sums[intake->spec().input], intake->status());
+    std::vector<InputStatus> rows;
+    for (const auto& [input, sum] : sums)
+        rows.push_back(sum);
+    return rows;
+}
+
+std::size_t Module::forget(const std::string& drone, const std::string& output)
+{
+    std::size_t forgotten = 0;
+    for (auto& outlet : outlets_)
+        if (output.empty() || outlet.port().name == output)
+            forgotten += outlet.forget(drone);
+    return forgotten;
 }
 
 void Module::emit(Outlet& outlet, EmissionPtr event)
@@ -163,9 +206,19 @@ void Module::emit(Outlet& outlet, EmissionPtr event)
     const auto gives_events = [](const Outlet& each) { return each.carrier() == PacketType::event; };
     const bool nobody =
         std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.wanted(); });
-    outlet.offer(std::move(event),
-                 gives_events(outlet) && nobody);  // an exception is told to whoever listens, and waits for nobody
+    // An exception is told to whoever listens, and waits for nobody.
+    outlet.offer(event, gives_events(outlet) && nobody);
     arm();
+}
+
+/// What waited for a first receiver goes when another output of this module has got one.
+void Module::release_held()
+{
+    const auto wanted = [](const Outlet& each) { return each.carrier() == PacketType::event && each.wanted(); };
+    if (std::ranges::any_of(outlets_, wanted))
+        for (auto& outlet : outlets_)
+            if (!outlet.wanted())
+                outlet.release_held();
 }
 
 void Module::demand_changed()
@@ -183,7 +236,7 @@ void Module::arm()
         return;
     const bool needed = !dialing_.empty()
                         || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
-                        || std::ranges::any_of(outlets_, &Outlet::leasing);
+                        || std::ranges::any_of(outlets_, &Outlet::timed);
     if (!needed)
         return;
     armed_ = true;
@@ -198,11 +251,13 @@ void Module::arm()
 void Module::tick()
 {
     const auto now = Clock::now();
-    for (const auto& link : std::set(links_))
+    for (const auto& link : std::set(links_)) {
         link->expire(now);
+        expire_asked(*link, now);
+    }
     expire_dialing(now);
     for (auto& outlet : outlets_)
-        if (outlet.leasing())
+        if (outlet.timed())
             outlet.tick();
     arm();
 }

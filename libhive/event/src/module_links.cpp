@@ -2,6 +2,9 @@
 #include <hive/event/module.hpp>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 
 namespace hive::event {
 
@@ -17,8 +20,9 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
     links_.insert(link);
     const auto told = std::make_shared<bool>(false);
     link->start({.opened =
-                     [ready, told](Link& opened) {
+                     [this, ready, told](Link& opened) {
                          *told = true;
+                         end_earlier_run(opened);
                          ready(opened.shared_from_this(), Error(Errc::failed, ""));
                      },
                  .packet = [this](Link& from, const protocol::Packet& packet,
@@ -92,6 +96,45 @@ void Module::request(const transport::Address& address, PacketType type, Json he
               });
 }
 
+/// A module that is met again with a larger epoch was started again: what is left of its earlier run is dead.
+void Module::end_earlier_run(const Link& link)
+{
+    for (const auto& other : std::set(links_))
+        if (other.get() != &link && other->open() && other->peer().name == link.peer().name
+            && other->peer().kind == link.peer().kind && other->peer().epoch < link.peer().epoch)
+            other->close(Error(Errc::connection_lost, link.peer().name + " was started again"));
+}
+
+namespace {
+
+/// Is that process ending, or gone?
+bool process_ends(std::int64_t pid)
+{
+    constexpr unsigned exiting = 4;  // PF_EXITING of the kernel
+    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+    std::string text((std::istreambuf_iterator<char>(file)), {});
+    const auto after_name = text.rfind(')');
+    if (after_name == std::string::npos)
+        return true;
+    std::istringstream fields(text.substr(after_name + 1));
+    std::string state, skipped;
+    unsigned long flags = 0;
+    fields >> state >> skipped >> skipped >> skipped >> skipped >> skipped >> flags;
+    return state == "Z" || state == "X" || (flags & exiting) != 0;
+}
+
+/// What becomes of the events that a peer was sent when its connection ends.
+Fate fate_by(Link& link, const Error& reason)
+{
+    if (!link.connection().ended_by_peer())
+        return reason.code() == Errc::stopped ? Fate::lost_connection : Fate::lost_cut_off;
+    // On one machine a peer may also have cut off this end.
+    const bool died = !link.local() || process_ends(link.peer().pid);
+    return died ? Fate::lost_killed : Fate::lost_connection;
+}
+
+}  // namespace
+
 void Module::on_closed(Link& link, const Error& reason)
 {
     if (reason.code() == Errc::io)
@@ -102,8 +145,10 @@ void Module::on_closed(Link& link, const Error& reason)
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
     links_.erase(link.shared_from_this());
     last_one_gone();
+    const auto fate = fate_by(link, reason);
     for (auto& outlet : outlets_)
-        outlet.link_closed(link);
+        outlet.link_closed(link, fate);
+    arm();
     for (const auto& intake : std::vector(intakes_))
         intake->link_closed(link);
 }

@@ -11,6 +11,27 @@ namespace {
 constexpr std::size_t most_registrations = 64;  ///< of one peer
 constexpr std::size_t most_requests = 32;       ///< of one peer, under way
 
+/// Given to a request that names no deadline.
+constexpr std::int64_t usual_deadline_ms = 5000;
+/// Whatever a request names.
+constexpr std::int64_t longest_deadline_ms = 24 * 3600 * 1000;
+
+/// The fields that every request has.
+struct RequestFields {
+    RequestFields(const protocol::Packet& packet, const Json& header)
+        : fields(header, protocol::token(packet.type)), id(fields.integer("id", 0, max_json_integer))
+    {
+    }
+    [[nodiscard]] Clock::time_point deadline() const
+    {
+        const auto given = fields.integer_or("deadline_ms", 0, max_json_integer, usual_deadline_ms);
+        return Clock::now() + std::chrono::milliseconds(std::min(given, longest_deadline_ms));
+    }
+
+    Fields fields;
+    std::int64_t id;
+};
+
 std::vector<std::string> names_of(const std::list<Outlet>& outlets)
 {
     std::vector<std::string> names;
@@ -41,27 +62,47 @@ Outlet& Module::outlet(const std::string& name)
     for (auto& outlet : outlets_)
         if (outlet.port().name == name)
             return outlet;
-    const auto near = nearest(name, names_of(outlets_));
-    throw Error(Errc::not_found,
-                options_.self.name + " has no output " + name + (near.empty() ? "" : "; did you mean " + near + "?"));
+    throw no_such(options_.self.name + " has no output " + name, name, names_of(outlets_));
 }
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)
 {
-    const auto id = Fields(header, "register").integer("id", 0, max_json_integer);
+    const RequestFields request(packet, header);
+    const auto id = request.id;
     try {
+        static_cast<void>(request.deadline());  // only read: a registration is answered at once
         const auto registration = protocol::registration_from_json(header);
         require_free(link, packet.channel);
         Outlet& sender = outlet(registration.output);
         sender.require_fit(link, registration);
-        // The confirmation leaves before the first event.
-        link.answer(id,
-                    Json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}});
-        sender.add(link.shared_from_this(), packet.channel, registration);
+        sender.add(link.shared_from_this(), packet.channel, registration,
+                   [&](const Welcome& welcome) { link.answer(id, confirmation(sender, welcome)); });
+        release_held();
     } catch (const Error& error) {
         link.answer(id, error);
     }
     arm();
+}
+
+/// What a receiver learns when it has registered: where it may come back to, and how far shared work has come.
+Json Module::confirmation(const Outlet& sender, const Welcome& welcome) const
+{
+    Json json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}};
+    if (welcome.place != 0)
+        json.update({{"place", welcome.place}, {"taken", welcome.taken}});
+    if (welcome.group)
+        json.update({{"turn", welcome.group->turn}, {"closed", welcome.group->closed}});
+    Json shares = Json::array();
+    for (const auto& intake : intakes_)
+        if (const auto standing = intake->standing())
+            shares.push_back({{"of", standing->share.of},
+                              {"epoch", standing->share.epoch},
+                              {"turn", standing->share.turn},
+                              {"closed", standing->share.closed},
+                              {"open", standing->open}});
+    if (!shares.empty())
+        json["shares"] = std::move(shares);
+    return json;
 }
 
 void Module::require_free(const Link& link, std::uint16_t channel) const
@@ -81,43 +122,78 @@ void Module::require_free(const Link& link, std::uint16_t channel) const
 
 void Module::on_deregister(Link& link, const protocol::Packet& packet, const Json& header)
 {
-    const auto id = Fields(header, "deregister").integer("id", 0, max_json_integer);
-    bool found = false;
-    for (auto& outlet : outlets_)
-        found = outlet.remove(link, packet.channel) || found;
-    if (found)
-        link.answer(id, Json::object());
-    else
-        link.answer(id, Error(Errc::not_found, "nothing is registered on channel " + std::to_string(packet.channel)));
+    const RequestFields request(packet, header);
+    try {
+        static_cast<void>(request.deadline());
+        bool found = false;
+        for (auto& outlet : outlets_)
+            found = outlet.remove(link, packet.channel) || found;
+        if (!found)
+            throw Error(Errc::not_found, "nothing is registered on channel " + std::to_string(packet.channel));
+        link.answer(request.id, Json::object());
+    } catch (const Error& error) {
+        link.answer(request.id, error);
+    }
 }
 
 void Module::on_request_packet(Link& link, const protocol::Packet& packet, const Json& header)
 {
-    const auto id = Fields(header, protocol::token(packet.type)).integer("id", 0, max_json_integer);
+    const RequestFields request(packet, header);
+    const auto id = request.id;
     const auto handler = handlers_.find(packet.type);
     if (handler == handlers_.end())
         return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not know the request "
                                                             + std::string(protocol::token(packet.type))));
-    if (link.under_way >= most_requests)
+    if (link.asked.size() >= most_requests)
         return link.answer(id, Error(Errc::refused, std::to_string(most_requests)
                                                         + " requests of yours are under way; wait for an answer"));
-    ++link.under_way;
-    const auto send = [weak = link.weak_from_this(), id](const Outcome& outcome) {
+    try {
+        const auto asked = std::make_shared<Asked>(packet.type, id, request.deadline());
+        const auto answer = answer_to(link, asked);
+        try {
+            handler->second({.peer = link.peer().name,
+                             .peer_epoch = link.peer().epoch,
+                             .header = header,
+                             .body = packet.body,
+                             .asked = asked,
+                             .answer = answer});
+        } catch (const Error& error) {
+            answer(error);
+        }
+    } catch (const Error& error) {
+        link.answer(id, error);
+    }
+    arm();
+}
+
+/// Sends the first answer to a request, from whatever thread it comes.
+std::function<void(const Outcome&)> Module::answer_to(Link& link, const std::shared_ptr<Asked>& asked)
+{
+    link.asked.push_back(asked);
+    const auto send = [weak = link.weak_from_this(), asked](const Outcome& outcome) {
         const auto to = weak.lock();
-        if (!to || !to->open())
+        if (!to || !asked->answer())
             return;
-        --to->under_way;
-        to->answer(id, outcome);
+        std::erase(to->asked, asked);
+        if (to->open())
+            to->answer(asked->id(), outcome);
     };
-    const auto answer = [door = door_, send](const Outcome& outcome) {
+    return [door = door_, send](const Outcome& outcome) {
         if (door->inside())
             return send(outcome);
         door->post([send, outcome] { send(outcome); });
     };
-    try {
-        handler->second({link.peer().name, header, packet.body, answer});
-    } catch (const Error& error) {
-        send(error);
+}
+
+void Module::expire_asked(Link& link, Clock::time_point now)
+{
+    for (const auto& asked : std::vector(link.asked)) {
+        if (!asked->expire(now))
+            continue;
+        std::erase(link.asked, asked);
+        link.answer(asked->id(),
+                    Error(Errc::timeout, options_.self.name + " was busy until the deadline of this "
+                                             + std::string(protocol::token(asked->type())) + " had passed"));
     }
 }
 

@@ -12,22 +12,28 @@ using protocol::PacketType;
 
 namespace {
 
-/// Switched off only by the tests that show what leases are for.
-ReceiverTable::Defences defences() { return {.leases = std::getenv("HIVE_TEST_NO_LEASES") == nullptr}; }
+/// Switched off only by the tests that show what the defences are for.
+ReceiverTable::Defences defences()
+{
+    return {.leases = std::getenv("HIVE_TEST_NO_LEASES") == nullptr,
+            .places = std::getenv("HIVE_TEST_NO_PLACES") == nullptr};
+}
+
+/// May a receiver that was lost come back? A drone may be started again; an application that died does not.
+bool returns(const Link& link, Fate how) { return link.peer().kind != "application" || how != Fate::lost_killed; }
 
 }  // namespace
 
-Outlet::Outlet(Port port, PacketType carrier, Encoder encoder, Hooks hooks)
+Outlet::Outlet(const protocol::Hello& drone, Port port, PacketType carrier, Encoder encoder, Hooks hooks)
     : port_(std::move(port)),
       carrier_(carrier),
       encoder_(std::move(encoder)),
       hooks_(std::move(hooks)),
-      table_(defences()),
-      dispatch_(encoder_,
-                {.transmit = [this](const ReceiverTable::Send& send, const Emission& form) { transmit(send, form); },
-                 .not_encoded = hooks_.not_encoded,
-                 .on_encoder_thread = hooks_.on_encoder_thread,
-                 .on_network_side = hooks_.on_network_side})
+      table_(drone.name + "." + port_.name, drone.epoch, defences()),
+      dispatch_(encoder_, {.transmit = [this](const Send& send, const Emission& form) { transmit(send, form); },
+                           .not_encoded = hooks_.not_encoded,
+                           .on_encoder_thread = hooks_.on_encoder_thread,
+                           .on_network_side = hooks_.on_network_side})
 {
 }
 
@@ -53,21 +59,40 @@ std::size_t Outlet::receivers(const Link& link) const
         ids_.lower_bound({&link, 0}), ids_.upper_bound({&link, std::numeric_limits<std::uint16_t>::max()})));
 }
 
-void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration)
+void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration,
+                 const std::function<void(const Welcome&)>& confirm)
 {
+    Decisions decisions;
+    // It has other options now, or comes back before this end has seen that it went.
+    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place))
+        detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
     const auto id = ++next_id_;
+    const Newcomer newcomer{.id = id,
+                            .receiver = registration.receiver,
+                            .epoch = registration.epoch,
+                            .options = registration.options,
+                            .place = registration.place,
+                            .taken = registration.taken,
+                            .unique = link->peer().kind != "application"};
+    const auto welcome = table_.add(newcomer, Clock::now(), decisions);
+    confirm(welcome);
     ids_[{link.get(), channel}] = id;
     places_.emplace(id, Place{.link = link,
                               .channel = channel,
                               .encoding = choice(*link, registration),
                               .data = registration.options.delivery == Delivery::data});
-    execute(table_.add(id, registration.receiver, registration.epoch, registration.options, Clock::now()));
+    execute(decisions);
 }
 
 void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Request& request)
 {
-    if (const auto found = ids_.find({&link, channel}); found != ids_.end())
-        execute(table_.request(found->second, request.epoch, request.id, request.done, Clock::now()));
+    const auto found = ids_.find({&link, channel});
+    if (found == ids_.end())
+        return;
+    Decisions decisions;
+    table_.request(found->second, request.epoch, {request.id, request.worked, request.done}, request.back, Clock::now(),
+                   decisions);
+    execute(decisions);
 }
 
 bool Outlet::remove(const Link& link, std::uint16_t channel)
@@ -75,36 +100,62 @@ bool Outlet::remove(const Link& link, std::uint16_t channel)
     const auto found = ids_.find({&link, channel});
     if (found == ids_.end())
         return false;
-    forget(found, true);
+    Decisions decisions;
+    table_.leave(detach(found), Clock::now(), decisions);
+    execute(decisions);
     return true;
 }
 
-void Outlet::link_closed(const Link& link)
+void Outlet::link_closed(const Link& link, Fate how)
 {
-    for (auto it = ids_.lower_bound({&link, 0}); it != ids_.end() && it->first.first == &link;
-         it = ids_.lower_bound({&link, 0}))
-        forget(it, false);
+    Decisions decisions;
+    const auto first = [&] { return ids_.lower_bound({&link, 0}); };
+    for (auto it = first(); it != ids_.end() && it->first.first == &link; it = first())
+        table_.lose(detach(it), how, returns(link, how), Clock::now(), decisions);
+    execute(decisions);
 }
 
-void Outlet::forget(std::map<Key, ReceiverTable::Id>::iterator place, bool left)
+/// Ends what goes to this registration; the table still has it.
+ReceiverId Outlet::detach(std::map<Key, ReceiverId>::iterator place)
 {
     const auto id = place->second;
     ids_.erase(place);
     places_.erase(id);
     dispatch_.forget(id);
-    execute(table_.remove(id, left, Clock::now()));
+    return id;
 }
 
-void Outlet::offer(EmissionPtr event, bool hold)
+void Outlet::offer(const EmissionPtr& event, bool hold)
 {
     ++produced_;
     last_emitted_us_ = wall_us();
-    execute(table_.offer(std::move(event), hold, Clock::now()));
+    Decisions decisions;
+    table_.offer(event, hold, Clock::now(), decisions);
+    execute(decisions);
 }
 
-void Outlet::tick() { execute(table_.tick(Clock::now())); }
+void Outlet::release_held()
+{
+    table_.release_held();
+    refresh();
+}
 
-void Outlet::execute(const ReceiverTable::Decisions& decisions)
+std::size_t Outlet::forget(const std::string& drone)
+{
+    Decisions decisions;
+    const auto forgotten = table_.forget(drone, decisions);
+    execute(decisions);
+    return forgotten;
+}
+
+void Outlet::tick()
+{
+    Decisions decisions;
+    table_.tick(Clock::now(), decisions);
+    execute(decisions);
+}
+
+void Outlet::execute(const Decisions& decisions)
 {
     for (const auto& send : decisions.sends) {
         const auto place = places_.find(send.receiver);
@@ -117,7 +168,7 @@ void Outlet::execute(const ReceiverTable::Decisions& decisions)
     refresh();
 }
 
-void Outlet::transmit(const ReceiverTable::Send& send, const Emission& form)
+void Outlet::transmit(const Send& send, const Emission& form)
 {
     Place& place = places_.at(send.receiver);
     const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
@@ -125,9 +176,12 @@ void Outlet::transmit(const ReceiverTable::Send& send, const Emission& form)
     // The table counts the size of the event, whatever the form has.
     const auto carriage = place.link->connection().send(
         form.packet(type, place.channel, send.share),
-        [this, alive = std::weak_ptr(alive_), id = send.receiver, event = send.event](bool written) {
-            if (!alive.expired() && written)
-                execute(table_.written(id, event->size(), Clock::now()));
+        [this, alive = std::weak_ptr(alive_), id = send.receiver, bytes = send.event->size()](bool written) {
+            if (alive.expired() || !written)
+                return;
+            Decisions decisions;
+            table_.written(id, bytes, Clock::now(), decisions);
+            execute(decisions);
         });
     place.shared += carriage == transport::Carriage::reference ? 1 : 0;
     place.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
@@ -148,40 +202,23 @@ void Outlet::refresh()
         hooks_.changed();
 }
 
-Json Outlet::status(std::size_t& most_receivers) const
+OutputStatus Outlet::status() const
 {
-    std::size_t left_out = 0;
-    Json receivers = Json::array();
-    for (const auto& row : table_.rows()) {
-        if (most_receivers == 0) {
-            ++left_out;
-            continue;
-        }
-        --most_receivers;
-        Json json = to_json(row.options);
-        json["receiver"] = row.receiver;
-        json.erase("encoding");
-        if (const auto place = places_.find(row.id); place != places_.end())
-            json["encoding"] = place->second.encoding.word();
-        json["produced"] = row.counts.produced;
-        json["delivered"] = row.counts.delivered;
-        json["skipped"] = row.counts.skipped;
-        json["dropped"] = row.counts.dropped;
-        json["abandoned"] = row.counts.abandoned;
-        json["in_flight"] = row.counts.in_flight;
+    OutputStatus status{.name = port_.name,
+                        .type = port_.type,
+                        .produced = produced_,
+                        .unreceived = table_.unreceived(),
+                        .last_emitted_us = last_emitted_us_,
+                        .edges = {},
+                        .why = table_.why()};
+    for (auto& row : table_.rows()) {
         if (const auto place = places_.find(row.id); place != places_.end()) {
-            json["shared"] = place->second.shared;
-            json["fallback"] = place->second.fallback;
+            row.status.encoding = place->second.encoding.word();
+            row.status.shared = place->second.shared;
+            row.status.fallback = place->second.fallback;
         }
-        receivers.push_back(std::move(json));
+        status.edges.push_back(std::move(row.status));
     }
-    Json status{{"name", port_.name},
-                {"type", port_.type},
-                {"produced", produced_},
-                {"last_emitted_us", last_emitted_us_},
-                {"receivers", receivers}};
-    if (left_out > 0)
-        status["receivers_left_out"] = left_out;
     return status;
 }
 

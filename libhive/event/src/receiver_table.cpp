@@ -1,416 +1,342 @@
-// The decisions of the receiver table.
+// Joining receivers, groups and accounts.
 #include <hive/event/receiver_table.hpp>
 
 #include <algorithm>
-#include <ranges>
+#include <utility>
 
 namespace hive::event {
-namespace {
 
-constexpr auto unknown_lease = std::chrono::seconds(30);
-constexpr auto least_lease = std::chrono::seconds(2);
-constexpr std::size_t times_needed = 3;
-constexpr std::size_t most_lane_events = 64;
-
-}  // namespace
-
-bool ReceiverTable::Receiver::lane_free(std::size_t next) const
+ReceiverTable::Account& ReceiverTable::account(const std::string& receiver, std::int64_t epoch,
+                                               const ConnectionOptions& options)
 {
-    return lane_events == 0 || (lane_events < most_lane_events && lane_bytes + next <= ReceiverTable::lane_bytes);
+    Account& account = accounts_[{receiver, options.group}];
+    account.options = options;
+    account.registration = std::max(account.registration, epoch);
+    ++account.registrations;
+    return account;
 }
 
-void ReceiverTable::WorkTimes::add(Clock::duration time) { recent_[count_++ % recent_.size()] = time; }
-
-Clock::duration ReceiverTable::WorkTimes::lease() const
+/// Who left has no account any longer; of those that were lost the oldest goes when there are too many.
+void ReceiverTable::close_account(const Key& key, bool left)
 {
-    if (count_ < times_needed)
-        return unknown_lease;
-    const auto longest = *std::ranges::max_element(recent_);
-    return std::max<Clock::duration>(least_lease, 4 * longest);
-}
-
-ReceiverTable::Decisions ReceiverTable::add(Id id, std::string name, std::int64_t epoch,
-                                            const ConnectionOptions& options, Clock::time_point now)
-{
-    Decisions decisions;
-    Receiver& receiver = receivers_[id];
-    receiver.name = std::move(name);
-    receiver.epoch = epoch;
-    receiver.options = options;
-    receiver.asked = options.window;
-    receiver.idle_since = ++asking_order_;
-    if (!options.group.empty())
-        ++groups_[options.group].members;
-    if (options.delivery == Delivery::data && !held_.empty()) {
-        for (const auto& event : std::exchange(held_, {}))
-            if (options.group.empty())
-                offer_receiver(id, receiver, event, decisions);
-            else
-                offer_group(options.group, groups_[options.group], event, now, decisions);
-    } else if (options.first_frame && newest_ && newest_->serves(options.delivery)) {
-        offer_receiver(id, receiver, newest_, decisions);
+    const auto found = accounts_.find(key);
+    if (found == accounts_.end() || --found->second.registrations > 0)
+        return;
+    if (left) {
+        accounts_.erase(found);
+        return;
     }
-    if (!options.group.empty())
-        pump_group(options.group, now, decisions);
-    return decisions;
+    found->second.lost = ++order_;
+    const auto is_old = [](const auto& row) { return row.second.registrations == 0; };
+    if (static_cast<std::size_t>(std::ranges::count_if(accounts_, is_old)) <= most_old_accounts)
+        return;
+    const auto age = [&](const auto& row) { return std::pair(!is_old(row), row.second.lost); };
+    const auto oldest = std::ranges::min_element(accounts_, {}, age);
+    const bool kept = std::ranges::any_of(kept_, [&](const auto& row) {
+        return Key(row.second.receiver(), row.second.options().group) == oldest->first;
+    });
+    if (!kept)
+        accounts_.erase(oldest);
 }
 
-ReceiverTable::Decisions ReceiverTable::remove(Id id, bool left, Clock::time_point now)
+Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
-    Decisions decisions;
-    const auto found = receivers_.find(id);
-    if (found == receivers_.end())
-        return decisions;
-    Receiver receiver = std::move(found->second);
-    receivers_.erase(found);
-    const std::string& name = receiver.options.group;
-    if (name.empty())
-        return decisions;
-    Group& group = groups_[name];
-    --group.members;
-    take_back(receiver, group, decisions);
-    if (group.members == 0)
-        empty(name, group, left, decisions);
-    else
-        pump_group(name, now, decisions);
-    return decisions;
+    Account& account = this->account(newcomer.receiver, newcomer.epoch, newcomer.options);
+    const auto welcome =
+        newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
+    if (newcomer.options.delivery == Delivery::data && !held_.empty())
+        offer_held(newcomer, now, decisions);
+    return welcome;
 }
 
-/// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new
-/// then.
-void ReceiverTable::empty(const std::string& name, Group& group, bool left, Decisions& decisions)
+std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
 {
-    const auto lossless = [](const Job& job) { return job.event->lossless(); };
-    if (!group.waiting.empty() && group.waiting.back().attempt == 0 && !lossless(group.waiting.back())) {
-        group.waiting.pop_back();
-        ++group.counts.skipped;
-        --group.counts.in_flight;
+    if (const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place)) {
+        auto seat = seats_.extract(*before);
+        close_account({seat.mapped().line.receiver(), ""}, false);
+        kept_.emplace(newcomer.place, std::move(seat.mapped().line));
     }
-    if (left)
-        give_up_waiting(name, group, decisions);
-    group.awaited = !left && ((newest_ && newest_->lossless()) || std::ranges::any_of(group.waiting, lossless));
-    group.emptied = ++emptying_order_;
-    forget_oldest(decisions);
+    if (newcomer.place != 0) {
+        const auto kept = kept_.find(newcomer.place);
+        return kept != kept_.end() && kept->second.receiver() == newcomer.receiver ? kept : kept_.end();
+    }
+    return std::ranges::find_if(
+        kept_, [&](const auto& row) { return newcomer.unique && row.second.receiver() == newcomer.receiver; });
+}
+
+Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decisions& decisions)
+{
+    const auto& [id, receiver, epoch, options, place, taken, unique] = newcomer;
+    if (const auto kept = kept_for(newcomer); kept != kept_.end() && options.delivery == Delivery::data) {
+        const Seat& seat = seats_.emplace(id, Seat{std::move(kept->second), kept->first}).first->second;
+        kept_.erase(kept);
+        const auto behind = seats_.at(id).line.resume(id, epoch, options, place != 0 ? taken : std::nullopt, decisions);
+        seats_.at(id).line.pump(decisions);
+        return {.place = seat.place, .taken = behind};
+    }
+    const auto fresh = epoch_ + static_cast<std::int64_t>(id);
+    Line& line = seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger), fresh}).first->second.line;
+    if (options.first_frame && held_.empty() && newest_ && newest_->serves(options.delivery))
+        line.offer(newest_, decisions);
+    return {.place = fresh};
+}
+
+Welcome ReceiverTable::join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions)
+{
+    const std::string& name = newcomer.options.group;
+    auto found = groups_.find(name);
+    if (found == groups_.end()) {
+        Account& all = accounts_[{"group " + name, name}];
+        all.options.group = name;
+        found = groups_.try_emplace(name, output_ + "#" + name, epoch_, all.ledger, defences_.leases).first;
+    }
+    const Welcome welcome{.group = found->second.standing()};
+    emptied_.erase(name);
+    members_[newcomer.id] = name;
+    found->second.join(newcomer.id, newcomer.receiver, newcomer.epoch, newcomer.options, account.ledger, now,
+                       decisions);
+    return welcome;
+}
+
+void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    for (const auto& event : std::exchange(held_, {}))
+        if (const auto group = members_.find(newcomer.id); group != members_.end())
+            groups_.at(group->second).offer(event, now, decisions);
+        else
+            seats_.at(newcomer.id).line.offer(event, decisions);
+}
+
+Group* ReceiverTable::group_of(Id id)
+{
+    const auto found = members_.find(id);
+    return found == members_.end() ? nullptr : &groups_.at(found->second);
+}
+
+void ReceiverTable::leave(Id id, Clock::time_point now, Decisions& decisions)
+{
+    if (const auto found = seats_.find(id); found != seats_.end()) {
+        Line line = std::move(found->second.line);
+        seats_.erase(found);
+        line.clear(Fate::lost_left);
+        close_account({line.receiver(), line.options().group}, true);
+        return;
+    }
+    if (Group* group = group_of(id)) {
+        const Key key{group->receiver(id), members_.at(id)};
+        group->leave(id, now, decisions);
+        members_.erase(id);
+        close_account(key, true);
+        forget_oldest(decisions);
+    }
+}
+
+void ReceiverTable::lose(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
+{
+    if (const auto found = seats_.find(id); found != seats_.end()) {
+        Seat seat = std::move(found->second);
+        seats_.erase(found);
+        const Key key{seat.line.receiver(), ""};
+        if (seat.line.lose(how, returns && defences_.places, now))
+            kept_.emplace(seat.place, std::move(seat.line));
+        close_account(key, false);
+        return;
+    }
+    if (Group* group = group_of(id)) {
+        const Key key{group->receiver(id), members_.at(id)};
+        group->lose(id, how, now, decisions);
+        members_.erase(id);
+        close_account(key, false);
+        forget_oldest(decisions);
+    }
 }
 
 /// Of the groups that nobody waits for, the one without members for longest, if there are too many.
 void ReceiverTable::forget_oldest(Decisions& decisions)
 {
-    const auto active = [](const auto& row) { return row.second.active(); };
-    if (groups_.size() - static_cast<std::size_t>(std::ranges::count_if(groups_, active)) <= most_empty_groups)
-        return;
-    const auto oldest = std::ranges::min_element(
-        groups_, {}, [&](const auto& row) { return std::pair(active(row), row.second.emptied); });
-    give_up_waiting(oldest->first, oldest->second, decisions);
-    groups_.erase(oldest);
-}
-
-void ReceiverTable::give_up(const Job& job, const std::string& name, Group& group, Decisions& decisions)
-{
-    --group.counts.in_flight;
-    ++group.counts.abandoned;
-    if (!defences_.leases)
-        return;
-    Event event = job.event->event();
-    event.identity.group = job.attempt > 0 ? name : "";
-    event.identity.turn = job.turn;
-    event.identity.attempt = job.attempt;
-    decisions.failed.push_back(std::make_shared<const Emission>(std::move(event)));
-}
-
-void ReceiverTable::give_up_waiting(const std::string& name, Group& group, Decisions& decisions)
-{
-    for (const auto& job : std::exchange(group.waiting, {}))
-        give_up(job, name, group, decisions);
-}
-
-ReceiverTable::Decisions ReceiverTable::request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done,
-                                                Clock::time_point now)
-{
-    Decisions decisions;
-    const auto found = receivers_.find(id);
-    if (found == receivers_.end() || found->second.epoch != epoch)
-        return decisions;
-    Receiver& receiver = found->second;
-    // Nobody may ask for more than its window beyond what it got: a peer's number allocates nothing here.
-    const auto allowed = std::min(asked, receiver.sent + receiver.options.window);
-    if (allowed > receiver.asked) {
-        receiver.asked = allowed;
-        receiver.idle_since = ++asking_order_;
+    for (const auto& [name, group] : groups_)
+        if (!group.active())
+            emptied_.try_emplace(name, ++order_);
+    while (emptied_.size() > most_empty_groups) {
+        const auto oldest = std::ranges::min_element(emptied_, {}, [](const auto& row) { return row.second; });
+        groups_.at(oldest->first).forget(decisions);
+        groups_.erase(oldest->first);
+        accounts_.erase({"group " + oldest->first, oldest->first});
+        emptied_.erase(oldest);
     }
-    acknowledge(receiver, std::min(done, receiver.sent), now);
-    if (receiver.options.group.empty())
-        pump(id, receiver, decisions);
-    else
-        pump_group(receiver.options.group, now, decisions);
-    return decisions;
 }
 
-void ReceiverTable::acknowledge(Receiver& receiver, std::int64_t done, Clock::time_point now)
+void ReceiverTable::request(Id id, std::int64_t epoch, const Progress& progress, const std::vector<std::int64_t>& back,
+                            Clock::time_point now, Decisions& decisions)
 {
-    const auto newly = done - receiver.done;
-    if (newly <= 0)
-        return;
-    receiver.done = done;
-    receiver.suspect = false;
-    if (receiver.options.group.empty())
-        return;
-    Group& group = groups_[receiver.options.group];
-    for (std::int64_t i = 0; i < newly && !receiver.leases.empty(); ++i) {
-        if (receiver.leases.front().job.event) {
-            ++group.counts.delivered;
-            --group.counts.in_flight;
-            ++receiver.counts.delivered;
-            --receiver.counts.in_flight;
-            if (i == 0)
-                group.times.add(now - receiver.head_since);
-        }
-        receiver.leases.pop_front();
-    }
-    receiver.head_since = now;
+    if (const auto found = seats_.find(id); found != seats_.end())
+        found->second.line.request(epoch, progress, decisions);
+    else if (Group* group = group_of(id))
+        group->request(id, epoch, progress, back, now, decisions);
 }
 
-ReceiverTable::Decisions ReceiverTable::written(Id id, std::size_t size, Clock::time_point now)
+void ReceiverTable::written(Id id, std::size_t bytes, Clock::time_point now, Decisions& decisions)
 {
-    Decisions decisions;
-    const auto found = receivers_.find(id);
-    if (found == receivers_.end())
-        return decisions;
-    Receiver& receiver = found->second;
-    --receiver.lane_events;
-    receiver.lane_bytes -= size;
-    if (!receiver.options.group.empty()) {
-        pump_group(receiver.options.group, now, decisions);
-        return decisions;
-    }
-    ++receiver.counts.delivered;
-    --receiver.counts.in_flight;
-    pump(id, receiver, decisions);
-    return decisions;
+    if (const auto found = seats_.find(id); found != seats_.end())
+        found->second.line.written(bytes, decisions);
+    else if (Group* group = group_of(id))
+        group->written(id, bytes, now, decisions);
 }
 
-ReceiverTable::Decisions ReceiverTable::offer(EmissionPtr event, bool hold, Clock::time_point now)
+void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions)
 {
-    // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before
-    // that.
-    const auto kept = event->event().receipt ? event->without_receipt() : event;
-    Decisions decisions;
+    // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before.
+    const auto kept = event->event().custody ? event->without_custody() : event;
     const bool whole = event->serves(Delivery::data);
+    bool received = false;
+    for (auto& [id, seat] : seats_)
+        if (event->serves(seat.line.options().delivery)) {
+            seat.line.offer(seat.line.takes_bodies() ? event : kept, decisions);
+            received = true;
+        }
+    for (auto& [place, line] : kept_)
+        if (whole)
+            line.offer(event, decisions);
+    for (auto& [name, group] : groups_)
+        if (whole && group.active()) {
+            group.offer(event, now, decisions);
+            received = true;
+        }
     if (hold && whole && event->lossless() && !wanted())
         held_.push_back(event);
-    for (auto& [id, receiver] : receivers_)
-        if (receiver.options.group.empty() && event->serves(receiver.options.delivery))
-            offer_receiver(id, receiver, receiver.options.delivery == Delivery::notification ? kept : event, decisions);
-    for (auto& [name, group] : groups_)
-        if (whole && group.active())
-            offer_group(name, group, event, now, decisions);
+    else if (!received && kept_.empty())
+        ++unreceived_;
     newest_ = kept;
-    return decisions;
 }
 
-void ReceiverTable::offer_receiver(Id id, Receiver& receiver, const EmissionPtr& event, Decisions& decisions)
+void ReceiverTable::release_held()
 {
-    ++receiver.counts.produced;
-    ++receiver.counts.in_flight;
-    const auto must_stay = [&](const EmissionPtr& each) {
-        return each->lossless() && receiver.options.delivery == Delivery::data;
-    };
-    if (!receiver.streaming() && !must_stay(event) && !receiver.waiting.empty()
-        && !must_stay(receiver.waiting.back())) {
-        receiver.waiting_bytes -= receiver.waiting.back()->size();
-        receiver.waiting.pop_back();
-        ++receiver.counts.skipped;
-        --receiver.counts.in_flight;
-    }
-    receiver.waiting.push_back(event);
-    receiver.waiting_bytes += event->size();
-    pump(id, receiver, decisions);
-    if (receiver.streaming())
-        drop_oldest(receiver);
+    unreceived_ += static_cast<std::int64_t>(held_.size());
+    held_.clear();
 }
 
-void ReceiverTable::drop_oldest(Receiver& receiver)
+void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
 {
-    const auto over = [&] {
-        return receiver.waiting.size() > most_queued_events
-               || (receiver.waiting.size() > 1 && receiver.waiting_bytes > most_queued_bytes);
-    };
-    while (over()) {
-        if (receiver.waiting.front()->lossless() && receiver.options.delivery == Delivery::data)
-            return;
-        receiver.waiting_bytes -= receiver.waiting.front()->size();
-        receiver.waiting.pop_front();
-        ++receiver.counts.dropped;
-        --receiver.counts.in_flight;
-    }
-}
-
-void ReceiverTable::pump(Id id, Receiver& receiver, Decisions& decisions)
-{
-    while (!receiver.waiting.empty() && receiver.has_credit() && receiver.lane_free(receiver.waiting.front()->size())) {
-        EmissionPtr event = std::move(receiver.waiting.front());
-        receiver.waiting.pop_front();
-        receiver.waiting_bytes -= event->size();
-        ++receiver.sent;
-        ++receiver.lane_events;
-        receiver.lane_bytes += event->size();
-        decisions.sends.push_back({id, std::move(event), receiver.options.delivery, {}});
-    }
-}
-
-void ReceiverTable::offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now,
-                                Decisions& decisions)
-{
-    ++group.counts.produced;
-    ++group.counts.in_flight;
-    const bool replaces = !event->lossless() && !group.waiting.empty() && group.waiting.back().attempt == 0
-                          && !group.waiting.back().event->lossless();
-    if (replaces) {
-        group.waiting.pop_back();
-        ++group.counts.skipped;
-        --group.counts.in_flight;
-    }
-    group.waiting.push_back({event});
-    pump_group(name, now, decisions);
-}
-
-ReceiverTable::Receiver* ReceiverTable::next_member(const std::string& group, std::size_t size, Id& id)
-{
-    Receiver* best = nullptr;
-    for (auto& [member_id, member] : receivers_) {
-        if (member.options.group != group || member.suspect || !member.has_credit() || !member.lane_free(size))
-            continue;
-        if (!best
-            || std::pair(member.leases.size(), member.idle_since) < std::pair(best->leases.size(), best->idle_since)) {
-            best = &member;
-            id = member_id;
+    for (auto it = kept_.begin(); it != kept_.end();) {
+        const auto place = it++;
+        if (place->second.overdue(now)) {
+            place->second.expire();
+            kept_.erase(place);
         }
     }
-    return best;
+    for (auto& [name, group] : groups_)
+        group.tick(now, decisions);
 }
 
-void ReceiverTable::pump_group(const std::string& name, Clock::time_point now, Decisions& decisions)
+std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions)
 {
-    Group& group = groups_[name];
-    Id id = 0;
-    while (!group.waiting.empty()) {
-        Receiver* member = next_member(name, group.waiting.front().event->size(), id);
-        if (!member)
-            return;
-        Job job = std::move(group.waiting.front());
-        group.waiting.pop_front();
-        if (++job.attempt == 1)
-            job.turn = ++group.turns;
-        if (member->leases.empty())
-            member->head_since = now;
-        ++member->sent;
-        ++member->lane_events;
-        member->lane_bytes += job.event->size();
-        ++member->counts.produced;
-        ++member->counts.in_flight;
-        decisions.sends.push_back({id, job.event, Delivery::data, {name, job.turn, job.attempt}});
-        member->leases.push_back({std::move(job)});
-    }
-}
-
-void ReceiverTable::take_back(Receiver& member, Group& group, Decisions& decisions)
-{
-    for (auto& lease : member.leases | std::views::reverse) {
-        if (!lease.job.event)
-            continue;
-        Job job = std::exchange(lease.job, {});
-        --member.counts.in_flight;
-        ++member.counts.abandoned;
-        if (defences_.leases && job.attempt < most_attempts)
-            group.waiting.push_front(std::move(job));
-        else
-            give_up(job, member.options.group, group, decisions);
-    }
-}
-
-Clock::duration ReceiverTable::lease_of(const Receiver& member) const
-{
-    return member.options.lease ? Clock::duration(*member.options.lease)
-                                : groups_.at(member.options.group).times.lease();
-}
-
-ReceiverTable::Decisions ReceiverTable::tick(Clock::time_point now)
-{
-    Decisions decisions;
-    for (auto& [id, member] : receivers_) {
-        if (member.options.group.empty() || member.leases.empty() || member.suspect
-            || now - member.head_since < lease_of(member))
-            continue;
-        member.suspect = true;
-        take_back(member, groups_[member.options.group], decisions);
+    std::size_t forgotten = 0;
+    const auto of_drone = [&](const Line& line) {
+        return line.receiver() == drone || line.receiver().starts_with(drone + ".");
+    };
+    for (auto it = kept_.begin(); it != kept_.end();) {
+        const auto place = it++;
+        if (of_drone(place->second)) {
+            place->second.clear(Fate::lost_left);
+            kept_.erase(place);
+            ++forgotten;
+        }
     }
     for (auto& [name, group] : groups_)
-        pump_group(name, now, decisions);
-    return decisions;
+        if (group.awaited() && group.lost(drone)) {
+            group.forget(decisions);
+            ++forgotten;
+        }
+    return forgotten;
+}
+
+std::optional<ReceiverTable::Id> ReceiverTable::holder(std::int64_t place) const
+{
+    const auto found = std::ranges::find(seats_, place, [](const auto& row) { return row.second.place; });
+    return found == seats_.end() ? std::nullopt : std::optional(found->first);
 }
 
 bool ReceiverTable::wanted() const noexcept
 {
-    return std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
-           || std::ranges::any_of(receivers_,
-                                  [](const auto& row) { return row.second.options.delivery == Delivery::data; });
-}
-
-std::int64_t ReceiverTable::group_credit(const std::string& name) const
-{
-    std::int64_t credit = 0;
-    for (const auto& [id, member] : receivers_)
-        if (member.options.group == name && !member.suspect)
-            credit += member.asked - member.sent;
-    return credit;
+    return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
+           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
 }
 
 bool ReceiverTable::asked() const
 {
-    const auto receiver_asks = [](const auto& row) {
-        const Receiver& receiver = row.second;
-        if (!receiver.counts_for_demand())
-            return true;
-        return receiver.streaming()
-                   ? receiver.waiting.empty()
-                   : receiver.asked - receiver.sent > static_cast<std::int64_t>(receiver.waiting.size());
-    };
-    const auto group_asks = [&](const auto& row) {
-        return !row.second.active() || group_credit(row.first) > static_cast<std::int64_t>(row.second.waiting.size());
-    };
-    return wanted() && std::ranges::all_of(receivers_, receiver_asks) && std::ranges::all_of(groups_, group_asks);
+    const auto line_asks = [](const auto& row) { return !row.second.line.takes_bodies() || row.second.line.asks(); };
+    const auto group_asks = [](const auto& row) { return !row.second.active() || row.second.asks(); };
+    return kept_.empty() && wanted() && std::ranges::all_of(seats_, line_asks)
+           && std::ranges::all_of(groups_, group_asks);
 }
 
 bool ReceiverTable::backlogged() const
 {
-    const auto receiver_waits = [](const auto& row) {
-        return row.second.counts_for_demand() && !row.second.waiting.empty() && row.second.waiting.front()->lossless();
-    };
-    const auto group_waits = [](const auto& row) {
-        return !row.second.waiting.empty() && row.second.waiting.front().event->lossless();
-    };
-    return !held_.empty() || std::ranges::any_of(receivers_, receiver_waits)
-           || std::ranges::any_of(groups_, group_waits);
+    return !held_.empty() || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.backlogged(); })
+           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.backlogged(); })
+           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.backlogged(); });
 }
 
-bool ReceiverTable::leasing() const
+bool ReceiverTable::timed() const
 {
-    return std::ranges::any_of(receivers_, [](const auto& row) { return !row.second.leases.empty(); });
+    return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.leasing(); });
+}
+
+Reason ReceiverTable::why() const
+{
+    if (!held_.empty())
+        return Reason::held;
+    if (!wanted())
+        return Reason::no_receiver;
+    if (!kept_.empty())
+        return Reason::place_kept;
+    for (const auto& [name, group] : groups_)
+        if (group.active() && group.why() != Reason::none)
+            return group.why();
+    for (const auto& [id, seat] : seats_)
+        if (seat.line.takes_bodies() && seat.line.why() != Reason::none)
+            return seat.line.why();
+    return Reason::none;
 }
 
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const
 {
-    std::vector<Row> rows;
-    for (const auto& [id, receiver] : receivers_)
-        rows.push_back({id, receiver.name, receiver.options, receiver.counts});
-    for (const auto& [name, group] : groups_) {
-        if (!group.active() && group.waiting.empty())
-            continue;
-        ConnectionOptions options;
-        options.group = name;
-        rows.push_back({0, "group " + name, options, group.counts});
+    std::map<Key, Row> rows;
+    for (const auto& [key, account] : accounts_) {
+        Row& row = rows[key];
+        row.status.receiver = key.first;
+        row.status.connected = account.registrations > 0;
+        row.status.registration = account.registration;
+        row.status.options = account.options;
+        row.status.events = account.ledger;
     }
-    return rows;
+    for (const auto& [id, seat] : seats_) {
+        Row& row = rows[{seat.line.receiver(), ""}];
+        row.id = id;
+        row.status.waiting += seat.line.waiting();
+        row.status.why = seat.line.why();
+    }
+    for (const auto& [place, line] : kept_) {
+        rows[{line.receiver(), ""}].status.waiting += line.waiting();
+        rows[{line.receiver(), ""}].status.why = line.why();
+    }
+    for (const auto& [id, name] : members_) {
+        Row& row = rows[{groups_.at(name).receiver(id), name}];
+        row.id = id;
+        row.status.why = groups_.at(name).why(id);
+    }
+    for (const auto& [name, group] : groups_) {
+        Row& row = rows[{"group " + name, name}];
+        row.status.group = true;
+        row.status.connected = group.active();
+        row.status.waiting = group.waiting();
+        row.status.why = group.active() ? group.why() : Reason::none;
+    }
+    std::vector<Row> list;
+    for (auto& [key, row] : rows)
+        list.push_back(std::move(row));
+    std::ranges::stable_sort(list, {}, [](const Row& row) { return std::pair(row.id == 0, row.status.group); });
+    return list;
 }
 
 }  // namespace hive::event

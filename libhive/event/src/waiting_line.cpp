@@ -46,7 +46,7 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     heard_at_ = now;
     Sender& sender = sender_of(event);
     sender.heard_at = now;
-    sender.shares = !event.identity.group.empty();
+    sender.shares = event.identity.shared_work() != nullptr;
     // Not the largest of all: if a source's clock was put back, its epochs and times begin again lower.
     sender.place = sender.shares ? std::max(sender.place, place_of(event.identity)) : place_of(event.identity);
     const auto until =

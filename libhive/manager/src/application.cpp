@@ -47,13 +47,6 @@ Interface Application::describe(const std::string& drone)
     return interface_from_json(core_->ask(drone, PacketType::describe));
 }
 
-Json Application::status(const std::string& drone) { return core_->ask(drone, PacketType::status); }
-
-std::vector<Answer> Application::status(const std::vector<std::string>& drones)
-{
-    return core_->ask_all(drones, PacketType::status, Json::object());
-}
-
 namespace {
 
 Json set_header(const Json& parameters, std::chrono::milliseconds deadline, bool check_only)
@@ -142,15 +135,10 @@ void Application::put(const Endpoint& input, const Json& header, Body body, cons
 {
     std::string name = input.port;
     if (name.empty()) {
-        std::vector<std::string> fitting;
-        for (const auto& port : describe(input.drone).inputs)
-            if (types_fit(type, port.type))
-                fitting.push_back(port.name);
-        if (fitting.size() != 1)
-            throw Error(fitting.empty() ? Errc::type_mismatch : Errc::invalid_argument,
-                        input.drone + (fitting.empty() ? " has no input that takes " : " has several inputs that take ")
-                            + type);
-        name = fitting.front();
+        const auto inputs = describe(input.drone).inputs;
+        name = port_meant(inputs, input.drone, "input", "that takes " + type, [&](const Port& port) {
+                   return types_fit(type, port.type);
+               }).name;
     }
     core_->ask(input.drone, PacketType::put, {{"input", name}, {"type", type}, {"header", header}}, body);
 }

@@ -19,13 +19,14 @@ std::string name_of(const Application::Options& options)
 Error named(const std::string& drone, const Error& error)
 {
     const std::string text = error.what();
-    return {error.code(), text.starts_with(drone) ? text : drone + ": " + text};
+    return error.reworded(text.starts_with(drone) ? text : drone + ": " + text);
 }
 
 }  // namespace
 
 Application::Core::Core(Application::Options options)
     : timeout(options.timeout),
+      advice_if_missing(std::move(options.advice_if_missing)),
       home(options.home.empty() ? default_home() : options.home),
       module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
               .limits = {},
@@ -65,8 +66,12 @@ void Application::Core::require_running(const std::string& drone) const
     if (is_name(drone) && home.alive(drone))
         return;
     require_name(drone, "drone");
-    const auto near = nearest(drone, running());
-    throw Error(Errc::not_found, drone + " is not running" + (near.empty() ? "" : "; did you mean " + near + "?"));
+    throw not_running(drone);
+}
+
+Error Application::Core::not_running(const std::string& drone) const
+{
+    return no_such(drone + " is not running", drone, running(), advice_if_missing ? advice_if_missing(drone) : "");
 }
 
 Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type,
@@ -125,12 +130,7 @@ Endpoint Application::Core::with_output(const Endpoint& end)
     if (!end.port.empty())
         return end;
     const auto outputs = interface_from_json(ask(end.drone, protocol::PacketType::describe)).outputs;
-    if (outputs.size() != 1)
-        throw Error(Errc::invalid_argument,
-                    end.drone
-                        + (outputs.empty() ? " has no output"
-                                           : " has several outputs; name one: " + end.drone + "." + outputs[0].name));
-    return {end.drone, outputs[0].name};
+    return {end.drone, port_meant(outputs, end.drone, "output", "", [](const Port&) { return true; }).name};
 }
 
 }  // namespace hive

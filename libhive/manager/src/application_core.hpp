@@ -22,6 +22,10 @@ public:
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
     /// Throws Errc::not_found, with the nearest name, when no drone of this name runs here.
     void require_running(const std::string& drone) const;
+    /// That error.
+    [[nodiscard]] Error not_running(const std::string& drone) const;
+    /// The receiver is gone; its sender is to wait for it no longer.
+    void forget(const Endpoint& sender, const Endpoint& receiver);
     [[nodiscard]] std::vector<std::string> running() const;
     /// Has what this drone was told outlived it?
     [[nodiscard]] bool remembers(const std::string& drone) const;
@@ -31,6 +35,7 @@ public:
     [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }
 
     std::chrono::milliseconds timeout;
+    std::function<std::string(const std::string&)> advice_if_missing;
     event::Home home;
     event::Module module;
 

@@ -3,7 +3,8 @@
 #include "reorder.hpp"
 
 #include <hive/event/mailbox.hpp>
-#include <hive/event/sequence_filter.hpp>
+#include <hive/event/answer_filter.hpp>
+#include <hive/event/receipt.hpp>
 
 #include <set>
 
@@ -24,8 +25,8 @@ public:
     /// Registers at one output; throws what the drone answers.
     void receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection,
                  event::Clock::time_point deadline);
-    /// Registers without waiting; failures are retried in the background.
-    void follow(const std::string& drone, const std::string& output);
+    /// Of a drone, from now on, once; failures to register are retried in the background.
+    void hear_exceptions(const std::string& drone);
 
     std::optional<Event> next(std::chrono::milliseconds patience) override;
     [[nodiscard]] CollectCounts counts() const override;
@@ -36,13 +37,15 @@ private:
                                        const ConnectionOptions& connection);
     std::optional<Event> take(Event event);
     std::optional<Event> put_in_order(Event event);
+    void expect(const Json& confirmation);
+    void follow_those_on_the_way(const Event& event);
 
     event::Module& module_;
     const event::Home& home_;
     CollectOptions options_;
     std::shared_ptr<event::Mailbox> mailbox_ = std::make_shared<event::Mailbox>();
     std::vector<std::shared_ptr<event::Intake>> intakes_;
-    event::SequenceFilter filter_;
+    event::AnswerFilter filter_;
     Reorder reorder_;
     std::set<std::string> followed_;
     CollectCounts counts_;
@@ -61,12 +64,7 @@ MailboxCollector::~MailboxCollector()
 std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const std::string& output,
                                                      const ConnectionOptions& connection)
 {
-    const auto weak = std::make_shared<std::weak_ptr<event::Intake>>();
-    const auto sink = [mailbox = mailbox_, weak](Event&& event) {
-        const auto lost = mailbox->push(std::move(event));
-        if (const auto intake = weak->lock())
-            intake->lost += static_cast<std::int64_t>(lost);
-    };
+    const auto sink = [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); };
     const auto intake = module_.add_intake({.sender = drone,
                                             .output = output,
                                             .address = home_.address(drone),
@@ -75,7 +73,6 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                             .accepts = "*/*",
                                             .options = connection},
                                            sink);
-    *weak = intake;
     return intakes_.emplace_back(intake);
 }
 
@@ -90,13 +87,35 @@ void MailboxCollector::receive(const std::string& drone, const std::string& outp
     if (!outcome)
         throw Error(Errc::timeout, drone + "." + output + ": no answer in time");
     if (const auto* error = std::get_if<Error>(&*outcome))
-        throw Error(error->code(), drone + "." + output + ": " + error->what());
-    followed_.insert(drone);
+        throw error->reworded(drone + "." + output + ": " + error->what());
+    expect(std::get<Json>(*outcome));
 }
 
-void MailboxCollector::follow(const std::string& drone, const std::string& output)
+/// The drone said how far the groups are whose work it does.
+void MailboxCollector::expect(const Json& confirmation)
 {
-    module_.call([&] { add(drone, output, {.transfer = Transfer::streaming, .group = {}, .lease = {}})->start({}); });
+    const Fields fields(confirmation, "confirmation");
+    if (!fields.has("shares"))
+        return;
+    for (const auto& item : fields.array("shares")) {
+        const Fields share(item, "share");
+        std::vector<std::int64_t> open;
+        for (const auto& turn : share.array("open"))
+            open.push_back(json_integer(turn).value_or(0));
+        reorder_.expect({.of = share.text("of"),
+                         .epoch = share.integer("epoch", 0, max_json_integer),
+                         .turn = share.integer("turn", 0, max_json_integer),
+                         .closed = share.integer("closed", 0, max_json_integer)},
+                        open);
+    }
+}
+
+void MailboxCollector::hear_exceptions(const std::string& drone)
+{
+    if (!home_.alive(drone) || !followed_.insert(drone).second)
+        return;
+    const ConnectionOptions stream{.transfer = Transfer::streaming, .group = {}, .lease = {}};
+    module_.call([&] { add(drone, exceptions_output, stream)->start({}); });
 }
 
 std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
@@ -124,6 +143,7 @@ std::optional<Event> MailboxCollector::take(Event event)
 {
     if (!filter_.first(event)) {
         ++counts_.duplicates;
+        conclude(event, event::Ending::duplicate);
         return std::nullopt;
     }
     if (options_.ordered)
@@ -135,24 +155,37 @@ std::optional<Event> MailboxCollector::put_in_order(Event event)
 {
     // Acknowledged on arrival: a result that waits for its turn must not use up the credit that the missing one needs.
     event.receipt.reset();
+    event.custody.reset();
+    follow_those_on_the_way(event);
     if (event.output == exceptions_output) {
         if (event.identity.sequence > 0)
             reorder_.fail(event.identity, event::Clock::now());
-        return std::nullopt;
+    } else if (!reorder_.push(std::move(event), event::Clock::now())) {
+        ++counts_.duplicates;
     }
-    if (followed_.insert(event.identity.source).second && home_.alive(event.identity.source))
-        follow(event.identity.source, exceptions_output);
-    reorder_.push(std::move(event), event::Clock::now());
     return std::nullopt;
+}
+
+/// Whoever an event went through may have failed with others.
+void MailboxCollector::follow_those_on_the_way(const Event& event)
+{
+    hear_exceptions(event.identity.source);
+    for (const auto& hop : event.identity.hops)
+        hear_exceptions(hop.drone);
+    for (const auto& share : event.identity.shares)
+        hear_exceptions(share.of.substr(0, share.of.substr(0, share.of.find('#')).rfind('.')));
 }
 
 CollectCounts MailboxCollector::counts() const
 {
     CollectCounts counts = counts_;
     counts.missing = reorder_.missing();
+    counts.missing_turns = reorder_.missing_turns();
     counts.failed = reorder_.failed();
-    for (const auto& intake : intakes_)
-        counts.dropped += intake->lost;
+    module_.call([&] {
+        for (const auto& intake : intakes_)
+            counts.dropped += intake->status().dropped;
+    });
     return counts;
 }
 
@@ -165,7 +198,7 @@ std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& out
     for (const auto& output : outputs) {
         const auto [drone, port] = core_->with_output(output);
         if (options.ordered)
-            collector->follow(drone, exceptions_output);
+            collector->hear_exceptions(drone);
         collector->receive(drone, port, options.connection, until);
     }
     return collector;

@@ -1,95 +1,108 @@
-// Waiting lines by source and epoch.
+// Waiting lines, one for each group and epoch.
 #include "reorder.hpp"
 
 #include <algorithm>
 
 namespace hive {
 
-void Reorder::push(Event event, TimePoint now)
+void Reorder::expect(const Share& standing, const std::vector<std::int64_t>& open)
 {
-    if (event.identity.group.empty() && !event.identity.lossless) {
-        ready_.push_back(std::move(event));  // live and not shared: its gaps are skips, nothing is to be waited for
-        return;
+    Line& line = lines_[key_of(standing)];
+    line.closed = std::max(line.closed, standing.closed);
+    line.joined = std::max(line.joined, standing.turn);
+    line.open.insert(open.begin(), open.end());
+}
+
+bool Reorder::push(Event event, TimePoint now)
+{
+    const Share* share = event.identity.shared_work();
+    if (!share) {
+        ready_.push_back(std::move(event));
+        return true;
     }
-    Line& line = lines_[key_of(event.identity)];
+    Line& line = lines_[key_of(*share)];
     line.lossless = event.identity.lossless;
-    const auto sequence = number_of(event.identity);
+    line.closed = std::max(line.closed, share->closed);
     if (line.expected == 0) {
-        line.expected = line.lossless ? 1 : sequence;
+        line.expected = std::min(line.closed + 1, share->turn);
         line.stuck_since = now;
     }
-    if (line.passed(sequence))
-        return;
-    const std::pair key{sequence, event.identity.part};
-    line.waiting.emplace(key, std::move(event));
+    if (line.passed.contains(share->turn) || line.failed.contains(share->turn))
+        return false;
+    line.waiting.emplace(share->turn, std::move(event));
     advance(line, now);
+    return true;
 }
 
 void Reorder::fail(const Identity& identity, TimePoint now)
 {
-    Line& line = lines_[key_of(identity)];
-    if (number_of(identity) >= line.expected && line.failed.insert(number_of(identity)).second)
+    const Share* share = identity.shared_work();
+    if (!share) {
         ++failed_;
+        return;
+    }
+    Line& line = lines_[key_of(*share)];
+    line.closed = std::max(line.closed, share->closed);
+    const bool answered = share->turn < line.expected || line.waiting.contains(share->turn);
+    if (answered || !line.failed.insert(share->turn).second)
+        return;
+    ++failed_;
     advance(line, now);
 }
 
 void Reorder::advance(Line& line, TimePoint now)
 {
-    if (line.expected == 0)
-        return;
-    for (bool moved = true; moved;) {
-        moved = line.failed.erase(line.expected) > 0;
+    const auto before = line.expected;
+    for (bool moved = line.expected != 0; moved;) {
+        moved = line.failed.contains(line.expected);
         if (moved)
             ++line.expected;
-        // A sequence already handed out may have further parts: they follow as they come.
-        while (!line.waiting.empty() && line.waiting.begin()->first.first <= line.expected) {
-            const auto sequence = line.waiting.begin()->first.first;
-            if (line.first == 0)
-                line.first = sequence;
-            line.expected = std::max(line.expected, sequence + 1);
+        // A turn already handed out may have further results: they follow as they come.
+        while (!line.waiting.empty() && line.waiting.begin()->first <= line.expected) {
+            line.expected = std::max(line.expected, line.waiting.begin()->first + 1);
             ready_.push_back(std::move(line.waiting.begin()->second));
             line.waiting.erase(line.waiting.begin());
             moved = true;
         }
-        if (moved)
-            line.stuck_since = now;
     }
-    if (!line.lossless && line.waiting.size() > live_window)
-        line.stuck_since = TimePoint::min();
+    if (line.expected != before)
+        line.stuck_since = now;
+    while (line.failed.size() > remembered_turns)
+        line.failed.erase(line.failed.begin());
 }
 
-std::chrono::milliseconds Reorder::patience_of(const Line& line) const
+Reorder::TimePoint Reorder::due(const Line& line) const
 {
-    if (line.first == 0)
-        return std::min(patience_, first_patience);
-    return line.lossless ? patience_ : std::min(patience_, live_patience);
+    if (!line.lossless && line.waiting.size() > live_window)
+        return line.stuck_since;
+    if (line.expected <= line.joined && !line.open.contains(line.expected))
+        return line.stuck_since + std::min(patience_, join_patience);
+    return line.stuck_since + (line.expected <= line.closed ? std::min(patience_, closed_patience) : patience_);
 }
 
 void Reorder::expire(TimePoint now)
 {
     for (auto& [key, line] : lines_)
-        while (!line.waiting.empty()
-               && (line.stuck_since == TimePoint::min() || now - line.stuck_since >= patience_of(line))) {
-            const auto next = line.waiting.begin()->first.first;
-            if (line.first != 0)
-                give_up(line, next);
-            line.expected = next;
-            advance(line, now);
-        }
+        while (!line.waiting.empty() && due(line) <= now)
+            give_up(key, line, now);
 }
 
-void Reorder::give_up(Line& line, std::int64_t next)
+/// Goes on behind the turns that are due. Those from before this began to receive are nobody's loss.
+void Reorder::give_up(const Key& key, Line& line, TimePoint now)
 {
-    missing_ += next - line.expected;
-    line.given_up[line.expected] = next;
-    if (line.given_up.size() > remembered_gaps)
-        line.given_up.erase(line.given_up.begin());
-}
-
-bool Reorder::Line::passed(std::int64_t sequence) const
-{
-    const auto after = given_up.upper_bound(sequence);
-    return sequence < first || (after != given_up.begin() && sequence < std::prev(after)->second);
+    const auto turn = line.expected++;
+    line.passed.insert(turn);
+    if (line.passed.size() > remembered_turns)
+        line.passed.erase(line.passed.begin());
+    if (turn > line.joined || line.open.contains(turn)) {
+        ++missing_;
+        if (auto& turns = missing_turns_[key.first]; turns.size() < remembered_turns)
+            turns.push_back(turn);
+    }
+    const auto since = line.stuck_since;
+    advance(line, now);
+    if (!line.waiting.empty() && line.expected == turn + 1)
+        line.stuck_since = since;  // those behind it have been waited for as long
 }
 
 std::optional<Event> Reorder::pop()
@@ -105,11 +118,8 @@ std::optional<Reorder::TimePoint> Reorder::deadline() const
 {
     std::optional<TimePoint> first;
     for (const auto& [key, line] : lines_)
-        if (!line.waiting.empty()) {
-            const auto due =
-                line.stuck_since == TimePoint::min() ? line.stuck_since : line.stuck_since + patience_of(line);
-            first = first ? std::min(*first, due) : due;
-        }
+        if (!line.waiting.empty())
+            first = first ? std::min(*first, due(line)) : due(line);
     return first;
 }
 

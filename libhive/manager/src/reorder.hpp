@@ -1,5 +1,5 @@
-// Puts the results of several workers back into the order of the captures: of shared work by its turns, which have no
-// gaps even when the source skips; of a source on demand by its sequence. Pure logic: no clock of its own.
+// Puts the results of workers that share a job back into the order of the job's turns, which have no gaps even when the
+// source skips. Pure logic: no clock of its own.
 #pragma once
 
 #include <hive/event.hpp>
@@ -10,26 +10,31 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
+#include <vector>
 
 namespace hive {
 
+/// What is not shared work comes as it came: each sender keeps the order by itself.
 class Reorder {
 public:
     using TimePoint = std::chrono::steady_clock::time_point;
 
     static constexpr std::size_t live_window = 64;  ///< live results waiting for an earlier one, at most
-    static constexpr std::chrono::milliseconds live_patience{1000};
-    static constexpr std::chrono::milliseconds first_patience{2000};  ///< for results before the first that came
-    static constexpr std::size_t remembered_gaps = 1000;
+    /// For a turn that has had its answer: the result may still be on its way here, or the worker gave none.
+    static constexpr std::chrono::milliseconds closed_patience{200};
+    /// For a turn that was given out when this began to receive, and that no worker has in hand.
+    static constexpr std::chrono::milliseconds join_patience{500};
+    static constexpr std::size_t remembered_turns = 1000;  ///< that were given up
 
     explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
 
-    /// What comes after its place was given up (it is counted as missing), or from before the first that was handed
-    /// out, is left out.
-    void push(Event event, TimePoint now);
-    /// This capture has no result: it was reported as failed.
+    /// What a worker told when this began to receive its results: how far the group was, and the turns that it had in
+    /// hand, whose results will come.
+    void expect(const Share& standing, const std::vector<std::int64_t>& open);
+    /// @return  false: it comes after its turn was given up or had failed, and is left out
+    bool push(Event event, TimePoint now);
+    /// This turn has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
     /// Gives up what has been waited for too long.
     void expire(TimePoint now);
@@ -37,37 +42,37 @@ public:
     std::optional<Event> pop();
     /// When expire() may have something to do.
     [[nodiscard]] std::optional<TimePoint> deadline() const;
-    [[nodiscard]] std::int64_t missing() const noexcept { return missing_; }
     [[nodiscard]] std::int64_t failed() const noexcept { return failed_; }
-
-private:
-    struct Line {                   ///< one source in one epoch, one group
-        std::int64_t expected = 0;  ///< 0: nothing has come yet
-        std::int64_t first = 0;     ///< the first that was handed out; 0: none was
-        bool lossless = false;
-        std::multimap<std::pair<std::int64_t, int>, Event>
-            waiting;  ///< by number and part; several outputs may have the same
-        std::set<std::int64_t> failed;
-        std::map<std::int64_t, std::int64_t> given_up;  ///< from, and where it goes on
-        TimePoint stuck_since{};
-
-        [[nodiscard]] bool passed(std::int64_t sequence) const;
-    };
-    void advance(Line& line, TimePoint now);
-    void give_up(Line& line, std::int64_t next);
-    [[nodiscard]] std::chrono::milliseconds patience_of(const Line& line) const;
-
-    std::chrono::milliseconds patience_;
-    using Key = std::tuple<std::string, std::int64_t, std::string>;
-    static Key key_of(const Identity& identity) { return {identity.source, identity.epoch, identity.group}; }
-    static std::int64_t number_of(const Identity& identity)
+    [[nodiscard]] std::int64_t missing() const noexcept { return missing_; }
+    /// The first of the turns that are missing, by whose they are: "camera.image#workers".
+    [[nodiscard]] const std::map<std::string, std::vector<std::int64_t>>& missing_turns() const noexcept
     {
-        return identity.group.empty() ? identity.sequence : identity.turn;
+        return missing_turns_;
     }
 
+private:
+    using Key = std::pair<std::string, std::int64_t>;  ///< whose turns, in which epoch
+    struct Line {
+        std::int64_t expected = 0;  ///< the next turn; 0: not known yet
+        std::int64_t closed = 0;    ///< this turn and all before it have had their answer
+        std::int64_t joined = 0;    ///< the last that had been given out when this began to receive
+        bool lossless = false;
+        std::set<std::int64_t> open;  ///< of those up to joined: a worker has them in hand
+        std::set<std::int64_t> failed;
+        std::set<std::int64_t> passed;  ///< given up
+        std::multimap<std::int64_t, Event> waiting;
+        TimePoint stuck_since{};
+    };
+    void advance(Line& line, TimePoint now);
+    void give_up(const Key& key, Line& line, TimePoint now);
+    [[nodiscard]] TimePoint due(const Line& line) const;
+    static Key key_of(const Share& share) { return {share.of, share.epoch}; }
+
+    std::chrono::milliseconds patience_;
     std::map<Key, Line> lines_;
     std::deque<Event> ready_;
     std::int64_t missing_ = 0, failed_ = 0;
+    std::map<std::string, std::vector<std::int64_t>> missing_turns_;
 };
 
 }  // namespace hive

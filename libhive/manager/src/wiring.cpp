@@ -13,19 +13,14 @@ using Pair = std::pair<const Port*, const Port*>;
 
 std::vector<const Port*> candidates(const std::vector<Port>& ports, const Endpoint& end, const char* what)
 {
-    std::vector<const Port*> found;
-    std::vector<std::string> names;
-    for (const auto& port : ports) {
-        names.push_back(port.name);
-        if (end.port.empty() || port.name == end.port)
-            found.push_back(&port);
-    }
-    if (found.empty()) {
-        const auto near = nearest(end.port, names);
-        throw Error(Errc::not_found, end.drone + " has no " + what + (end.port.empty() ? "" : " " + end.port)
-                                         + (near.empty() ? "" : "; did you mean " + near + "?"));
-    }
-    return found;
+    if (!end.port.empty())
+        return {&port_named(ports, end.drone, what, end.port)};
+    if (ports.empty())
+        throw Error(Errc::not_found, end.drone + " has no " + what, "see its ports: hivectl describe " + end.drone);
+    std::vector<const Port*> all;
+    for (const auto& port : ports)
+        all.push_back(&port);
+    return all;
 }
 
 std::string listed(const Endpoint& sender, const Endpoint& receiver, const std::vector<Pair>& pairs)
@@ -34,6 +29,14 @@ std::string listed(const Endpoint& sender, const Endpoint& receiver, const std::
     for (const auto& [output, input] : pairs)
         text += (text.empty() ? "" : ", or ") + sender.drone + "." + output->name + " " + receiver.drone + "."
                 + input->name;
+    return text;
+}
+
+std::string types_of(const std::vector<const Port*>& ports)
+{
+    std::string text;
+    for (const auto* port : ports)
+        text += (text.empty() ? "" : ", ") + port->name + ": " + port->type;
     return text;
 }
 
@@ -49,17 +52,14 @@ Pair fitting_pair(const Endpoint& sender, const Interface& from, const Endpoint&
     if (pairs.size() == 1)
         return pairs.front();
     if (pairs.size() > 1)
-        throw Error(Errc::invalid_argument, "several ports fit; name them: " + listed(sender, receiver, pairs));
+        throw Error(Errc::invalid_argument,
+                    "several outputs of " + sender.drone + " and inputs of " + receiver.drone + " fit",
+                    "say which: " + listed(sender, receiver, pairs));
     if (outputs.size() == 1 && inputs.size() == 1)
         throw Error(Errc::type_mismatch, sender.drone + "." + outputs[0]->name + " is " + outputs[0]->type + ", but "
                                              + receiver.drone + "." + inputs[0]->name + " takes " + inputs[0]->type);
-    std::string types;
-    for (const auto* output : outputs)
-        types += " " + output->name + " (" + output->type + ")";
-    types += "; inputs of " + receiver.drone + ":";
-    for (const auto* input : inputs)
-        types += " " + input->name + " (" + input->type + ")";
-    throw Error(Errc::type_mismatch, "nothing fits: outputs of " + sender.drone + ":" + types);
+    throw Error(Errc::type_mismatch, "no output of " + sender.drone + " (" + types_of(outputs) + ") fits an input of "
+                                         + receiver.drone + " (" + types_of(inputs) + ")");
 }
 
 }  // namespace
@@ -79,8 +79,24 @@ std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const
     return {{sender.drone, output->name}, {receiver.drone, input->name}};
 }
 
+void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
+{
+    Json header{{"receiver", require_name(receiver.drone, "drone")}};
+    if (!sender.port.empty())
+        header["output"] = sender.port;
+    try {
+        ask(sender.drone, PacketType::forget, header);
+    } catch (const Error& error) {
+        if (error.code() != Errc::not_found)
+            throw;
+        throw not_running(receiver.drone).reworded(receiver.drone + " is not running, and " + error.what());
+    }
+}
+
 void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
 {
+    if (!is_name(receiver.drone) || !core_->home.alive(receiver.drone))
+        return core_->forget(sender, receiver);
     Json header{{"from", {{"drone", sender.drone}}}};
     if (!sender.port.empty())
         header["from"]["output"] = sender.port;

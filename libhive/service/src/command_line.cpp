@@ -1,10 +1,10 @@
 // The command line that all drones share.
+#include "bounded_log.hpp"
 #include "drone_core.hpp"
 
 #include <hive/name.hpp>
 
 #include <CLI/CLI.hpp>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <iostream>
@@ -34,10 +34,10 @@ void require_safe(const std::vector<std::string>& addresses, bool insecure)
                               "on a network that you trust wholly, add --insecure");
 }
 
-void start_log(const std::string& level)
+void start_log(const std::string& name, const std::string& level)
 {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("hive", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+    const auto file = event::default_home() / (name + ".log");
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("hive", std::make_shared<BoundedLog>(file)));
     spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
     spdlog::set_level(spdlog::level::from_str(level));
     spdlog::flush_on(spdlog::level::info);
@@ -77,17 +77,15 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
         settings.parameters = parameters_from(assignments);
         if (!policy.empty())
             settings.policy = from_token<ExceptionPolicy>(policy, "policy");
-        start_log(level);
+        start_log(settings.name, level);
         DroneCore core(program, std::move(settings));
         Drone drone(core);
         body(drone);
         return 0;
-    } catch (const Error& error) {
+    } catch (...) {
+        const Error error = current_error();
         std::cerr << "hive-" << program.kind << ": " << error.what() << std::endl;
         return info(error.code()).exit_code;
-    } catch (const std::exception& error) {
-        std::cerr << "hive-" << program.kind << ": " << error.what() << std::endl;
-        return 1;
     }
 }
 

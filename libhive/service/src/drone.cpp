@@ -32,83 +32,83 @@ void Drone::parameter(const std::string& name, int& variable, const Constraint& 
     Constraint whole = constraint;  // what an int holds
     whole.least = std::max(constraint.least.value_or(-2147483648.0), -2147483648.0);
     whole.most = std::min(constraint.most.value_or(2147483647.0), 2147483647.0);
-    core_.parameters.add(describe(name, ParameterType::integer, whole, help), variable);
+    core_.declaration().parameters.add(describe(name, ParameterType::integer, whole, help), variable);
 }
 
 void Drone::parameter(const std::string& name, double& variable, const Constraint& constraint, const std::string& help)
 {
-    core_.parameters.add(describe(name, ParameterType::number, constraint, help), variable);
+    core_.declaration().parameters.add(describe(name, ParameterType::number, constraint, help), variable);
 }
 
 void Drone::parameter(const std::string& name, bool& variable, const Constraint& constraint, const std::string& help)
 {
-    core_.parameters.add(describe(name, ParameterType::flag, constraint, help), variable);
+    core_.declaration().parameters.add(describe(name, ParameterType::flag, constraint, help), variable);
 }
 
 void Drone::parameter(const std::string& name, std::string& variable, const Constraint& constraint,
                       const std::string& help)
 {
-    core_.parameters.add(describe(name, ParameterType::text, constraint, help), variable);
+    core_.declaration().parameters.add(describe(name, ParameterType::text, constraint, help), variable);
 }
 
 Output Drone::output(const std::string& name, const std::string& type, const std::string& help, Encoder encoder)
 {
-    return {core_, core_.add_output({require_name(name, "output"), type, help}, std::move(encoder))};
+    return {core_, core_.emitter().add_output({require_name(name, "output"), type, help}, std::move(encoder))};
 }
 
 void Drone::on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback,
                      const std::string& help)
 {
-    core_.interface.inputs.push_back({require_name(input, "input"), type, help});
-    core_.callbacks[input] = std::move(callback);
+    core_.declaration().add_input(input, type, std::move(callback), help);
 }
 
 Matching Drone::on_matched(const std::vector<MatchedInput>& inputs, Match match,
                            std::function<void(const std::vector<Event>&)> callback)
 {
-    return {core_, core_.add_matching(inputs, match, std::move(callback))};
+    return {core_, core_.declaration().add_matching(inputs, match, std::move(callback))};
 }
 
-void Matching::rule(Match match) const { core_->matchings[index_].matcher.rule(match); }
+void Matching::rule(Match match) const { core_->declaration().matchings[index_].matcher.rule(match); }
 
 std::optional<Json> Drone::given(const std::string& parameter) const { return core_.given(parameter); }
 bool Drone::remembered(const std::string& parameter) const { return core_.remembered(parameter); }
-void Drone::on_change(std::function<void()> callback) { core_.on_change = std::move(callback); }
-void Drone::on_start(std::function<void()> callback) { core_.on_start = std::move(callback); }
-void Drone::main(std::function<std::chrono::microseconds()> step) { core_.main = std::move(step); }
+void Drone::on_change(std::function<void()> callback) { core_.declaration().on_change = std::move(callback); }
+void Drone::on_start(std::function<void()> callback) { core_.declaration().on_start = std::move(callback); }
+void Drone::main(std::function<std::chrono::microseconds()> step) { core_.declaration().main = std::move(step); }
 void Drone::run() { core_.run(); }
 void Drone::wake() { core_.wake(); }
-void Drone::condition(const std::string& text) { core_.condition(text); }
-void Drone::report(Errc code, const std::string& text) { core_.report(code, text, nullptr); }
-void Drone::log(const std::string& text) { core_.log(text); }
-Json Drone::status() const { return core_.status(); }
+void Drone::stop() { core_.stop(); }
+void Drone::condition(const std::string& text, Reason why) { core_.condition(text, why); }
+void Drone::report(Errc code, const std::string& text) { core_.reporter().report(Error(code, text)); }
+void Drone::log(const std::string& text) { core_.reporter().log(text); }
+Status Drone::status() const { return core_.status(); }
 bool Drone::stopping() const { return core_.stopping(); }
 
-Loan Output::loan(std::size_t bytes) const { return core_->loan(bytes); }
+Loan Output::loan(std::size_t bytes) const { return core_->emitter().loan(bytes); }
 
-bool Output::wanted() const { return core_->wanted(index_); }
-bool Output::received() const { return core_->received(index_); }
-bool Output::asked() const { return core_->asked(index_); }
+bool Output::wanted() const { return core_->emitter().wanted(index_); }
+bool Output::received() const { return core_->emitter().received(index_); }
+bool Output::asked() const { return core_->emitter().asked(index_); }
 
 void Output::emit(Json header, Body body, std::string type) const
 {
-    core_->emit(
+    core_->emitter().emit(
         index_, std::nullopt, std::move(header), [&] { return std::optional(std::move(body)); }, std::move(type));
 }
 
 void Output::emit(Json header, const std::function<Body()>& body, std::string type) const
 {
-    core_->emit(index_, std::nullopt, std::move(header), if_wanted(*this, body), std::move(type));
+    core_->emitter().emit(index_, std::nullopt, std::move(header), if_wanted(*this, body), std::move(type));
 }
 
 void Output::emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header,
                            const std::function<Body()>& body, std::string type) const
 {
     const auto captured_us = event::microseconds(captured.time_since_epoch());
-    core_->emit(index_, core_->fresh_identity(index_, captured_us, lossless), std::move(header), if_wanted(*this, body),
-                std::move(type));
+    core_->emitter().emit(index_, core_->emitter().fresh_identity(index_, captured_us, lossless), std::move(header),
+                          if_wanted(*this, body), std::move(type));
 }
 
-void Output::repeat(Event event) const { core_->repeat(index_, std::move(event)); }
+void Output::repeat(Event event) const { core_->emitter().repeat(index_, std::move(event)); }
 
 }  // namespace hive

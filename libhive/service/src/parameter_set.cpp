@@ -16,9 +16,7 @@ const ParameterInfo& ParameterSet::find(const std::string& name) const
     std::vector<std::string> names;
     for (const auto& parameter : declared_)
         names.push_back(parameter.name);
-    const auto near = nearest(name, names);
-    throw Error(Errc::not_found,
-                "no parameter " + in_quotes(name) + (near.empty() ? "" : "; did you mean " + near + "?"));
+    throw no_such("no parameter " + in_quotes(name), name, names);
 }
 
 Json ParameterSet::checked(const Json& wanted) const

@@ -62,6 +62,11 @@ public:
         if (const auto core = core_.lock())
             core->end(reason);
     }
+    [[nodiscard]] bool ended_by_peer() const override
+    {
+        const auto core = core_.lock();
+        return core && core->ended_by_peer();
+    }
     [[nodiscard]] std::string peer() const override { return peer_; }
     [[nodiscard]] bool local() const override { return local_; }
 

@@ -93,6 +93,7 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
     if (ended_)
         return;
     ended_ = reason;
+    ended_by_peer_ = by_peer;
     if (borrowing_)
         borrowing_->end();  // before the peer can see the end and use its slots again
     if (lending_)
@@ -211,8 +212,9 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
     if (!stream_->passes_descriptors())
         throw Error(Errc::malformed, std::string(token(packet.type)) + ": no memory is shared on this connection");
     if (packet.type == PacketType::release) {
+        const auto slots = protocol::slots_from_body(packet.body);  // checked, also when there is nothing to give back
         if (lending_)
-            lending_->released(protocol::slots_from_body(packet.body));
+            lending_->released(slots);
         return true;
     }
     if (!borrowing_)

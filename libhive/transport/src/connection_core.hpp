@@ -28,6 +28,7 @@ public:
     void open(const protocol::Limits& limits);
     Carriage send(protocol::Packet packet, Connection::Written written);
     void share(std::shared_ptr<Pool> pool) { lending_.emplace(std::move(pool)); }
+    [[nodiscard]] bool ended_by_peer() const { return ended_by_peer_; }
     [[nodiscard]] bool shares() const { return lending_.has_value() && !ended_; }
     /// Ends it; Written callbacks and then `closed` are posted.
     /// @param by_peer  it is the peer that went away
@@ -73,6 +74,7 @@ private:
     bool opened_ = false;
     bool reading_ = false;
     bool writing_ = false;
+    bool ended_by_peer_ = false;
 };
 
 }  // namespace hive::transport

@@ -17,7 +17,10 @@ namespace {
 
 class SocketStream final : public Stream {
 public:
-    SocketStream(Socket socket, std::string peer) : socket_(std::move(socket)), peer_(std::move(peer)) {}
+    SocketStream(Socket socket, std::string peer, bool local)
+        : socket_(std::move(socket)), peer_(std::move(peer)), local_(local)
+    {
+    }
 
     // One system call each, with the whole size: asio's composed operations would cut it into slices of 64 KiB.
     void read_some(asio::mutable_buffer into, Handler handler) override
@@ -38,18 +41,19 @@ public:
         socket_.close(ignored);
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
-    [[nodiscard]] bool local() const override { return false; }
+    [[nodiscard]] bool local() const override { return local_; }
 
 private:
     Socket socket_;
     std::string peer_;
+    bool local_;
 };
 
 }  // namespace
 
-std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer)
+std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer, bool local)
 {
-    return std::make_unique<SocketStream>(std::move(socket), std::move(peer));
+    return std::make_unique<SocketStream>(std::move(socket), std::move(peer), local);
 }
 
 std::size_t write_now(Socket& socket, std::span<const asio::const_buffer> from)

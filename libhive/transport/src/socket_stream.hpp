@@ -11,7 +11,8 @@ namespace hive::transport {
 /// With an executor that is known here: a type-erased one costs every operation some more cold lines.
 using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, asio::io_context::executor_type>;
 
-std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer);
+/// @param local  the peer is on this machine
+std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer, bool local);
 /// Of a unix socket, that passes descriptors.
 std::unique_ptr<Stream> make_descriptor_stream(Socket socket, std::string peer);
 

@@ -14,13 +14,15 @@ namespace {
 
 using Endpoint = asio::ip::tcp::endpoint;
 
-bool is_local(const Endpoint& peer)
+asio::ip::address plain_address(const Endpoint& endpoint)
 {
-    const auto address = peer.address();
+    const auto address = endpoint.address();
     if (address.is_v6() && address.to_v6().is_v4_mapped())
-        return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).is_loopback();
-    return address.is_loopback();
+        return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+    return address;
 }
+
+bool is_loopback(const Endpoint& peer) { return plain_address(peer).is_loopback(); }
 
 void tune(int descriptor, const Endpoint& peer)
 {
@@ -32,7 +34,7 @@ void tune(int descriptor, const Endpoint& peer)
     // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across
     // a network the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded: 1
     // ms of gigabit Ethernet.
-    if (!is_local(peer))
+    if (!is_loopback(peer))
         return set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, 128 * 1024);
     set_option(descriptor, SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
     set_option(descriptor, SOL_SOCKET, SO_RCVBUF, local_socket_buffer);
@@ -55,11 +57,20 @@ std::string text_of(const Endpoint& endpoint)
     return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
 }
 
+/// The stream of a connected socket. Its peer is on this machine when it has the address of this end, or a loopback
+/// address; it may be a tunnel, which nothing tells.
+std::unique_ptr<Stream> stream_of(Socket socket)
+{
+    const auto here = name_of(::getsockname, socket.native_handle()),
+               peer = name_of(::getpeername, socket.native_handle());
+    const bool local = is_loopback(peer) || plain_address(here) == plain_address(peer);
+    return make_socket_stream(std::move(socket), text_of(peer), local);
+}
+
 std::unique_ptr<Stream> welcome(Socket socket)
 {
-    const auto peer = name_of(::getpeername, socket.native_handle());
-    tune(socket.native_handle(), peer);
-    return make_socket_stream(std::move(socket), text_of(peer));
+    tune(socket.native_handle(), name_of(::getpeername, socket.native_handle()));
+    return stream_of(std::move(socket));
 }
 
 /// Where to listen. Names are looked up here and now: a module listens once, before it serves anybody.
@@ -140,7 +151,7 @@ private:
             && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
             error = asio::error::connection_refused;
         if (!error)
-            succeed(make_socket_stream(std::move(socket_), text_of(endpoints_[next_ - 1])));
+            succeed(stream_of(std::move(socket_)));
         else if (next_ < endpoints_.size())
             try_next();
         else

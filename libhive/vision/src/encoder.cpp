@@ -20,8 +20,8 @@ struct Encoding {
 
 [[noreturn]] void unknown(const std::string& encoding)
 {
-    throw Error(Errc::invalid_argument,
-                "there is no encoding " + in_quotes(encoding) + "; there is raw, png, jpeg, and jpeg:1 to jpeg:100");
+    throw Error(Errc::invalid_argument, "there is no encoding " + in_quotes(encoding),
+                "there are raw, png, jpeg, and jpeg:1 to jpeg:100");
 }
 
 Encoding parse(const std::string& text)

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace hive {
 
@@ -47,11 +48,24 @@ Errc errc_from_token(std::string_view token) noexcept;
 /// What Hive throws for bad input, peers and the operating system. Normal absence is std::optional instead.
 class Error : public std::runtime_error {
 public:
-    Error(Errc code, const std::string& text) : std::runtime_error(text), code_(code) {}
+    /// @param text    what happened, in one sentence
+    /// @param advice  what the caller can do about it, when more can be said than the table says for the code
+    Error(Errc code, const std::string& text, std::string advice = {})
+        : std::runtime_error(text), code_(code), advice_(std::move(advice))
+    {
+    }
     [[nodiscard]] Errc code() const noexcept { return code_; }
+    [[nodiscard]] const std::string& advice() const noexcept { return advice_; }
+    /// The same error in other words: "face: " and what it said.
+    [[nodiscard]] Error reworded(const std::string& text) const { return {code_, text, advice_}; }
 
 private:
     Errc code_;
+    std::string advice_;
 };
+
+/// For a catch clause: what is being handled there. Another exception than an Error becomes Errc::failed with its text,
+/// and so does what is no exception at all (`throw 42`), with a text that says so.
+Error current_error();
 
 }  // namespace hive

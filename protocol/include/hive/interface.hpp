@@ -3,6 +3,7 @@
 
 #include <hive/json.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,17 @@ struct ParameterInfo {
     std::string unit;                   ///< "px", "fps", "%"
     std::string help;
 };
+
+/// The port called `name`. Throws Errc::not_found: "face has no input imag".
+/// @param what  "input" or "output"
+const Port& port_named(const std::vector<Port>& ports, const std::string& drone, std::string_view what,
+                       std::string_view name);
+/// The one that is meant when none is named: the only one that fits.
+/// @param which  how those that fit are told: "that takes image/jpeg"; empty: all fit
+/// Throws Errc::not_found when there are no ports, Errc::type_mismatch when none fits, Errc::invalid_argument when
+/// several do; the advice lists what there is.
+const Port& port_meant(const std::vector<Port>& ports, const std::string& drone, std::string_view what,
+                       std::string_view which, const std::function<bool(const Port&)>& fits);
 
 /// The value a parameter takes when told `value`: of its declared type (a text is parsed, as the shell gives it) and
 /// within its range. Throws Errc::refused saying what is allowed.

@@ -77,9 +77,9 @@ struct EdgeStatus {
     bool group = false;             ///< this row is the account of a whole group; its members have rows of their own
     bool connected = false;         ///< it is registered now
     std::int64_t registration = 0;  ///< epoch of the present or last registration; 0 for a group
-    ConnectionOptions options;      ///< of the present or last registration
-    std::string encoding;           ///< how bodies are encoded for it now; empty: as they are
-    Ledger events;
+    ConnectionOptions options{};    ///< of the present or last registration
+    std::string encoding{};         ///< how bodies are encoded for it now; empty: as they are
+    Ledger events{};
     std::int64_t waiting = 0;               ///< of those in flight: not yet sent
     std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     Reason why{};
@@ -90,7 +90,7 @@ struct OutputStatus {
     std::int64_t produced = 0;
     std::int64_t unreceived = 0;  ///< of those: nobody received the output
     std::int64_t last_emitted_us = 0;
-    std::vector<EdgeStatus> edges;
+    std::vector<EdgeStatus> edges{};
     std::int64_t edges_left_out = 0;  ///< more than one answer holds
     Reason why{};
 };
@@ -99,10 +99,10 @@ struct OutputStatus {
 /// dropped + unmatched + queued + in_hand.
 struct InputStatus {
     std::string input;
-    std::string from;               ///< "camera.image"
+    std::string from{};             ///< "camera.image"
     bool connected = false;         ///< registered with the sender now
     std::int64_t registration = 0;  ///< epoch of the present or last registration
-    ConnectionOptions options;
+    ConnectionOptions options{};
     std::int64_t received = 0;
     std::int64_t processed = 0;   ///< dealt with by the drone's code
     std::int64_t abandoned = 0;   ///< the drone's code threw
@@ -113,20 +113,20 @@ struct InputStatus {
     std::int64_t queued = 0;
     std::int64_t in_hand = 0;  ///< with the drone's code
     std::int64_t last_age_us = 0;
-    std::string error;  ///< why it is not connected
+    std::string error{};  ///< why it is not connected
     Reason why{};
 };
 
 struct MatchingStatus {
-    std::vector<std::string> inputs;
+    std::vector<std::string> inputs{};
     std::int64_t sets = 0, waiting = 0, unmatched = 0, duplicates = 0;
-    std::map<std::string, std::int64_t> missing;  ///< by input: events of others that found no partner there
+    std::map<std::string, std::int64_t> missing{};  ///< by input: events of others that found no partner there
 };
 
 struct ExceptionStatus {
-    std::string code, text, policy, input;
+    std::string code{}, text{}, policy{}, input{};
     std::int64_t time_us = 0;
-    std::string source;
+    std::string source{};
     std::int64_t sequence = 0;
 };
 
@@ -135,20 +135,29 @@ struct Status {
     std::int64_t pid = 0, epoch = 0;
     State state{};
     ExceptionPolicy policy{};
-    std::string condition;  ///< what the drone says of its world; empty: all is well
+    std::string condition{};  ///< what the drone says of its world; empty: all is well
     std::int64_t uptime_us = 0, busy_us = 0;
     std::int64_t busy_for_us = 0;  ///< how long the present callback has been running; 0: idle
-    std::string callback;          ///< the input of it, or "main"
+    std::string callback{};        ///< the input of it, or "main"
     Reason why{};
-    std::vector<OutputStatus> outputs;
-    std::vector<InputStatus> inputs;
-    std::vector<InputStatus> left;  ///< what connections that were ended had received: one row for each input
-    std::vector<MatchingStatus> matching;
-    std::optional<ExceptionStatus> last_exception;
+    std::vector<OutputStatus> outputs{};
+    std::vector<InputStatus> inputs{};
+    std::vector<InputStatus> left{};  ///< what connections that were ended had received: one row for each input
+    std::vector<MatchingStatus> matching{};
+    std::optional<ExceptionStatus> last_exception{};
 };
 
+Json to_json(const EdgeStatus& edge);
 Json to_json(const Status& status);
 /// Throws Errc::malformed.
 Status status_from_json(const Json& object);
+
+/// What one answer holds: the edges (counted over all outputs) from `skip_edges` on, as many as fit into a header;
+/// `edges_left_out` of an output says how many follow.
+Status page_of(Status status, std::int64_t skip_edges);
+std::int64_t edges_listed(const Status& status);
+std::int64_t edges_left_out(const Status& status);
+/// Appends the edges of the next page.
+void add_page(Status& status, Status page);
 
 }  // namespace hive

@@ -36,7 +36,7 @@ TEST_CASE(
         CHECK(raw::text_of(answer).find("application/x-nothing") != std::string::npos);
         CHECK(raw::text_of(answer).find(input.at("type").get<std::string>()) != std::string::npos);
     }
-    CHECK(peer.ask(raw::status).at("result").at("events").at("received") == 0);
+    CHECK_FALSE(peer.ask(raw::status).at("result").contains("left"));
 }
 
 TEST_CASE("drone: garbage put to a picture input gives one exception each, with the input's identity, and no result; "
@@ -65,16 +65,21 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
             CHECK(header.at("sender") == "subject");
             CHECK(header.at("output") == "exceptions");
             CHECK(header.at("source") == "raw");
+            CHECK(header.at("epoch") != peer.first().json().at("epoch"));  // that of the asker, not of the drone
+            CHECK(header.at("seq") == 4000 + body.size());
             CHECK(header.at("header").at("code") == "malformed");
             CHECK(header.at("header").at("policy") == "skip");
             CHECK(header.at("header").at("input") == input);
         }
         const Json status = peer.ask(raw::status).at("result");
-        CHECK(status.at("events").at("abandoned") == garbage.size());
+        std::int64_t abandoned = 0;
+        for (const auto& row : status.value("left", Json::array()))
+            abandoned += row.value("abandoned", std::int64_t{0});
+        CHECK(abandoned == static_cast<std::int64_t>(garbage.size()));
         CHECK(status.at("last_exception").at("code") == "malformed");
         for (const auto& output : status.at("outputs"))
             if (output.at("name") != "exceptions")
-                CHECK(output.at("produced") == 0);
+                CHECK(output.value("produced", 0) == 0);
     }
 }
 
@@ -92,4 +97,22 @@ TEST_CASE("drone: with the policy halt the first exception halts it")
         CHECK(hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "halted"; },
                                      within(1000)));
     }
+}
+
+TEST_CASE("drone: no input takes an output of the drone itself, and one that has halted takes no event")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    auto peer = home.meet();
+    for (const auto& input : subject::description().at("inputs")) {
+        const Json itself{{"from", {{"drone", "subject"}, {"output", "exceptions"}}}, {"input", input.at("name")}};
+        const Json answer = peer.ask(raw::connect, itself);
+        CHECK(raw::error_of(answer) == "invalid_argument");
+        CHECK(raw::text_of(answer).find("own output") != std::string::npos);
+    }
+    CHECK(peer.ask(raw::status).at("result").at("inputs") == Json::array());
+    REQUIRE(raw::error_of(peer.ask(raw::halt)) == "");
+    for (const auto& input : subject::description().at("inputs"))
+        CHECK(raw::error_of(peer.ask(raw::put, {{"input", input.at("name")}, {"type", "image/jpeg"}}, 0, "x"))
+              == "halted");
 }

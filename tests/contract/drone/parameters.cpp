@@ -176,8 +176,15 @@ TEST_CASE("drone: requests with a wrong field are malformed, and the connection 
                                             {raw::put, Json::object()},
                                             {raw::put, {{"input", 1}, {"type", "a/b"}}},
                                             {raw::halt, {{"policy", "never"}}},
+                                            {raw::forget, Json::object()},
+                                            {raw::forget, {{"receiver", ""}}},
+                                            {raw::status, {{"skip_edges", -1}}},
                                             {raw::register_, Json::object()},
                                             {raw::register_, {{"epoch", -1}, {"output", "x"}, {"receiver", "r"}}}};
+    for (const int type : {raw::register_, raw::deregister, raw::connect, raw::disconnect, raw::set, raw::get,
+                           raw::describe, raw::status, raw::halt, raw::resume, raw::stop, raw::put, raw::forget})
+        for (const Json& deadline : {Json("soon"), Json(-1), Json(1.5), Json(nullptr)})
+            wrong.emplace_back(type, Json{{"deadline_ms", deadline}});
     for (const auto& input : subject::description().at("inputs"))
         wrong.emplace_back(raw::connect,
                            Json{{"from", {{"drone", "../x"}, {"output", "o"}}}, {"input", input.at("name")}});

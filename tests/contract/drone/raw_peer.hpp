@@ -37,6 +37,7 @@ enum Type : int {
     resume = 37,
     stop = 38,
     put = 39,
+    forget = 40,
     confirmation = 50
 };
 

@@ -72,7 +72,7 @@ Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector
     return swarm.drone("axis", "axis", settings, {}, environment);
 }
 
-std::string condition(hive::Application& application) { return application.status("axis").at("condition"); }
+std::string condition(hive::Application& application) { return application.status("axis").condition; }
 
 namespace {
 

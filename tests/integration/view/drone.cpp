@@ -66,7 +66,7 @@ TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
     CHECK(status.at("width") == 640);
     CHECK(status.at("browsers") == 1);
     CHECK(status.at("rate") > 0);
-    CHECK(application.status("view").value("condition", "") == "");
+    CHECK(application.status("view").condition == "");
 }
 
 TEST_CASE("view: a JPEG goes to the browser byte for byte, unless it is to be written on")
@@ -163,7 +163,7 @@ TEST_CASE("view: a port that is taken refuses the set with the reason, and the o
     const auto view = viewer(swarm, port);
     auto application = swarm.application();
     const auto other = swarm.drone("view", "other", {}, {}, no_display);
-    CHECK(application.status("other").at("condition").get<std::string>().find("http=PORT") != std::string::npos);
+    CHECK(application.status("other").condition.find("http=PORT") != std::string::npos);
     const hive::Json both{{"http", port}, {"quality", 50}};
     CHECK_THROWS_WITH_AS(application.set("other", both), doctest::Contains("in use"), hive::Error);
     CHECK_THROWS_WITH_AS(application.set("view", {{"bind", "example.com"}}), doctest::Contains("not an address"),

@@ -194,4 +194,20 @@ TEST_CASE("emission: text that is not plain is escaped, and bytes that are no UT
     CHECK(event_from_packet(Emission(event).packet(PacketType::event, 1)).type == "a/\"b\\\n\xEF\xBF\xBD");
 }
 
+TEST_CASE("emission: a notification of a body that nobody wanted to be made tells no size, and 0 is a size")
+{
+    Event event = emission(1)->event();
+    event.body = {};
+    event.size = 0;
+    const auto unknown = Emission(event, false).packet(PacketType::notification, 1);
+    CHECK(unknown.header_text().find("\"size\"") == std::string_view::npos);
+    CHECK_FALSE(event_from_packet(unknown).sized);
+    const auto empty = Emission(event, true).packet(PacketType::notification, 1);
+    CHECK(empty.header_text().find("\"size\":0") != std::string_view::npos);
+    CHECK(event_from_packet(empty).sized);
+    event.size = 12;  // of a recording that kept the header alone
+    CHECK(event_from_packet(Emission(event, false).packet(PacketType::notification, 1)).size == 12);
+    CHECK(event_from_packet(protocol::make_packet(PacketType::event, std::string(unknown.header_text()), 1)).sized);
+}
+
 }  // namespace hive::event

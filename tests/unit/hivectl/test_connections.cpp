@@ -1,69 +1,106 @@
-// Tests of joining both ends' tables and of rates between two looks.
+// Tests of joining both ends' counts, of rates between two looks, and of the reasons in plain words.
 #include "connections.hpp"
 #include "rates.hpp"
+#include "reasons.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 using namespace hivectl;
-using hive::Answer;
-using hive::Json;
+using hive::Fate;
+using hive::Reason;
+using hive::StatusAnswer;
 using namespace std::chrono_literals;
 
 namespace {
 
-Answer camera(std::int64_t epoch, std::int64_t uptime_us, std::int64_t produced, std::int64_t skipped)
+constexpr std::int64_t registration = 77;
+
+hive::EdgeStatus edge_to(const std::string& receiver, std::int64_t came, std::int64_t skipped)
 {
-    const Json receiver{{"receiver", "face.image"}, {"transfer", "sync"},   {"window", 2},
-                        {"encoding", "as it is"},   {"produced", produced}, {"delivered", produced - skipped},
-                        {"skipped", skipped}};
-    return {
-        "camera",
-        Json{{"epoch", epoch},
-             {"state", "busy"},
-             {"uptime_us", uptime_us},
-             {"outputs",
-              Json::array({Json{{"name", "image"}, {"produced", produced}, {"receivers", Json::array({receiver})}}})}},
-        {}};
+    hive::EdgeStatus edge{.receiver = receiver,
+                          .connected = true,
+                          .registration = registration,
+                          .options = {.window = 2, .group = {}, .lease = {}},
+                          .encoding = "as it is"};
+    edge.events.came(came);
+    edge.events.went(Fate::acknowledged, came - skipped);
+    edge.events.went(Fate::skipped, skipped);
+    return edge;
 }
 
-Answer face(std::int64_t uptime_us, std::int64_t busy_us, std::int64_t processed)
+StatusAnswer camera(std::int64_t epoch, std::int64_t uptime_us, std::int64_t produced, std::int64_t skipped)
 {
-    return {
-        "face",
-        Json{{"epoch", 1},
-             {"state", "busy"},
-             {"uptime_us", uptime_us},
-             {"busy_us", busy_us},
-             {"events", Json{{"processed", processed}}},
-             {"inputs",
-              Json::array({Json{
-                  {"input", "image"}, {"from", "camera.image"}, {"state", "connected"}, {"last_age_us", 40'000}}})}},
-        {}};
+    hive::OutputStatus image{.name = "image", .type = "image/jpeg", .produced = produced};
+    image.edges.push_back(edge_to("face.image", produced, skipped));
+    hive::Status status{.name = "camera", .kind = "camera", .epoch = epoch, .state = hive::State::busy};
+    status.uptime_us = uptime_us;
+    status.outputs.push_back(image);
+    return {"camera", status, {}};
 }
+
+hive::EdgeStatus& edge_of(StatusAnswer& camera) { return camera.status.outputs.at(0).edges.at(0); }
+
+StatusAnswer face(std::int64_t uptime_us, std::int64_t busy_us, std::int64_t processed)
+{
+    hive::Status status{.name = "face", .kind = "face", .epoch = 1, .state = hive::State::busy};
+    status.uptime_us = uptime_us;
+    status.busy_us = busy_us;
+    status.inputs.push_back({.input = "image",
+                             .from = "camera.image",
+                             .connected = true,
+                             .registration = registration,
+                             .processed = processed,
+                             .last_age_us = 40'000});
+    return {"face", status, {}};
+}
+
+StatusAnswer silent(const std::string& drone) { return {drone, {}, hive::Error(hive::Errc::timeout, "silent")}; }
 
 }  // namespace
 
-TEST_CASE("connections: what both ends know is one row with the sender's counters and the receiver's state")
+TEST_CASE("connections: what both ends know is one row with the counts of both")
 {
-    const auto rows = connection_rows({camera(1, 0, 10, 4), face(0, 0, 0)});
+    auto receiver = face(0, 0, 4);
+    receiver.status.inputs[0].dropped = 2;
+    const auto rows = connection_rows({camera(1, 0, 10, 4), receiver});
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].text("from") == "camera.image");
     CHECK(rows[0].text("to") == "face.image");
     CHECK(rows[0].text("known_by") == "both");
     CHECK(rows[0].text("state") == "connected");
+    CHECK(rows[0].text("kind") == "receiver");
     CHECK(rows[0]["window"] == 2);
     CHECK(rows[0]["encoding"] == "as it is");
-    CHECK(rows[0]["delivered"] == 6);
+    CHECK(rows[0]["came"] == 10);
+    CHECK(rows[0]["acknowledged"] == 6);
+    CHECK(rows[0]["processed"] == 4);
+    CHECK(rows[0]["receiver_dropped"] == 2);
+    CHECK(rows[0]["missing"] == 2);
     CHECK(rows[0]["age_us"] == 40'000);
+}
+
+TEST_CASE("connections: every fate of the ledger has a key, and lost is their sum")
+{
+    auto sender = camera(1, 0, 0, 0);
+    edge_of(sender).events.came(9);
+    for (std::size_t fate = 0; fate < hive::fates; ++fate)
+        edge_of(sender).events.went(static_cast<Fate>(fate));
+    const auto row = connection_rows({sender}).at(0);
+    for (std::size_t fate = 0; fate < hive::fates; ++fate)
+        CHECK(row[token(static_cast<Fate>(fate))] == 1);
+    CHECK(row["lost"] == 4);
+    CHECK(row["missing"] == 6);
+    CHECK(row["in_flight"] == 0);
 }
 
 TEST_CASE("connections: the way of the bodies is told by what went through shared memory and what could not")
 {
     const auto way = [](std::int64_t shared, std::int64_t fallback) {
         auto answer = camera(1, 0, 10, 4);
-        auto& receiver = answer.result["outputs"][0]["receivers"][0];
-        receiver["shared"] = shared;
-        receiver["fallback"] = fallback;
+        edge_of(answer).shared = shared;
+        edge_of(answer).fallback = fallback;
         return connection_rows({answer})[0].text("way");
     };
     CHECK(way(6, 0) == "memory");
@@ -74,14 +111,70 @@ TEST_CASE("connections: the way of the bodies is told by what went through share
 
 TEST_CASE("connections: what only one end knows says which one")
 {
-    const auto sender_only = connection_rows({camera(1, 0, 10, 4)});
+    const auto sender_only = connection_rows({camera(1, 0, 10, 4), silent("face")});
     REQUIRE(sender_only.size() == 1);
     CHECK(sender_only[0].text("known_by") == "sender");
-    const auto receiver_only =
-        connection_rows({face(0, 0, 0), {"camera", {}, hive::Error(hive::Errc::timeout, "silent")}});
+    CHECK(sender_only[0]["processed"].is_null());
+    const auto receiver_only = connection_rows({face(0, 0, 0), silent("camera")});
     REQUIRE(receiver_only.size() == 1);
     CHECK(receiver_only[0].text("known_by") == "receiver");
-    CHECK(receiver_only[0]["delivered"].is_null());
+    CHECK(receiver_only[0]["acknowledged"].is_null());
+}
+
+TEST_CASE("connections: another registration of the same name is another edge, unless the receiver only comes back")
+{
+    auto sender = camera(1, 0, 10, 4);
+    edge_of(sender).registration = registration - 1;
+    edge_of(sender).connected = false;
+    auto receiver = face(0, 0, 0);
+    CHECK(connection_rows({sender, receiver}).size() == 2);
+    receiver.status.inputs[0].connected = false;
+    const auto rows = connection_rows({sender, receiver});
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].text("state") == "gone");
+}
+
+TEST_CASE("connections: a receiver whose place is kept is shown as such, with the reason")
+{
+    auto sender = camera(1, 0, 10, 4);
+    edge_of(sender).connected = false;
+    edge_of(sender).why = Reason::place_kept;
+    const auto row = connection_rows({sender}).at(0);
+    CHECK(row.text("state") == "place_kept");
+    CHECK(row.text("why") == "place_kept");
+}
+
+TEST_CASE("connections: the reason is the sender's, or else the receiver's")
+{
+    auto sender = camera(1, 0, 10, 4);
+    auto receiver = face(0, 0, 0);
+    CHECK(connection_rows({sender, receiver})[0]["why"].is_null());
+    receiver.status.inputs[0].why = Reason::halted;
+    CHECK(connection_rows({sender, receiver})[0].text("why") == "halted");
+    edge_of(sender).why = Reason::not_asked;
+    CHECK(connection_rows({sender, receiver})[0].text("why") == "not_asked");
+}
+
+TEST_CASE("connections: a group stands before its members, and what a member discards is not missing")
+{
+    auto sender = camera(1, 0, 10, 4);
+    auto& edges = sender.status.outputs[0].edges;
+    edges[0].options.group = "faces";
+    edges.push_back(edge_to("zoo.image", 3, 0));
+    hive::EdgeStatus group{.receiver = "group faces", .group = true};
+    group.options.group = "faces";
+    edges.push_back(group);
+    auto receiver = face(0, 0, 0);
+    receiver.status.inputs[0].discarded = 5;
+    const auto rows = connection_rows({sender, receiver});
+    REQUIRE(rows.size() == 3);
+    CHECK(rows[0].text("to") == "zoo.image");
+    CHECK(rows[1].text("kind") == "group");
+    CHECK(rows[1]["state"].is_null());
+    CHECK(rows[2].text("kind") == "member");
+    CHECK(rows[2].text("to") == "face.image");
+    CHECK(rows[2]["discarded"] == 5);
+    CHECK(rows[2]["missing"] == 0);
 }
 
 TEST_CASE("rates: differences over the time between, and the busiest receiver is marked slowest")
@@ -95,8 +188,19 @@ TEST_CASE("rates: differences over the time between, and the busiest receiver is
     CHECK(rates.drones[0]["slowest"].is_null());
     CHECK(rates.drones[1]["slowest"] == true);
     REQUIRE(rates.edges.size() == 1);
-    CHECK(rates.edges[0].number("delivered_per_s") == doctest::Approx(10));
+    CHECK(rates.edges[0].number("acknowledged_per_s") == doctest::Approx(10));
     CHECK(rates.edges[0].number("skipped_per_s") == doctest::Approx(10));
+    CHECK(rates.edges[0]["losing"].is_null());
+}
+
+TEST_CASE("rates: an edge whose receiver drops is marked, even when the sender has lost nothing")
+{
+    auto later = face(3'000'000, 0, 0);
+    later.status.inputs[0].dropped = 8;
+    const auto rates = rates_between({camera(1, 0, 10, 0), face(0, 0, 0)}, {camera(1, 2'000'000, 20, 0), later}, 2s);
+    CHECK(rates.edges.at(0).number("receiver_dropped_per_s") == doctest::Approx(4));
+    CHECK(rates.edges.at(0).number("dropped_per_s") == 0);
+    CHECK(rates.edges.at(0)["losing"] == true);
 }
 
 TEST_CASE("rates: a drone restarted in between has none yet")
@@ -104,5 +208,59 @@ TEST_CASE("rates: a drone restarted in between has none yet")
     const auto rates = rates_between({camera(1, 9'000'000, 1000, 0)}, {camera(2, 100'000, 3, 0)}, 2s);
     REQUIRE(rates.drones.size() == 1);
     CHECK(rates.drones[0]["out_per_s"].is_null());
-    CHECK(rates.edges.at(0)["delivered_per_s"].is_null());
+    CHECK(rates.edges.at(0)["acknowledged_per_s"].is_null());
+}
+
+TEST_CASE("rates: two receivers of one name are each compared with themselves")
+{
+    const auto twice = [](std::int64_t first, std::int64_t second) {
+        auto answer = camera(1, 0, 0, 0);
+        answer.status.outputs[0].edges = {edge_to("app-1", first, 0), edge_to("app-1", second, 0)};
+        return answer;
+    };
+    const auto rates = rates_between({twice(10, 100)}, {twice(12, 108)}, 2s);
+    REQUIRE(rates.edges.size() == 2);
+    CHECK(rates.edges[0].number("acknowledged_per_s") == doctest::Approx(1));
+    CHECK(rates.edges[1].number("acknowledged_per_s") == doctest::Approx(4));
+}
+
+TEST_CASE("standstill: an output that has been quiet for a second names its reason and the receivers it is about")
+{
+    auto status = camera(1'000'000, 5'000'000, 10, 4).status;
+    auto& output = status.outputs[0];
+    output.last_emitted_us = 2'000'000;
+    CHECK(standstill(status).empty());
+    output.why = output.edges[0].why = Reason::place_kept;
+    CHECK(standstill(status) == "image: a place is kept for a receiver that was cut off (face.image)");
+    output.last_emitted_us = 5'500'000;  // half a second ago
+    CHECK(standstill(status).empty());
+}
+
+TEST_CASE("standstill: of many receivers the first three are named")
+{
+    auto status = camera(1, 5'000'000, 0, 0).status;
+    status.outputs[0].why = Reason::not_asked;
+    status.outputs[0].edges.clear();
+    for (int i = 1; i <= 5; ++i) {
+        status.outputs[0].edges.push_back(edge_to("s" + std::to_string(i), 0, 0));
+        status.outputs[0].edges.back().why = Reason::not_asked;
+    }
+    CHECK(standstill(status) == "image: a receiver has not asked for more (s1, s2, s3 and 2 more)");
+}
+
+TEST_CASE("standstill: a detector may have an output that nobody receives, a camera may not")
+{
+    auto detector = face(5'000'000, 0, 0).status;
+    detector.outputs.push_back({.name = "faces", .type = "application/json", .why = Reason::no_receiver});
+    CHECK(standstill(detector).empty());
+    auto source = camera(1, 5'000'000, 0, 0).status;
+    source.outputs[0].why = Reason::no_receiver;
+    CHECK(standstill(source) == "image: nobody receives it");
+}
+
+TEST_CASE("standstill: an input says which sender it misses")
+{
+    auto status = face(5'000'000, 0, 0).status;
+    status.inputs[0].why = Reason::dialing;
+    CHECK(standstill(status) == "image from camera.image: the sender is not connected");
 }

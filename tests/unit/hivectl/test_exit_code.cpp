@@ -41,24 +41,30 @@ TEST_CASE("exit codes: some done and some failed is 8; all failed alike is their
     CHECK(partly.exit_code() == 8);
 }
 
-TEST_CASE("error texts: a drone that does not run is to be started only where there is a program of its kind")
+TEST_CASE("advice: a drone that does not run is to be started only where there is a program of its kind")
 {
     const Programs programs({"hive-toy", "hive-toy-2"});
-    const auto advice = [](const std::string& drone) {
-        return explained(Error(Errc::not_found, drone + " is not running"));
-    };
-    CHECK(advice("toy") == "toy is not running; start it: hivectl start toy");
-    CHECK(advice("toy-3") == "toy-3 is not running; start it: hivectl start toy --as toy-3");
-    CHECK(advice("toy-2") == "toy-2 is not running; start it: hivectl start toy-2");
-    CHECK(advice("nobody") == "nobody is not running; see what runs: hivectl ps");
-    CHECK(advice("nobody-3") == "nobody-3 is not running; see what runs: hivectl ps");
-    CHECK(explained(Error(Errc::not_found, "tay is not running; did you mean toy?"))
-          == "tay is not running; did you mean toy?");
+    CHECK(advice_for_missing("toy") == "start it: hivectl start toy");
+    CHECK(advice_for_missing("toy-3") == "start it: hivectl start toy --as toy-3");
+    CHECK(advice_for_missing("toy-2") == "start it: hivectl start toy-2");
+    CHECK(advice_for_missing("nobody") == "see what runs: hivectl ps");
+    CHECK(advice_for_missing("nobody-3") == "see what runs: hivectl ps");
 }
 
-TEST_CASE("error texts: advice is added once, and what came from elsewhere is made printable")
+TEST_CASE("error texts: the error's own advice stands behind its text, or else the advice for its code")
 {
     CHECK(explained(Error(Errc::halted, "face has halted")) == "face has halted; let it go on: hivectl resume NAME");
-    CHECK(explained(Error(Errc::not_found, "no fase; did you mean face?")) == "no fase; did you mean face?");
-    CHECK(explained(Error(Errc::refused, "no\x1b[2J\n")) == "no\\x1b[2J\\n");
+    CHECK(explained(Error(Errc::halted, "face has halted", "wait")) == "face has halted; wait");
+    CHECK(explained(Error(Errc::refused, "no")) == "no");
+}
+
+TEST_CASE("error texts: what a text says is never taken for advice")
+{
+    CHECK(explained(Error(Errc::halted, "tea; or did you mean coffee?", "wait"))
+          == "tea; or did you mean coffee?; wait");
+}
+
+TEST_CASE("error texts: what came from elsewhere is made printable, advice as well")
+{
+    CHECK(explained(Error(Errc::refused, "no\x1b[2J\n", "ask\x1b[2J")) == "no\\x1b[2J\\n; ask\\x1b[2J");
 }

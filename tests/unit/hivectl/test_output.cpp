@@ -42,13 +42,3 @@ TEST_CASE("counts: one is singular")
     CHECK(count_text(1, "event") == "1 event");
     CHECK(count_text(30, "event") == "30 events");
 }
-
-TEST_CASE("status fields: what is missing or of another type reads as nothing")
-{
-    const hive::Json status{{"state", 3}, {"pid", "x"}, {"outputs", nullptr}, {"uptime_us", 12}};
-    CHECK(text_in(status, "state").empty());
-    CHECK(count_in(status, "pid") == 0);
-    CHECK(count_in(status, "uptime_us") == 12);
-    CHECK(list_in(status, "outputs").empty());
-    CHECK(object_in(hive::Json(), "events").empty());
-}

@@ -39,3 +39,12 @@ TEST_CASE("table: a line end in a value does not make a line")
 {
     CHECK(table_text({{"TEXT", "text"}}, {{{"text", "a\nb"}}}) == "TEXT\na\\nb\n");
 }
+
+TEST_CASE("table: a column that may be left out is, unless a row has something else there than the usual")
+{
+    const std::vector<Column> some{{"NAME", "name"}, {"LOST", "lost", nullptr, nothing}, {"BY", "by", nullptr, "both"}};
+    CHECK(table_text(some, {{{"name", "a"}, {"lost", 0}, {"by", "both"}}, {{"name", "b"}, {"lost", nullptr}}})
+          == "NAME\na\nb\n");
+    CHECK(table_text(some, {{{"name", "a"}, {"lost", 0}, {"by", "sender"}}, {{"name", "b"}, {"lost", 2}}})
+          == "NAME  LOST  BY\na        0  sender\nb        2  -\n");
+}

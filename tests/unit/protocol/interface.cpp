@@ -65,6 +65,17 @@ TEST_CASE("interface: a bound that is infinite is no bound on the wire")
     CHECK_FALSE(read.parameters[1].most.has_value());
 }
 
+TEST_CASE("interface: the bounds of an integer are written as integers, and a default that is not known is left out")
+{
+    Interface interface = face();
+    interface.parameters[0].default_value = nullptr;
+    const Json parameters = to_json(interface).at("parameters");
+    CHECK_FALSE(parameters[0].contains("default"));
+    CHECK(parameters[0].at("max").is_number_float());
+    CHECK(parameters[1].at("min").is_number_integer());
+    CHECK_EQ(to_text(parameters[1].at("min")), "1");
+}
+
 TEST_CASE("interface: a drone of many ports still fits a header")
 {
     Interface wide = face();

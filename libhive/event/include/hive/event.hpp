@@ -19,20 +19,36 @@ struct Hop {
     std::int64_t work_us = 0;  ///< from then until it emitted
 };
 
+/// One sender's work behind an event: the event was given out as a numbered turn, perhaps more than once, and what is
+/// made of it is its answer. A group shares turns among its members; a plain receiver of lossless events has them all.
+struct Share {
+    std::string of;           ///< "camera.image#workers": output and group; "camera.image": to plain receivers
+    std::int64_t epoch = 0;   ///< of that sender
+    std::int64_t turn = 0;    ///< counts the events of the group, or of the output, from 1
+    int attempt = 1;          ///< counts how often this turn was given out
+    std::int64_t closed = 0;  ///< of a group: this turn and all before it had their answer when this one went out
+    int part = 0;             ///< of the event that was given out
+    std::string to = {};      ///< the input that got it
+
+    [[nodiscard]] bool group() const { return of.find('#') != std::string::npos; }
+    bool operator==(const Share&) const = default;
+};
+
 /// Where and when an event began. Results inherit it, so boxes and picture can be matched, age can be measured, order
 /// restored.
 struct Identity {
-    std::string source;             ///< the drone that captured
-    std::int64_t epoch = 0;         ///< of the source: a restarted source has a larger one
-    std::int64_t sequence = 0;      ///< of the capture, from 1, in that epoch
-    std::int64_t captured_us = 0;   ///< wall clock, microseconds since 1970; 0: unknown
-    std::int64_t monotonic_us = 0;  ///< the source machine's steady clock at the same moment; 0: unknown
-    bool lossless = false;          ///< from a source that produces on demand: nobody on the way may skip it
-    std::string group = {};         ///< shared work: the group that shares it; otherwise empty
-    std::int64_t turn = 0;          ///< shared work: counts the events of the group, from 1 without gaps
-    int attempt = 0;                ///< shared work: the number of this attempt, from 1
-    int part = 0;                   ///< numbers the events that one drone emits on one output for one input, from 0
+    std::string source;              ///< the drone that captured
+    std::int64_t epoch = 0;          ///< of the source: a restarted source has a larger one
+    std::int64_t sequence = 0;       ///< of the capture, from 1, in that epoch
+    std::int64_t captured_us = 0;    ///< wall clock, microseconds since 1970; 0: unknown
+    std::int64_t monotonic_us = 0;   ///< the source machine's steady clock at the same moment; 0: unknown
+    bool lossless = false;           ///< from a source that produces on demand: nobody on the way may skip it
+    int part = 0;                    ///< numbers the events that one drone emits on one output for one input, from 0
+    std::vector<Share> shares = {};  ///< whose work stands behind it, outermost first
     std::vector<Hop> hops = {};
+
+    /// The outermost group that works on it; null: it is not shared work.
+    [[nodiscard]] const Share* shared_work() const;
 };
 
 /// Cheap to copy: the body is shared.
@@ -45,10 +61,14 @@ struct Event {
     std::string type;              ///< media type of the body, "image/jpeg"
     Json header = Json::object();  ///< what the sender's author put in
     std::size_t size = 0;          ///< of the body at the sender, bytes
+    bool sized = true;             ///< is `size` known? Not in a notification of a body that nobody wanted to be made
     std::chrono::steady_clock::time_point received{};
-    /// While anybody holds it, the event counts as being worked on: the next one is asked for (and shared work
-    /// acknowledged) when the last copy is gone.
+    /// While anybody holds it, the event counts as being worked on: the next one is asked for when the last copy is
+    /// gone.
     std::shared_ptr<const void> receipt;
+    /// While anybody holds it, the event is not acknowledged: its sender would give it out again. What is made of a
+    /// lossless event holds it until the next receiver has acknowledged that. A receipt holds it too.
+    std::shared_ptr<const void> custody;
     /// Empty in a notification. Declared last, so that it goes first: the memory is given back together with the
     /// receipt.
     Body body;

@@ -5,6 +5,7 @@
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
 #include <hive/match.hpp>
+#include <hive/status.hpp>
 #include <hive/transfer.hpp>
 
 #include <chrono>
@@ -22,6 +23,13 @@ namespace hive {
 struct Answer {
     std::string drone;
     Json result;  ///< an object; meaningful without error
+    std::optional<Error> error;
+};
+
+/// What one drone of several says of itself.
+struct StatusAnswer {
+    std::string drone;
+    Status status;  ///< meaningful without error
     std::optional<Error> error;
 };
 
@@ -44,9 +52,10 @@ struct CollectOptions {
 struct CollectCounts {
     std::int64_t received = 0;    ///< results handed out
     std::int64_t duplicates = 0;  ///< second answers to shared work, refused
-    std::int64_t missing = 0;     ///< sequences that never came (ordered)
-    std::int64_t failed = 0;      ///< reported as exceptions instead
-    std::int64_t dropped = 0;     ///< lost at this end because they were not taken in time
+    std::int64_t missing = 0;     ///< turns of shared work whose result never came (ordered)
+    std::map<std::string, std::vector<std::int64_t>> missing_turns;  ///< the first of them, by "sender.output#group"
+    std::int64_t failed = 0;                                         ///< reported as exceptions instead
+    std::int64_t dropped = 0;  ///< lost at this end because they were not taken in time
 };
 
 /// Receives events from outputs of drones; connections that end are made again by themselves. Made by
@@ -81,6 +90,8 @@ public:
         std::string name;                         ///< empty: "app-PID"
         std::filesystem::path home;               ///< empty: default_home()
         std::chrono::milliseconds timeout{5000};  ///< of every call
+        /// What to advise whoever names a drone that does not run, and no running one is called nearly so.
+        std::function<std::string(const std::string& drone)> advice_if_missing{};
     };
 
     Application();
@@ -105,9 +116,9 @@ public:
     Endpoint endpoint(const std::string& text);
     Interface describe(const std::string& drone);
     /// What the drone is doing: state, counters, connections (see SPEC.md, section 6.4).
-    Json status(const std::string& drone);
+    Status status(const std::string& drone);
     /// Of many at once; the answers come in the order of the names.
-    std::vector<Answer> status(const std::vector<std::string>& drones);
+    std::vector<StatusAnswer> status(const std::vector<std::string>& drones);
 
     // --- wire ---
 
@@ -116,6 +127,7 @@ public:
     std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver,
                                           const ConnectionOptions& options = {});
     /// Undoes it. Throws Errc::not_found if there is no such connection. Empty ports: every connection between the two.
+    /// A receiver that does not run is forgotten by its sender, which then waits for it no longer.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
 
     // --- configure ---

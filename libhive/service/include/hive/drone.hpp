@@ -6,6 +6,7 @@
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
 #include <hive/match.hpp>
+#include <hive/status.hpp>
 #include <hive/transfer.hpp>
 
 #include <chrono>
@@ -159,16 +160,20 @@ public:
 
     /// Calls main as soon as possible. From any thread.
     void wake();
+    /// Ends the drone as the request `stop` would: what is being worked on comes to its end, run() returns, and what
+    /// the drone was told is forgotten. For a drone whose world has ended. From any thread, from on_start on; before it
+    /// Errc::invalid_argument is thrown.
+    void stop();
     /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any
     /// thread.
-    void condition(const std::string& text);
+    void condition(const std::string& text, Reason why = Reason::none);
     /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any
     /// thread.
     void report(Errc code, const std::string& text);
     /// One line in the drone's log. From any thread.
     void log(const std::string& text);
     /// What an application would be told now (SPEC.md, section 6.4); after run(), how it was at the end.
-    [[nodiscard]] Json status() const;
+    [[nodiscard]] Status status() const;
     /// True when the drone should end; for loops in threads of the author's own. From any thread.
     [[nodiscard]] bool stopping() const;
 

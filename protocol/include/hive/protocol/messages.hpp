@@ -7,6 +7,7 @@
 #include <hive/transfer.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct Registration {
     std::string accepts;    ///< the media types of its input
     bool stateful = false;  ///< the receiver keeps state between events, so it cannot share
     ConnectionOptions options;
+    std::int64_t place = 0;             ///< the place that the sender gave it before; 0: none
+    std::optional<std::int64_t> taken;  ///< how many deliveries it has had there
 };
 Json to_json(const Registration& registration);
 Registration registration_from_json(const Json& object);
@@ -40,8 +43,10 @@ Registration registration_from_json(const Json& object);
 /// A receiver asks for more. Both numbers count from the registration, so a lost, late or repeated request is harmless.
 struct Request {
     std::int64_t epoch = 0;
-    std::int64_t id = 0;    ///< events asked for so far
-    std::int64_t done = 0;  ///< events dealt with so far: the acknowledgement
+    std::int64_t id = 0;                  ///< events asked for so far
+    std::int64_t done = 0;                ///< events dealt with so far: the acknowledgement
+    std::int64_t worked = 0;              ///< events worked on so far: what was made of them may still be on its way
+    std::vector<std::int64_t> back = {};  ///< numbers of deliveries that a group is to give to others
 };
 std::string to_text(const Request& request);
 Request request_from_json(const Json& object);
@@ -83,7 +88,7 @@ struct Confirmation {
     Json result;  ///< an object; meaningful without error
     bool ok = true;
     Errc code{};
-    std::string text;
+    std::string text, advice;
 };
 Json to_json(const Confirmation& confirmation);
 Confirmation confirmation_from_json(const Json& object);

@@ -42,6 +42,7 @@ enum class PacketType : std::uint8_t {
     resume = 37,
     stop = 38,
     put = 39,
+    forget = 40,  ///< to a sender: wait no longer for a receiver that is gone
     confirmation = 50,
 };
 

@@ -4,7 +4,7 @@
 
 #include <hive/encoder.hpp>
 #include <hive/error.hpp>
-#include <hive/event/receiver_table.hpp>
+#include <hive/event/line.hpp>
 
 #include <deque>
 #include <functional>
@@ -23,7 +23,7 @@ public:
 
     struct Hooks {
         /// Sends an event as `form`, which is the event itself or a rendition of it.
-        std::function<void(const ReceiverTable::Send& send, const Emission& form)> transmit;
+        std::function<void(const Send& send, const Emission& form)> transmit;
         /// The encoder threw; the event goes as it is.
         std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
         Run on_encoder_thread, on_network_side;
@@ -33,13 +33,13 @@ public:
     Dispatch(const Encoder& encoder, Hooks hooks) : encoder_(encoder), hooks_(std::move(hooks)) {}
 
     /// @param encoding  empty: as it is
-    void send(const ReceiverTable::Send& send, const std::string& encoding);
+    void send(const Send& send, const std::string& encoding);
     /// The receiver is gone: what waits for it is dropped, and not encoded for its sake.
-    void forget(ReceiverTable::Id receiver) { lines_.erase(receiver); }
+    void forget(ReceiverId receiver) { lines_.erase(receiver); }
 
 private:
     struct Waiting {
-        ReceiverTable::Send send;
+        Send send;
         EmissionPtr form;  ///< null while it is being encoded
     };
     /// The outcome of a job.
@@ -50,11 +50,11 @@ private:
     void encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding);
     [[nodiscard]] Made make(const EmissionPtr& event, const std::string& encoding) const;
     void made(const std::weak_ptr<Waiting>& waiting, const EmissionPtr& event, const Made& made);
-    void advance(ReceiverTable::Id receiver);
+    void advance(ReceiverId receiver);
 
     const Encoder& encoder_;
     Hooks hooks_;
-    std::map<ReceiverTable::Id, std::deque<std::shared_ptr<Waiting>>> lines_;
+    std::map<ReceiverId, std::deque<std::shared_ptr<Waiting>>> lines_;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

@@ -8,39 +8,36 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace hive::event {
-
-/// What shared work adds to an event.
-struct Share {
-    std::string group;  ///< empty: not shared
-    std::int64_t turn = 0;
-    int attempt = 0;
-};
 
 /// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then read by the
 /// network side and the encoder thread.
 class Emission {
 public:
     /// @param complete  false: nobody wanted the body when it would have been made, so there is only the header
+    /// @param own       of a lossless event: the share of this output, which every plain receiver is told at first
     /// Throws Errc::too_large when the header does not fit a packet, or no receiver would read it for its levels, keys
     /// or strings.
-    explicit Emission(Event event, bool complete = true);
+    explicit Emission(Event event, bool complete = true, std::optional<Share> own = {});
 
     [[nodiscard]] const Event& event() const noexcept { return event_; }
     [[nodiscard]] bool lossless() const noexcept { return event_.identity.lossless; }
     [[nodiscard]] std::size_t size() const noexcept { return event_.body.size(); }
-    /// The same event for keeping: whoever holds it is not working on it, so its receipt is left out.
-    [[nodiscard]] std::shared_ptr<const Emission> without_receipt() const;
+    /// The share that plain receivers are told, if there is one.
+    [[nodiscard]] const std::optional<Share>& own() const noexcept { return own_; }
+    /// The same event for keeping: whoever only holds it must not hold up the acknowledgement of what it was made of.
+    [[nodiscard]] std::shared_ptr<const Emission> without_custody() const;
     /// May it go to a receiver of this kind?
     [[nodiscard]] bool serves(Delivery delivery) const noexcept
     {
         return complete_ || delivery == Delivery::notification;
     }
-    /// The packet that carries it; the header is the same for all, but for an event that is shared work.
+    /// The packet that carries it; the header is the same for all, but for those who are told a share of their own.
     [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel,
-                                          const Share& share = {}) const;
+                                          const std::optional<Share>& share = {}) const;
 
     /// The event in another encoding when it was made already, or null. A rendition has no receipt: it is kept as long
     /// as anybody keeps the event.
@@ -54,6 +51,7 @@ private:
     };
     Event event_;
     bool complete_;
+    std::optional<Share> own_;
     std::shared_ptr<const std::string> header_;
     std::shared_ptr<Renditions> renditions_ = std::make_shared<Renditions>();
 };

@@ -1,21 +1,20 @@
 // An input's connection to one output of another module: registers, asks, acknowledges, and comes back after a loss.
 #pragma once
 
-#include <hive/event/link.hpp>
-#include <hive/event.hpp>
+#include <hive/event/intake_host.hpp>
+#include <hive/event/receipt.hpp>
+#include <hive/status.hpp>
 #include <hive/transport/transport.hpp>
 
 #include <asio/steady_timer.hpp>
 
-#include <atomic>
+#include <array>
+#include <deque>
 #include <functional>
 #include <memory>
-#include <set>
 #include <string>
 
 namespace hive::event {
-
-class Module;
 
 struct IntakeSpec {
     std::string sender;  ///< the drone
@@ -28,52 +27,87 @@ struct IntakeSpec {
     ConnectionOptions options;
 };
 
-/// Network side, but for the counters and for receipts, which may be dropped on any thread.
+/// How far the turns of a group are, as one of its members knows it.
+struct Standing {
+    Share share;                     ///< its turn: the last that anybody was given, as far as the member knows
+    std::vector<std::int64_t> open;  ///< turns that the member has in hand
+};
+
+/// Network side; what has a receipt may be dropped on any thread.
 class Intake : public std::enable_shared_from_this<Intake> {
 public:
     using Sink = std::function<void(Event&&)>;
 
-    Intake(Module& module, IntakeSpec spec, Sink sink);
+    Intake(IntakeHost& host, IntakeSpec spec, Sink sink);
 
     /// Dials and registers. `first` hears how the first attempt went; later losses are repaired without a word.
     void start(OnOutcome first);
-    /// Deregisters; no event comes after this. `left` is called when the sender has confirmed, or cannot.
+    /// Goes on with other options at the same place, so that nothing is lost and nothing comes twice. If the sender
+    /// refuses them, it goes on with those that it had. For one that is connected and no member of a group, nor is to
+    /// be one.
+    void change(const ConnectionOptions& options, OnOutcome on_outcome);
+    /// No event comes after this. What is in hand of shared or lossless work is ended first; then it deregisters.
+    /// `left` is called when the sender has confirmed, or cannot.
     void stop(std::function<void()> left = [] {});
     /// Asks for what may be asked for now.
     void flush();
     void link_closed(const Link& link);
+    /// An event was worked on, or is done with; `ending` says how.
+    void heard(std::int64_t generation, std::int64_t number, bool worked, std::optional<Ending> ending);
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }
-    [[nodiscard]] Json status() const;
-    std::atomic<std::int64_t> lost{0};  ///< events that this end dropped because its queue was full
+    /// `queued` is left to whoever knows the queue: until then it counts as in hand.
+    [[nodiscard]] InputStatus status() const;
+    /// Of the group that it is a member of.
+    [[nodiscard]] std::optional<Standing> standing() const;
 
 private:
+    struct Delivery {
+        std::int64_t turn = 0;
+        bool worked = false, done = false, lossless = false;
+    };
     void attempt();
-    void registered(const LinkPtr& link, const Outcome& outcome);
+    void register_on(const LinkPtr& link, Clock::time_point deadline);
+    void confirmed(const LinkPtr& link, const Json& result);
     void failed(const Error& error);
     void retry();
     void on_packet(const protocol::Packet& packet);
-    void finished(std::int64_t epoch, std::int64_t number);
-    [[nodiscard]] std::shared_ptr<const void> receipt(std::int64_t number);
-    [[nodiscard]] std::int64_t done() const;
+    void note_share(Event& event);
+    void begin_numbering(std::int64_t place, std::int64_t taken);
+    void try_to_leave();
+    void end_if_done();
+    [[nodiscard]] bool refuses_now() const;
+    [[nodiscard]] Delivery* delivery(std::int64_t number);
+    [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
+    [[nodiscard]] bool ask_now(std::int64_t ask, std::int64_t worked) const;
 
-    Module& module_;
+    IntakeHost& host_;
     IntakeSpec spec_;
     Sink sink_;
     OnOutcome first_;
+    std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
     transport::Backoff backoff_;
     asio::steady_timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;
-    bool connected_ = false, stopped_ = false;
-    std::string error_;
-    std::int64_t epoch_ = 0;
-    // of the present registration
-    std::int64_t arrived_ = 0, finished_ = 0, asked_ = 0, acknowledged_ = 0;
-    std::set<std::int64_t> outstanding_;
-    // of all
-    std::int64_t received_ = 0, processed_ = 0, age_us_ = 0;
+    bool connected_ = false, stopped_ = false, left_ = false;
+    std::function<void()> on_left_;
+    std::optional<Error> problem_;  ///< why it is not connected
+    std::int64_t epoch_ = 0;        ///< of the registration
+
+    // The deliveries at its place; they go on when the registration is made again there.
+    std::int64_t place_ = 0, sender_epoch_ = 0, generation_ = 0;
+    std::int64_t done_ = 0;         ///< dealt with, from the first on
+    std::int64_t worked_ = 0;       ///< worked on, from the first on
+    std::int64_t finished_ = 0;     ///< worked on, in any order
+    std::deque<Delivery> in_hand_;  ///< those behind done_
+    std::vector<std::int64_t> back_;
+    std::int64_t asked_ = 0, told_done_ = 0, told_worked_ = 0;
+
+    std::optional<Share> group_;  ///< its standing
+    std::int64_t received_ = 0, age_us_ = 0;
+    std::array<std::int64_t, endings> ended_{};
 };
 
 }  // namespace hive::event

@@ -5,17 +5,45 @@
 #include <hive/protocol/messages.hpp>
 #include <hive/transport/connection.hpp>
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace hive::event {
 
 /// What a request came to: a result object or an error.
 using Outcome = std::variant<Json, Error>;
 using OnOutcome = std::function<void(const Outcome&)>;
+
+/// A request of the peer that waits for its answer, or for somebody to take it up until its deadline. Any thread.
+class Asked {
+public:
+    Asked(protocol::PacketType type, std::int64_t id, Clock::time_point deadline)
+        : type_(type), id_(id), deadline_(deadline)
+    {
+    }
+    [[nodiscard]] protocol::PacketType type() const noexcept { return type_; }
+    [[nodiscard]] std::int64_t id() const noexcept { return id_; }
+    /// Takes it up: from now on it does not expire. False: it is too late, and nothing may be done.
+    bool begin() { return Clock::now() < deadline_ && moved(State::open, State::begun); }
+    /// True once, when its deadline has passed and nobody has taken it up.
+    bool expire(Clock::time_point now) { return now >= deadline_ && moved(State::open, State::answered); }
+    /// True for the first answer, which counts.
+    bool answer() { return state_.exchange(State::answered) != State::answered; }
+
+private:
+    enum class State { open, begun, answered };
+    bool moved(State from, State to) { return state_.compare_exchange_strong(from, to); }
+
+    protocol::PacketType type_;
+    std::int64_t id_;
+    Clock::time_point deadline_;
+    std::atomic<State> state_ = State::open;
+};
 
 /// Network side. Owned by the module; ends with its connection.
 class Link : public std::enable_shared_from_this<Link> {
@@ -49,14 +77,19 @@ public:
     void answer(std::int64_t id, const Outcome& outcome);
     /// Fails the requests whose deadline has passed.
     void expire(Clock::time_point now);
-    [[nodiscard]] bool pending() const noexcept { return !pending_.empty(); }
+    /// Does something here have a deadline?
+    [[nodiscard]] bool pending() const noexcept { return !pending_.empty() || !asked.empty(); }
 
     /// A channel number of this end for a registration; its packets go to the sink until it is released.
     std::uint16_t claim_channel(ChannelSink sink);
     void release_channel(std::uint16_t channel);
     void close(const Error& reason) { connection_->close(reason); }
+    /// Is nothing under way, in either direction, and nothing received here?
+    [[nodiscard]] bool idle() const noexcept { return open_ && asked.empty() && pending_.empty() && channels_.empty(); }
+    /// When the peer last had something to say, beyond being alive.
+    [[nodiscard]] Clock::time_point used() const noexcept { return used_; }
 
-    std::size_t under_way = 0;  ///< requests of the peer that this module has not answered; kept by the module
+    std::vector<std::shared_ptr<Asked>> asked;  ///< what this module has not answered yet; kept by the module
 
 private:
     struct Pending {
@@ -75,6 +108,7 @@ private:
     std::shared_ptr<transport::Pool> pool_;
     Events events_;
     bool open_ = false;
+    Clock::time_point used_{};
     std::int64_t next_id_ = 0;
     std::uint16_t next_channel_ = 0;
     std::map<std::int64_t, Pending> pending_;

@@ -3,6 +3,7 @@
 
 #include <hive/event.hpp>
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -19,13 +20,11 @@ public:
 
     static constexpr std::size_t most_events = 1024;
     static constexpr std::size_t most_bytes = 64u << 20;  ///< beyond two events
-    /// Bounds of the events that may not be lost: no sender that keeps to its credit comes near.
-    static constexpr std::size_t most_lossless_events = 4096;
-    static constexpr std::size_t most_lossless_bytes = 512u << 20;
 
     void push(Command command);
-    /// Over the bounds the oldest event that may be lost goes; returns how many did.
-    std::size_t push(Event&& event);
+    /// Over the bounds the oldest event that may be lost is dropped. One that may not is bounded by the credit that its
+    /// sender has.
+    void push(Event&& event);
     /// Makes it ready() without an item, until the next pop().
     void nudge();
 
@@ -33,9 +32,11 @@ public:
     [[nodiscard]] bool ready(bool events = true) const;
     /// The next item, if there is one. @param events  false: commands only
     std::optional<Item> pop(bool events = true);
-    /// Removes the events that may be lost (not lossless) and returns how many.
-    std::size_t discard_live();
+    /// Removes the events that fit; they count as discarded.
+    void discard(const std::function<bool(const Event&)>& fits);
+    /// How many events wait, and how many of them fit.
     [[nodiscard]] std::size_t events() const;
+    [[nodiscard]] std::int64_t count(const std::function<bool(const Event&)>& fits) const;
 
 private:
     mutable std::mutex mutex_;

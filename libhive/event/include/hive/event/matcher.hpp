@@ -69,7 +69,5 @@ private:
 
 /// The identity of what comes of a set: that of its first event, with the hops of all, each drone once.
 Identity identity_of(const std::vector<Event>& set);
-/// Holds the receipts of all events of a set.
-std::shared_ptr<const void> receipt_of(const std::vector<Event>& set);
 
 }  // namespace hive::event

@@ -1,6 +1,7 @@
 // What drones and applications have in common: links to peers, outlets, intakes, requests, and the loop that runs them.
 #pragma once
 
+#include <hive/event/door.hpp>
 #include <hive/event/encoder_thread.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
@@ -23,30 +24,18 @@
 
 namespace hive::event {
 
-/// A way to the network side that outlives the module: what is posted after the module's end is dropped. Any thread.
-class Door {
-public:
-    explicit Door(Loop& loop) : loop_(&loop) {}
-    void post(Loop::Task task);
-    /// Does this thread have the turn?
-    [[nodiscard]] bool inside();
-    void shut();
-
-private:
-    std::mutex mutex_;
-    Loop* loop_;
-};
-
-/// A request of a peer, to be answered exactly once, from any thread.
+/// A request of a peer, to be answered exactly once, from any thread. Its deadline answers it when nobody else does.
 struct Incoming {
     std::string peer;
+    std::int64_t peer_epoch = 0;
     Json header;
     Body body;
+    std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
     std::function<void(Outcome)> answer;
 };
 
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
-class Module {
+class Module final : public IntakeHost {
 public:
     struct Options {
         protocol::Hello self;
@@ -55,7 +44,7 @@ public:
         std::function<void(const std::string&)> log = [](const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
-    using OnLink = std::function<void(const LinkPtr&, const Error&)>;
+    using IntakeHost::OnLink;
 
     explicit Module(Options options);
     ~Module();  ///< calls end()
@@ -82,7 +71,7 @@ public:
     /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until
     /// there is one. Nothing when the deadline has passed or the mailbox was nudged. For one thread.
     std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
-    [[nodiscard]] const std::shared_ptr<Door>& door() const noexcept { return door_; }
+    [[nodiscard]] const std::shared_ptr<Door>& door() const override { return door_; }
     /// Where bodies are made that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
@@ -93,38 +82,52 @@ public:
     void on_signal(std::function<void(int)> handler);
 
     // --- network side ---
-    [[nodiscard]] asio::io_context& context() noexcept { return loop_.context(); }
+    [[nodiscard]] asio::io_context& context() override { return loop_.context(); }
     transport::Address listen(const transport::Address& address);
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
-    void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
+    void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) override;
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
     std::shared_ptr<Intake> add_intake(IntakeSpec spec, Intake::Sink sink);
     void remove_intake(
         const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
+    /// What the intakes that were removed had received, one row for each input.
+    [[nodiscard]] std::vector<InputStatus> left() const;
+    /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
+    std::size_t forget(const std::string& drone, const std::string& output);
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
-    [[nodiscard]] bool paused() const noexcept { return halted_ || backlogged_; }
+    [[nodiscard]] Reason paused() const override
+    {
+        return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
+    }
     /// Ticks while something has a deadline.
-    void arm();
+    void arm() override;
 
 private:
     struct Waiting {  ///< for a link that is being made
         Clock::time_point deadline;
         OnLink on_link;
     };
+    void gone(const std::shared_ptr<Intake>& intake) override;
+    void release_held();
+    void end_earlier_run(const Link& link);
     LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    bool make_room();
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
+    [[nodiscard]] Json confirmation(const Outlet& sender, const Welcome& welcome) const;
     void require_free(const Link& link, std::uint16_t channel) const;
     void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
     void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    std::function<void(const Outcome&)> answer_to(Link& link, const std::shared_ptr<Asked>& asked);
+    void expire_asked(Link& link, Clock::time_point now);
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();
@@ -146,6 +149,8 @@ private:
     bool backlogged_ = false;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
+    std::set<std::shared_ptr<Intake>> leaving_;  ///< removed, and not done with everything
+    std::map<std::string, InputStatus> left_;    ///< by input
     std::map<protocol::PacketType, RequestHandler> handlers_;
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
     std::set<LinkPtr> links_;

@@ -6,6 +6,7 @@
 #include <hive/event/link.hpp>
 #include <hive/event/receiver_table.hpp>
 #include <hive/interface.hpp>
+#include <hive/status.hpp>
 
 #include <atomic>
 #include <functional>
@@ -24,8 +25,9 @@ public:
             not_encoded;  ///< the encoder threw; the event goes as it is
         Dispatch::Run on_encoder_thread, on_network_side;
     };
+    /// @param drone    whose output it is
     /// @param carrier  the packet type that carries its events: event or exception
-    Outlet(Port port, protocol::PacketType carrier, Encoder encoder, Hooks hooks);
+    Outlet(const protocol::Hello& drone, Port port, protocol::PacketType carrier, Encoder encoder, Hooks hooks);
     Outlet(const Outlet&) = delete;
     Outlet& operator=(const Outlet&) = delete;
 
@@ -36,13 +38,18 @@ public:
     [[nodiscard]] bool has(const Link& link, std::uint16_t channel) const { return ids_.contains({&link, channel}); }
     /// How many registrations of this peer there are.
     [[nodiscard]] std::size_t receivers(const Link& link) const;
-    /// One that fits, on a channel that is free.
-    void add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration);
+    /// One that fits, on a channel that is free. `confirm` is called before the first event leaves.
+    void add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration,
+             const std::function<void(const Welcome&)>& confirm);
     void request(const Link& link, std::uint16_t channel, const protocol::Request& request);
     /// @return false when there is no such receiver
     bool remove(const Link& link, std::uint16_t channel);
-    void link_closed(const Link& link);
-    void offer(EmissionPtr event, bool hold);
+    /// @param how  what becomes of the events that it was sent
+    void link_closed(const Link& link, Fate how);
+    void offer(const EmissionPtr& event, bool hold);
+    void release_held();
+    /// @return  how many places and groups waited for this drone
+    std::size_t forget(const std::string& drone);
     void tick();
 
     [[nodiscard]] bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
@@ -52,10 +59,8 @@ public:
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
     /// Does anybody receive bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
-    [[nodiscard]] bool leasing() const { return table_.leasing(); }
-    /// As in `status` (SPEC.md, section 6.4).
-    /// @param most_receivers  rows to list at most; counts them down, and says how many are left out
-    [[nodiscard]] Json status(std::size_t& most_receivers) const;
+    [[nodiscard]] bool timed() const { return table_.timed(); }
+    [[nodiscard]] OutputStatus status() const;
 
 private:
     using Key = std::pair<const Link*, std::uint16_t>;
@@ -67,9 +72,9 @@ private:
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
-    void transmit(const ReceiverTable::Send& send, const Emission& form);
-    void execute(const ReceiverTable::Decisions& decisions);
-    void forget(std::map<Key, ReceiverTable::Id>::iterator place, bool left);
+    void transmit(const Send& send, const Emission& form);
+    void execute(const Decisions& decisions);
+    ReceiverId detach(std::map<Key, ReceiverId>::iterator place);
     void refresh();
 
     Port port_;
@@ -78,9 +83,9 @@ private:
     Hooks hooks_;
     ReceiverTable table_;
     Dispatch dispatch_;
-    std::map<Key, ReceiverTable::Id> ids_;
-    std::map<ReceiverTable::Id, Place> places_;
-    ReceiverTable::Id next_id_ = 0;
+    std::map<Key, ReceiverId> ids_;
+    std::map<ReceiverId, Place> places_;
+    ReceiverId next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
     std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, shares_ = false;

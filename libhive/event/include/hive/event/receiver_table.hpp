@@ -1,166 +1,121 @@
-// Who receives an output, and what each gets when: credit, windows, notifications, groups with leases. Pure logic:
-// no sockets, no clock; it is told what happened and decides what is to be sent (SPEC.md, sections 5 and 8).
+// Who receives an output: plain receivers, groups, and the account of each (SPEC.md, sections 5 and 8).
 #pragma once
 
-#include <hive/event/clock.hpp>
-#include <hive/event/emission.hpp>
-#include <hive/transfer.hpp>
-
-#include <array>
-#include <deque>
-#include <map>
-#include <string>
-#include <vector>
+#include <hive/event/group.hpp>
+#include <hive/event/line.hpp>
 
 namespace hive::event {
 
-/// What became of the events of one receiver or group: produced = delivered + skipped + dropped + abandoned +
-/// in_flight.
-struct Counts {
-    std::int64_t produced = 0;   ///< while it was registered
-    std::int64_t delivered = 0;  ///< handed to the operating system; in a group: acknowledged
-    std::int64_t skipped = 0;    ///< a newer one took its place before the receiver asked
-    std::int64_t dropped = 0;    ///< the queue of a streaming receiver was full
-    std::int64_t abandoned = 0;  ///< shared work that failed in every attempt
-    std::int64_t in_flight = 0;
+/// A registration, as far as the table is concerned.
+struct Newcomer {
+    ReceiverId id = 0;
+    std::string receiver;
+    std::int64_t epoch = 0;  ///< of the registration
+    ConnectionOptions options = {};
+    std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
+    std::optional<std::int64_t> taken = {};  ///< at that place
+    bool unique = false;                     ///< nobody else has this name, so a place kept for the name is its own
 };
 
+/// What the newcomer is told.
+struct Welcome {
+    std::int64_t place = 0;        ///< where it may come back to; 0 in a group
+    std::int64_t taken = 0;        ///< its deliveries go on behind this number
+    std::optional<Share> group{};  ///< how far the turns of its group are
+};
+
+/// Pure logic: no sockets, no clock; it is told what happened and decides what is to be sent.
 class ReceiverTable {
 public:
-    using Id = std::uint64_t;
+    using Id = ReceiverId;
 
-    static constexpr int most_attempts = 3;
-    static constexpr std::size_t most_queued_events = 1024;     ///< of a streaming receiver, when they are small
-    static constexpr std::size_t most_queued_bytes = 1u << 20;  ///< beyond two events
-    static constexpr std::size_t most_empty_groups = 16;        ///< remembered, with their turns and what waits in them
-    static constexpr std::size_t lane_bytes = 64 * 1024;        ///< handed to the transport at once, beyond one event
+    static constexpr std::size_t most_empty_groups = 16;  ///< remembered, with their turns and what waits in them
+    static constexpr std::size_t most_old_accounts = 64;  ///< of receivers that were lost
 
-    /// A decision: give this event to this receiver.
-    struct Send {
-        Id receiver;
-        EmissionPtr event;
-        Delivery delivery;
-        Share share;  ///< empty outside groups
-    };
-    /// What a call decided: what to send now, and which shared events are given up.
-    struct Decisions {
-        std::vector<Send> sends;
-        std::vector<EmissionPtr> failed;  ///< with the group, turn and attempt of the last attempt, if there was one
-    };
     struct Row {
-        Id id;
-        std::string receiver;
-        ConnectionOptions options;
-        Counts counts;
+        Id id;  ///< 0: a group, or a receiver that is not registered now
+        EdgeStatus status;
     };
-
     /// Switches for tests that prove a defence by its absence.
     struct Defences {
-        bool leases = true;
+        bool leases = true, places = true;
     };
-    explicit ReceiverTable(Defences defences = {true}) : defences_(defences) {}
+    /// @param output  of this drone: "camera.image"
+    /// @param epoch   of this module
+    explicit ReceiverTable(std::string output, std::int64_t epoch = 0, Defences defences = {true, true})
+        : output_(std::move(output)), epoch_(epoch), defences_(defences)
+    {
+    }
 
-    /// A receiver registered; `epoch` is its registration's.
-    Decisions add(Id id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options,
-                  Clock::time_point now);
-    /// It deregistered, or its connection ended (`left` false: it may come back, so work that it had as the last of its
-    /// group waits).
-    Decisions remove(Id id, bool left, Clock::time_point now);
-    /// It asked: both numbers count from its registration.
-    Decisions request(Id id, std::int64_t epoch, std::int64_t asked, std::int64_t done, Clock::time_point now);
+    Welcome add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    /// It deregistered.
+    void leave(Id id, Clock::time_point now, Decisions& decisions);
+    /// Its connection ended. @param returns  it may come back
+    void lose(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
+    void request(Id id, std::int64_t epoch, const Progress& progress, const std::vector<std::int64_t>& back,
+                 Clock::time_point now, Decisions& decisions);
     /// The transport has written an event that was sent.
-    Decisions written(Id id, std::size_t size, Clock::time_point now);
+    void written(Id id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// The drone emitted. @param hold  keep a lossless event for the first receiver of bodies to come, if there is none
-    Decisions offer(EmissionPtr event, bool hold, Clock::time_point now);
-    /// Time passed: leases may have expired.
-    Decisions tick(Clock::time_point now);
+    void offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions);
+    /// Nobody needs to wait for a first receiver here: another output has one.
+    void release_held();
+    /// Time passed: leases or places may have expired.
+    void tick(Clock::time_point now, Decisions& decisions);
+    /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
+    std::size_t forget(const std::string& drone, Decisions& decisions);
 
-    /// Does anybody receive bodies?
+    /// Who is registered at that place now, if anybody.
+    [[nodiscard]] std::optional<Id> holder(std::int64_t place) const;
+    /// Does anybody receive bodies, or is to have them when it is back?
     [[nodiscard]] bool wanted() const noexcept;
     /// Has every receiver of bodies asked for an event that it has not got (and is there one)?
     [[nodiscard]] bool asked() const;
     /// Do lossless events wait for somebody to ask?
     [[nodiscard]] bool backlogged() const;
-    /// Is there work on lease, so that tick() is needed?
-    [[nodiscard]] bool leasing() const;
-    /// Receivers first, then one row for each group with members or work under the name "group NAME".
+    /// Is there anything that tick() decides about?
+    [[nodiscard]] bool timed() const;
+    [[nodiscard]] Reason why() const;
+    [[nodiscard]] std::int64_t unreceived() const noexcept { return unreceived_; }
+    /// Receivers first, then groups under the name "group NAME", then those that were lost.
     [[nodiscard]] std::vector<Row> rows() const;
 
 private:
-    struct Job {
-        EmissionPtr event;
-        std::int64_t turn = 0;  ///< given when it first goes out
-        int attempt = 0;        ///< attempts made so far
-    };
-    struct Lease {
-        Job job;  ///< without event: it was taken back, the number alone is awaited
-    };
-    struct Receiver {
-        std::string name;
-        std::int64_t epoch = 0;
+    using Key = std::pair<std::string, std::string>;  ///< receiver, group
+    struct Account {
+        Ledger ledger;
         ConnectionOptions options;
-        std::int64_t asked = 0, sent = 0, done = 0;
-        std::deque<EmissionPtr> waiting;
-        std::size_t waiting_bytes = 0;
-        std::size_t lane_events = 0, lane_bytes = 0;
-        std::deque<Lease> leases;        ///< group members: in the order of delivery, numbers done+1 …
-        Clock::time_point head_since{};  ///< when the first lease became the one being worked on
-        std::uint64_t idle_since = 0;    ///< order in which members asked
-        bool suspect = false;            ///< a lease of it expired: gets nothing until it answers
-        Counts counts;
-
-        [[nodiscard]] bool streaming() const { return options.transfer == Transfer::streaming; }
-        [[nodiscard]] bool has_credit() const { return streaming() || asked > sent; }
-        [[nodiscard]] bool lane_free(std::size_t next) const;
-        [[nodiscard]] bool counts_for_demand() const
-        {
-            return options.delivery == Delivery::data && options.group.empty();
-        }
+        std::int64_t registration = 0;
+        int registrations = 0;   ///< now
+        std::uint64_t lost = 0;  ///< order in which accounts lost their last registration
     };
-    /// How long the work of a group takes, for its leases.
-    class WorkTimes {
-    public:
-        void add(Clock::duration time);
-        [[nodiscard]] Clock::duration lease() const;
-
-    private:
-        std::array<Clock::duration, 64> recent_{};
-        std::size_t count_ = 0;
-    };
-    struct Group {
-        std::deque<Job> waiting;  ///< taken back first, then new ones
-        int members = 0;
-        bool awaited = false;  ///< its last member was lost with work on demand, so the source waits for the next one
-        std::uint64_t emptied = 0;  ///< order in which groups lost their last members
-        std::int64_t turns = 0;
-        WorkTimes times;
-        Counts counts;
-
-        [[nodiscard]] bool active() const { return members > 0 || awaited; }
+    struct Seat {
+        Line line;
+        std::int64_t place;
     };
 
-    void pump(Id id, Receiver& receiver, Decisions& decisions);
-    void pump_group(const std::string& name, Clock::time_point now, Decisions& decisions);
-    void offer_receiver(Id id, Receiver& receiver, const EmissionPtr& event, Decisions& decisions);
-    void offer_group(const std::string& name, Group& group, const EmissionPtr& event, Clock::time_point now,
-                     Decisions& decisions);
-    void acknowledge(Receiver& member, std::int64_t done, Clock::time_point now);
-    void take_back(Receiver& member, Group& group, Decisions& decisions);
-    void empty(const std::string& name, Group& group, bool left, Decisions& decisions);
+    Account& account(const std::string& receiver, std::int64_t epoch, const ConnectionOptions& options);
+    void close_account(const Key& key, bool left);
+    Welcome seat(const Newcomer& newcomer, Account& account, Decisions& decisions);
+    Welcome join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
+    std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);
+    void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void forget_oldest(Decisions& decisions);
-    void give_up(const Job& job, const std::string& name, Group& group, Decisions& decisions);
-    void give_up_waiting(const std::string& name, Group& group, Decisions& decisions);
-    void drop_oldest(Receiver& receiver);
-    Receiver* next_member(const std::string& group, std::size_t size, Id& id);
-    [[nodiscard]] Clock::duration lease_of(const Receiver& member) const;
-    [[nodiscard]] std::int64_t group_credit(const std::string& name) const;
+    Group* group_of(Id id);
 
+    std::string output_;
+    std::int64_t epoch_;
     Defences defences_;
-    std::map<Id, Receiver> receivers_;
+    std::map<Key, Account> accounts_;
+    std::map<Id, Seat> seats_;
+    std::map<std::int64_t, Line> kept_;  ///< by place
     std::map<std::string, Group> groups_;
-    std::deque<EmissionPtr> held_;  ///< lossless events that had no receiver yet
+    std::map<Id, std::string> members_;             ///< whose group
+    std::map<std::string, std::uint64_t> emptied_;  ///< order in which groups lost their last members
+    std::deque<EmissionPtr> held_;                  ///< lossless events that had no receiver yet
     EmissionPtr newest_;
-    std::uint64_t asking_order_ = 0, emptying_order_ = 0;
+    std::int64_t unreceived_ = 0;
+    std::uint64_t order_ = 0;
 };
 
 }  // namespace hive::event

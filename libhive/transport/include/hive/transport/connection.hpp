@@ -63,8 +63,10 @@ public:
     [[nodiscard]] virtual bool shares() const = 0;
     /// Ends the connection; `closed` follows with this error, from the event loop.
     virtual void close(const hive::Error& reason) = 0;
+    /// After the end: was it the peer's doing? Otherwise this end closed it, or cut the peer off.
+    [[nodiscard]] virtual bool ended_by_peer() const = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
-    /// Is the peer certainly on this machine (a unix socket, or inside the process)? TCP does not tell.
+    /// Is the peer on this machine: at a unix socket, inside the process, or at an address of this machine?
     [[nodiscard]] virtual bool local() const = 0;
 };
 

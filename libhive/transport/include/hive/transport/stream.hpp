@@ -41,7 +41,7 @@ public:
     virtual void close() noexcept = 0;
     /// Who is there, for logs and errors: "pid 4711", "192.0.2.7:50012".
     [[nodiscard]] virtual std::string peer() const = 0;
-    /// Is the peer certainly on this machine?
+    /// Is the peer on this machine, as far as its address tells?
     [[nodiscard]] virtual bool local() const = 0;
 };
 

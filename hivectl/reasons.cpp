@@ -1,0 +1,88 @@
+// One sentence for each reason, and the receivers or senders that it is about.
+#include "reasons.hpp"
+
+#include <algorithm>
+
+namespace hivectl {
+namespace {
+
+using hive::Reason;
+
+constexpr std::int64_t a_second = 1'000'000;
+constexpr std::size_t most_named = 3;
+
+void append(std::string& text, const std::string& part)
+{
+    if (!part.empty())
+        text += (text.empty() ? "" : "; ") + part;
+}
+
+/// " (s1.image, s2.image and 4 more)": the edges that stand still for the reason of their output.
+std::string named(const hive::OutputStatus& output)
+{
+    std::string text;
+    std::size_t count = 0;
+    for (const auto& edge : output.edges)
+        if (edge.why == output.why && ++count <= most_named)
+            text += (text.empty() ? "" : ", ") + edge.receiver;
+    if (count > most_named)
+        text += " and " + std::to_string(count - most_named) + " more";
+    return text.empty() ? "" : " (" + text + ")";
+}
+
+/// By the drone's own clock, which began at its epoch.
+bool quiet(const hive::Status& status, const hive::OutputStatus& output)
+{
+    return status.epoch + status.uptime_us - std::max(status.epoch, output.last_emitted_us) >= a_second;
+}
+
+/// A drone that works on what it receives may well have outputs that nobody needs.
+bool may_be_left_alone(const hive::Status& status, const hive::OutputStatus& output)
+{
+    const auto unreceived = [](const hive::OutputStatus& other) { return other.why == Reason::no_receiver; };
+    return unreceived(output) && (!status.inputs.empty() || !std::ranges::all_of(status.outputs, unreceived));
+}
+
+std::string of_drone(const hive::Status& status)
+{
+    // Its state says that it has halted, and its condition which source has ended.
+    const bool told = status.why == Reason::halted || (status.why == Reason::source_ended && !status.condition.empty());
+    return told ? std::string() : std::string(sentence(status.why));
+}
+
+}  // namespace
+
+std::string_view sentence(Reason reason) noexcept
+{
+    switch (reason) {
+    case Reason::none: break;
+    case Reason::no_receiver: return "nobody receives it";
+    case Reason::not_asked: return "a receiver has not asked for more";
+    case Reason::lane_full: return "the connection has not yet taken what was sent";
+    case Reason::held: return "lossless events are held until somebody receives them";
+    case Reason::group_awaited: return "a group has lost its last member and still has work to do";
+    case Reason::place_kept: return "a place is kept for a receiver that was cut off";
+    case Reason::lease_running: return "the last attempt at an event is still under way";
+    case Reason::halted: return "the drone has halted";
+    case Reason::backlog: return "lossless results wait at an output, so the drone takes nothing more";
+    case Reason::dialing: return "the sender is not connected";
+    case Reason::refused: return "the sender refused the connection";
+    case Reason::no_input: return "nothing is connected to its inputs";
+    case Reason::source_ended: return "the source has come to its end";
+    }
+    return {};
+}
+
+std::string standstill(const hive::Status& status)
+{
+    std::string text = of_drone(status);
+    for (const auto& output : status.outputs)
+        if (output.why != Reason::none && quiet(status, output) && !may_be_left_alone(status, output))
+            append(text, output.name + ": " + std::string(sentence(output.why)) + named(output));
+    for (const auto& input : status.inputs)
+        if (input.why != Reason::none && input.why != status.why)
+            append(text, input.input + " from " + input.from + ": " + std::string(sentence(input.why)));
+    return text;
+}
+
+}  // namespace hivectl

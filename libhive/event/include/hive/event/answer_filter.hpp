@@ -1,0 +1,34 @@
+// Refuses second answers: work that was given out again may be answered twice, once for each attempt.
+#pragma once
+
+#include <hive/event.hpp>
+
+#include <deque>
+#include <string>
+#include <unordered_map>
+
+namespace hive::event {
+
+/// The events that come to one input. The first attempt that answers a turn is taken, whatever comes of another attempt
+/// at the same work is refused. Pure logic, for one thread.
+class AnswerFilter {
+public:
+    static constexpr std::size_t remembered = 65536;
+
+    AnswerFilter();
+    /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice.
+    bool first(const Event& event);
+
+private:
+    bool off_;                                               ///< by a test that shows what it is for
+    std::unordered_map<std::string, std::string> attempts_;  ///< that answered, by the work
+    std::deque<std::string> order_;
+};
+
+/// The shares that others stand behind: all but the one by which the sender itself gave the event to this input, since
+/// that one may rightly come again.
+std::size_t shares_behind(const Event& event);
+/// Did its sender give it to this input as a member of a group?
+bool given_by_group(const Event& event);
+
+}  // namespace hive::event

@@ -1,0 +1,56 @@
+// What one registration asked for, was sent and has dealt with, and how much of it the connection has not yet taken
+// (SPEC.md, section 5.2).
+#pragma once
+
+#include <hive/transfer.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hive::event {
+
+/// What a receiver tells in a request; all count its deliveries from the first one.
+struct Progress {
+    std::int64_t asked = 0;   ///< wanted so far
+    std::int64_t worked = 0;  ///< of those sent, the first so many have been worked on
+    std::int64_t done = 0;    ///< the first so many need not be kept for it any more
+};
+
+/// Pure logic. The numbers of a peer are bounded by what it was sent: they allocate nothing.
+class Credit {
+public:
+    static constexpr std::size_t lane_bytes = 64 * 1024;  ///< handed to the transport at once, beyond one event
+    static constexpr std::size_t most_lane_events = 64;
+    /// Lossless events that a stream may have in hand; a synchronized receiver has its window.
+    static constexpr std::int64_t most_streamed = 64;
+
+    explicit Credit(const ConnectionOptions& options) : streaming_(options.transfer == Transfer::streaming)
+    {
+        begin(options, 0);
+    }
+    /// A registration goes on behind the first `taken` deliveries; it counts as having asked for a window more.
+    void begin(const ConnectionOptions& options, std::int64_t taken);
+
+    /// Takes over what is news, and returns how much that is.
+    Progress request(const Progress& told);
+    void sent(std::size_t bytes);
+    void written(std::size_t bytes);
+
+    [[nodiscard]] bool open(bool lossless) const;
+    [[nodiscard]] bool lane_free(std::size_t bytes) const;
+    /// Deliveries that it asked for and did not get.
+    [[nodiscard]] std::int64_t missing() const { return progress_.asked - sent_; }
+    [[nodiscard]] bool streaming() const { return streaming_; }
+    /// Of what is in hand, from the oldest on, how many were worked on.
+    [[nodiscard]] std::int64_t worked_in_hand() const { return progress_.worked - progress_.done; }
+    [[nodiscard]] std::int64_t sent() const { return sent_; }
+    [[nodiscard]] std::int64_t done() const { return progress_.done; }
+
+private:
+    bool streaming_;
+    std::int64_t window_ = 1, sent_ = 0;
+    Progress progress_;
+    std::size_t events_in_lane_ = 0, bytes_in_lane_ = 0;
+};
+
+}  // namespace hive::event

@@ -1,0 +1,38 @@
+// What an input's connection needs of its module.
+#pragma once
+
+#include <hive/event/link.hpp>
+#include <hive/status.hpp>
+#include <hive/transport/transport.hpp>
+
+#include <asio/io_context.hpp>
+
+#include <functional>
+#include <memory>
+
+namespace hive::event {
+
+class Door;
+class Intake;
+
+/// Network side.
+class IntakeHost {
+public:
+    using OnLink = std::function<void(const LinkPtr&, const Error&)>;
+
+    virtual asio::io_context& context() = 0;
+    [[nodiscard]] virtual const std::shared_ptr<Door>& door() const = 0;
+    /// A link to the module at an address: the present one, or a new one. The error counts only without link.
+    virtual void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) = 0;
+    /// Must inputs wait with asking, and why?
+    [[nodiscard]] virtual Reason paused() const = 0;
+    /// Something has a deadline now.
+    virtual void arm() = 0;
+    /// An input that was told to stop has left its sender and is done with all its events.
+    virtual void gone(const std::shared_ptr<Intake>& intake) = 0;
+
+protected:
+    ~IntakeHost() = default;
+};
+
+}  // namespace hive::event

@@ -1,0 +1,100 @@
+// A plain receiver of an output: what waits for it, what it has in hand, and the place that is kept for it when it is
+// cut off (SPEC.md, section 5).
+#pragma once
+
+#include <hive/event/clock.hpp>
+#include <hive/event/credit.hpp>
+#include <hive/event/emission.hpp>
+#include <hive/status.hpp>
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive::event {
+
+using ReceiverId = std::uint64_t;
+
+/// A decision: give this event to this receiver.
+struct Send {
+    ReceiverId receiver;
+    EmissionPtr event;
+    Delivery delivery;
+    std::optional<Share> share;  ///< what it is told of whose work this is, where that is not the same for all
+};
+/// What a call decided: what to send now, and which events are given up.
+struct Decisions {
+    std::vector<Send> sends;
+    std::vector<EmissionPtr> failed;  ///< with the share of the last attempt, if there was one
+};
+
+/// Pure logic: it is told what happened and decides. The ledger belongs to the table and outlives it.
+class Line {
+public:
+    static constexpr std::size_t most_queued_events = 1024;     ///< of a streaming receiver, when they are small
+    static constexpr std::size_t most_queued_bytes = 1u << 20;  ///< beyond two events
+    static constexpr int most_failures = 3;                     ///< deaths of the receiver over one lossless event
+    static constexpr auto place_kept = std::chrono::seconds(30);
+
+    Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger);
+
+    void offer(const EmissionPtr& event, Decisions& decisions);
+    void request(std::int64_t epoch, const Progress& progress, Decisions& decisions);
+    void written(std::size_t bytes, Decisions& decisions);
+
+    /// Its connection ended. @param keep  whether what is lossless waits for it to come back
+    /// @return  whether its place is kept
+    bool lose(Fate how, bool keep, Clock::time_point now);
+    /// It is back, under a new id. @param taken  how many deliveries it has had; nothing: it began anew and has had
+    /// none that it did not acknowledge. The deliveries go on behind the number returned.
+    std::int64_t resume(ReceiverId id, std::int64_t epoch, const ConnectionOptions& options,
+                        std::optional<std::int64_t> taken, Decisions& decisions);
+    /// Sends what may be sent, after resume().
+    void pump(Decisions& decisions);
+    /// Its place is not kept any longer.
+    void expire();
+    /// Whatever is in flight goes.
+    void clear(Fate how);
+
+    [[nodiscard]] const std::string& receiver() const noexcept { return receiver_; }
+    [[nodiscard]] const ConnectionOptions& options() const noexcept { return options_; }
+    [[nodiscard]] std::int64_t epoch() const noexcept { return epoch_; }
+    [[nodiscard]] bool kept() const noexcept { return kept_until_.has_value(); }
+    [[nodiscard]] bool overdue(Clock::time_point now) const { return kept_until_ && *kept_until_ <= now; }
+    [[nodiscard]] bool takes_bodies() const noexcept { return options_.delivery == Delivery::data; }
+    /// Has it asked for an event that it has not got?
+    [[nodiscard]] bool asks() const;
+    /// Do lossless events wait for it?
+    [[nodiscard]] bool backlogged() const;
+    [[nodiscard]] std::int64_t waiting() const { return static_cast<std::int64_t>(waiting_.size()); }
+    [[nodiscard]] Reason why() const;
+
+private:
+    struct Item {
+        EmissionPtr event;  ///< null in hand: it was live, and nobody would send it again
+        int attempt = 0;    ///< deliveries so far
+        int failures = 0;
+    };
+    [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && takes_bodies(); }
+    void drop_oldest();
+    void wait(Item item, bool first);
+    Item next();
+    void put_back(std::int64_t taken);
+    [[nodiscard]] std::optional<Share> told(const Item& item) const;
+    void abandon(const Item& item, Decisions& decisions);
+
+    ReceiverId id_;
+    std::string receiver_;
+    std::int64_t epoch_;
+    ConnectionOptions options_;
+    Ledger* ledger_;
+    Credit credit_;
+    std::deque<Item> waiting_, in_hand_;
+    std::size_t waiting_bytes_ = 0;
+    bool lossless_ = false;  ///< the last event offered was: its source waits for its receivers
+    std::optional<Clock::time_point> kept_until_;
+    Fate lost_as_ = Fate::lost_connection;  ///< when its place was kept last
+};
+
+}  // namespace hive::event

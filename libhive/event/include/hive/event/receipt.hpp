@@ -1,0 +1,78 @@
+// What an event carries while it is worked on: it tells its input when the next one may be asked for, and when it was
+// dealt with and how.
+#pragma once
+
+#include <hive/event.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace hive::event {
+
+class Door;
+class Intake;
+
+/// How an input came to be done with an event.
+enum class Ending {
+    processed,
+    abandoned,  ///< the user's code threw
+    duplicate,  ///< a second answer
+    discarded,  ///< not begun
+    dropped,    ///< the queue was full
+    unmatched,  ///< found no partner
+};
+inline constexpr std::size_t endings = 6;
+
+/// One delivery to an input: which one, and the way back to tell of it. Any thread.
+struct Delivered {
+    std::shared_ptr<Door> door;
+    std::weak_ptr<Intake> intake;
+    std::int64_t generation = 0;  ///< of the numbering
+    std::int64_t number = 0;
+
+    /// @param worked  the next event may be asked for
+    /// @param ending  the event is done with; nothing: not yet
+    void tell(bool worked, const Ending* ending) const;
+};
+
+/// Alive as long as the event must not be acknowledged.
+class Custody {
+public:
+    /// @param credit  its end also means that the event was worked on
+    Custody(Delivered delivered, bool credit) : delivered_(std::move(delivered)), credit_(credit) {}
+    Custody(const Custody&) = delete;
+    Custody& operator=(const Custody&) = delete;
+    ~Custody() { delivered_.tell(credit_, &ending_); }
+
+    void conclude(Ending ending) const { ending_ = ending; }
+    void give_back_credit() const;
+
+private:
+    Delivered delivered_;
+    mutable bool credit_;
+    mutable Ending ending_ = Ending::processed;
+};
+
+/// Alive as long as an event is worked on that somebody else may have in custody for longer.
+class WorkReceipt {
+public:
+    explicit WorkReceipt(Delivered delivered) : delivered_(std::move(delivered)) {}
+    WorkReceipt(const WorkReceipt&) = delete;
+    WorkReceipt& operator=(const WorkReceipt&) = delete;
+    ~WorkReceipt() { delivered_.tell(true, nullptr); }
+
+private:
+    Delivered delivered_;
+};
+
+/// Gives an event that has arrived its receipt and custody.
+void give_receipt(Event& event, Delivered delivered);
+/// Says how an event ended; the last who does is right. Nothing happens to an event without custody. For its only user.
+void conclude(const Event& event, Ending ending);
+/// The next event may be asked for, although this one has to wait.
+void give_back_credit(Event& event);
+/// The custody of all the events of a set.
+std::shared_ptr<const void> custody_of(const std::vector<Event>& set);
+
+}  // namespace hive::event

@@ -1,0 +1,65 @@
+// A bounded memory of which attempt answered.
+#include <hive/event/answer_filter.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace hive::event {
+namespace {
+
+/// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group drones have no names.
+void add_stage(std::string& work, const Share& share, bool behind_group)
+{
+    const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
+    work += ' ';
+    work += behind_group ? share.of.substr(dot) : share.of;
+    ((work += '/') += std::to_string(share.part)) += '>';
+    work += share.to;
+}
+
+}  // namespace
+
+std::size_t shares_behind(const Event& event)
+{
+    const auto& shares = event.identity.shares;
+    if (shares.empty())
+        return 0;
+    const std::string_view last = shares.back().of;
+    const bool own = last.substr(0, last.find('#')) == event.sender + "." + event.output;
+    return shares.size() - (own ? 1 : 0);
+}
+
+bool given_by_group(const Event& event)
+{
+    return shares_behind(event) < event.identity.shares.size() && event.identity.shares.back().group();
+}
+
+AnswerFilter::AnswerFilter() : off_(std::getenv("HIVE_TEST_NO_ANSWER_FILTER") != nullptr) {}
+
+bool AnswerFilter::first(const Event& event)
+{
+    const auto count = shares_behind(event);
+    if (count == 0 || off_)
+        return true;
+    const auto& shares = event.identity.shares;
+    std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn), attempts;
+    bool behind_group = false;
+    for (std::size_t i = 0; i < count; ++i) {
+        add_stage(work, shares[i], behind_group);
+        behind_group = behind_group || shares[i].group();
+        (attempts += std::to_string(shares[i].attempt)) += ' ';
+    }
+    (((work += ' ') += event.kind) += '.') += event.output;
+    (work += '/') += std::to_string(event.identity.part);
+    const auto [place, inserted] = attempts_.try_emplace(work, attempts);
+    if (!inserted)
+        return place->second == attempts;
+    order_.push_back(std::move(work));
+    if (order_.size() > remembered) {
+        attempts_.erase(order_.front());
+        order_.pop_front();
+    }
+    return true;
+}
+
+}  // namespace hive::event

@@ -1,0 +1,59 @@
+// Counting credit; what a peer claims beyond what it can know is cut.
+#include <hive/event/credit.hpp>
+
+#include <algorithm>
+
+namespace hive::event {
+
+void Credit::begin(const ConnectionOptions& options, std::int64_t taken)
+{
+    streaming_ = options.transfer == Transfer::streaming;
+    window_ = options.window;
+    sent_ = taken;
+    progress_.asked = taken + window_;
+    progress_.worked = std::min(progress_.worked, taken);
+    events_in_lane_ = bytes_in_lane_ = 0;
+}
+
+Progress Credit::request(const Progress& told)
+{
+    const auto raise = [](std::int64_t& known, std::int64_t claimed) {
+        const auto before = known;
+        known = std::max(known, claimed);
+        return known - before;
+    };
+    Progress news;
+    news.asked = raise(progress_.asked, std::min(told.asked, sent_ + window_));
+    news.done = raise(progress_.done, std::min(told.done, sent_));
+    news.worked = raise(progress_.worked, std::min(std::max(told.worked, progress_.done), sent_));
+    return news;
+}
+
+void Credit::sent(std::size_t bytes)
+{
+    ++sent_;
+    ++events_in_lane_;
+    bytes_in_lane_ += bytes;
+}
+
+void Credit::written(std::size_t bytes)
+{
+    if (events_in_lane_ == 0)
+        return;  // it was given to a connection that this registration has left
+    --events_in_lane_;
+    bytes_in_lane_ -= std::min(bytes, bytes_in_lane_);
+}
+
+bool Credit::open(bool lossless) const
+{
+    if (streaming_)
+        return !lossless || sent_ - progress_.worked < most_streamed;
+    return missing() > 0;
+}
+
+bool Credit::lane_free(std::size_t bytes) const
+{
+    return events_in_lane_ == 0 || (events_in_lane_ < most_lane_events && bytes_in_lane_ + bytes <= lane_bytes);
+}
+
+}  // namespace hive::event

@@ -1,0 +1,65 @@
+// What drones say of themselves. One with many receivers says it in pages, so it is asked until all is told.
+#include "application_core.hpp"
+
+#include <algorithm>
+
+namespace hive {
+namespace {
+
+/// Whoever adds receivers faster than they can be listed is not listed to the end.
+constexpr int most_pages = 64;
+
+/// Takes the next page into the answer. @return whether another one is to be asked for
+bool take_page(StatusAnswer& answer, const Answer& page)
+try {
+    if (page.error)
+        throw *page.error;
+    auto status = status_from_json(page.result);
+    const auto listed = edges_listed(status);
+    if (edges_listed(answer.status) == 0)
+        answer.status = std::move(status);
+    else
+        add_page(answer.status, std::move(status));
+    return listed > 0 && edges_left_out(answer.status) > 0;
+} catch (const Error& error) {
+    answer.error = error;
+    return false;
+}
+
+}  // namespace
+
+std::vector<StatusAnswer> Application::status(const std::vector<std::string>& drones)
+{
+    std::vector<StatusAnswer> answers;
+    for (const auto& drone : drones)
+        answers.push_back({drone, {}, {}});
+    std::vector<StatusAnswer*> unfinished;
+    std::ranges::transform(answers, std::back_inserter(unfinished), [](StatusAnswer& answer) { return &answer; });
+    for (int page = 0; page < most_pages && !unfinished.empty(); ++page) {
+        std::vector<std::string> names;
+        std::vector<Json> headers;
+        for (const auto* answer : unfinished) {
+            names.push_back(answer->drone);
+            const auto listed = edges_listed(answer->status);
+            headers.push_back(listed > 0 ? Json{{"skip_edges", listed}} : Json::object());
+        }
+        const auto pages = core_->ask_all(names, protocol::PacketType::status, headers);
+        std::vector<StatusAnswer*> more;
+        for (std::size_t i = 0; i < pages.size(); ++i)
+            if (take_page(*unfinished[i], pages[i]))
+                more.push_back(unfinished[i]);
+        unfinished = std::move(more);
+    }
+    return answers;
+}
+
+Status Application::status(const std::string& drone)
+{
+    core_->require_running(drone);
+    auto answer = status(std::vector{drone}).at(0);
+    if (answer.error)
+        throw *answer.error;
+    return std::move(answer.status);
+}
+
+}  // namespace hive

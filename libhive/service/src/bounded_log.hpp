@@ -1,0 +1,30 @@
+// The log of a drone: standard error. When that is the drone's own file in the home directory, the file stays bounded.
+#pragma once
+
+#include <filesystem>
+
+#include <spdlog/sinks/base_sink.h>
+
+#include <mutex>
+#include <string>
+
+namespace hive {
+
+/// Writes to standard error. Before a line would make the file NAME.log longer than `most_bytes`, what it holds moves
+/// to NAME.log.1, over what was there. It is copied and cut off, not renamed: libraries and the system write to the
+/// same descriptor. Any other file, terminal or pipe is written to and left alone.
+class BoundedLog final : public spdlog::sinks::base_sink<std::mutex> {
+public:
+    static constexpr long most_bytes = 4 * 1024 * 1024;
+
+    explicit BoundedLog(std::filesystem::path file) : file_(std::move(file)) {}
+
+private:
+    void sink_it_(const spdlog::details::log_msg& message) override;
+    void flush_() override {}
+    void make_room(long bytes) const;
+
+    std::filesystem::path file_;
+};
+
+}  // namespace hive

@@ -1,0 +1,165 @@
+// Gives events their identity and hands them to the network side.
+#include "emitter.hpp"
+
+#include <hive/event/receipt.hpp>
+
+#include <algorithm>
+
+namespace hive::service {
+
+using event::Clock;
+
+namespace {
+
+/// A time as an event may tell it; 0 is unknown.
+std::int64_t telling(std::int64_t time_us) { return time_us >= 0 && time_us <= max_json_integer ? time_us : 0; }
+
+}  // namespace
+
+std::size_t Emitter::add_output(Port port, Encoder encoder)
+{
+    interface_.outputs.push_back(std::move(port));
+    outputs_.push_back(&slots_.emplace_back());
+    outputs_.back()->encoder = std::move(encoder);
+    return outputs_.size() - 1;
+}
+
+void Emitter::attach(event::Module& module)
+{
+    module_ = &module;
+    for (std::size_t i = 0; i < outputs_.size(); ++i)
+        outputs_[i]->outlet =
+            &module.add_outlet(interface_.outputs[i], protocol::PacketType::event, std::move(outputs_[i]->encoder));
+}
+
+void Emitter::begin(const Set& set)
+{
+    set_ = &set;
+    begun_ = Clock::now();
+    for (auto* slot : outputs_)
+        slot->part = 0;
+}
+
+Loan Emitter::loan(std::size_t bytes) const
+{
+    if (module_)
+        if (auto shared = module_->pool().loan(bytes))
+            return std::move(*shared);
+    auto memory = std::make_shared_for_overwrite<std::byte[]>(bytes);
+    return {std::span(memory.get(), bytes), memory};
+}
+
+bool Emitter::wanted(std::size_t output) const
+{
+    const auto* outlet = outputs_[output]->outlet;
+    return outlet && outlet->wanted();
+}
+
+bool Emitter::received(std::size_t output) const
+{
+    const auto* outlet = outputs_[output]->outlet;
+    return outlet && outlet->received();
+}
+
+bool Emitter::asked(std::size_t output) const
+{
+    const Slot& slot = *outputs_[output];
+    return slot.outlet && slot.handover.empty() && slot.outlet->asked();
+}
+
+Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
+{
+    const auto age_us = event::wall_us() - captured_us;
+    return {.source = self_.name,
+            .epoch = self_.epoch,
+            .sequence = ++outputs_[output]->sequence,
+            .captured_us = telling(captured_us),
+            .monotonic_us = telling(event::steady_us() - age_us),
+            .lossless = lossless,
+            .hops = {}};
+}
+
+/// What is emitted for the present set has the identity of its first event, and keeps lossless ones in custody.
+void Emitter::inherit(Event& event, Slot& slot) const
+{
+    event.identity = event::identity_of(*set_);
+    event.identity.part = slot.part++;
+    // It waited from when it was complete; what its earlier events waited for is told by the hops of the last.
+    const auto complete = std::ranges::max_element(*set_, {}, &Event::received)->received;
+    event.identity.hops.push_back(
+        {self_.name, event::microseconds(begun_ - complete), event::microseconds(Clock::now() - begun_)});
+    if (event.identity.lossless)
+        event.custody = event::custody_of(*set_);
+}
+
+void Emitter::emit(std::size_t output, std::optional<Identity> begun, Json header,
+                   const std::function<std::optional<Body>()>& body, std::string type)
+{
+    const Port& port = port_to_emit(output, header);
+    Event event;
+    if (begun)
+        event.identity = std::move(*begun);
+    else if (set_)
+        inherit(event, *outputs_[output]);
+    else
+        event.identity = fresh_identity(output, event::wall_us(), false);
+    event.type = type.empty() ? port.type.substr(0, port.type.find(',')) : std::move(type);
+    event.header = std::move(header);
+    auto made = body();
+    const bool complete = made.has_value();
+    event.body = std::move(made).value_or(Body());
+    event.size = event.body.size();
+    send(output, std::move(event), complete);
+}
+
+const Port& Emitter::port_to_emit(std::size_t output, const Json& header) const
+{
+    const Port& port = interface_.outputs[output];
+    if (!module_)
+        throw Error(Errc::invalid_argument, "output " + port.name + ": nothing can be emitted before run()");
+    if (!header.is_object())
+        throw Error(Errc::invalid_argument, "output " + port.name + ": the header of an event must be a JSON object");
+    return port;
+}
+
+void Emitter::repeat(std::size_t output, Event event)
+{
+    static_cast<void>(port_to_emit(output, event.header));
+    event.receipt.reset();
+    event.custody.reset();
+    event.input.clear();
+    const bool complete = !event.body.empty() || (event.sized && event.size == 0);
+    if (complete)
+        event.size = event.body.size();
+    send(output, std::move(event), complete);
+}
+
+void Emitter::send(std::size_t output, Event event, bool complete)
+{
+    Slot& slot = *outputs_[output];
+    const Port& port = interface_.outputs[output];
+    event.sender = self_.name;
+    event.kind = self_.kind;
+    event.output = port.name;
+    if (slot.outlet->shares())
+        event.body = module_->pool().copied_in(event.body);
+    if (event.body.size() > protocol::Limits{}.body)
+        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.body.size())
+                                         + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+    std::optional<Share> own;
+    if (event.identity.lossless)
+        own = Share{.of = self_.name + "." + port.name,
+                    .epoch = self_.epoch,
+                    .turn = ++slot.given,
+                    .part = event.identity.part};
+    auto emission = std::make_shared<const event::Emission>(std::move(event), complete, std::move(own));
+    slot.handover.enter();
+    module_->loop().perform([this, &slot, emission = std::move(emission)] {
+        module_->emit(*slot.outlet, emission);
+        slot.handover.leave();
+        if (slot.outlet->asked())
+            mailbox_.nudge();
+    });
+}
+
+}  // namespace hive::service

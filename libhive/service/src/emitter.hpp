@@ -1,0 +1,68 @@
+// What a drone emits: identities, bodies in shared memory, the way to the network side.
+#pragma once
+
+#include "declaration.hpp"
+#include "handover.hpp"
+
+#include <hive/event/mailbox.hpp>
+#include <hive/event/module.hpp>
+
+#include <list>
+#include <optional>
+
+namespace hive::service {
+
+/// The user thread, but for loan().
+class Emitter {
+public:
+    Emitter(const protocol::Hello& self, Interface& interface, event::Mailbox& mailbox)
+        : self_(self), interface_(interface), mailbox_(mailbox)
+    {
+    }
+
+    // --- before run() ---
+    std::size_t add_output(Port port, Encoder encoder);
+    void attach(event::Module& module);
+
+    // --- around a callback ---
+    /// Until finish(), what is emitted inherits from this set.
+    void begin(const Set& set);
+    void finish() { set_ = nullptr; }
+
+    // --- for Output ---
+    /// Any thread, once attached.
+    [[nodiscard]] Loan loan(std::size_t bytes) const;
+    [[nodiscard]] bool wanted(std::size_t output) const;
+    [[nodiscard]] bool received(std::size_t output) const;
+    [[nodiscard]] bool asked(std::size_t output) const;
+    [[nodiscard]] Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless);
+    /// @param begun  empty: inherited from the present set, or a new one
+    /// @param body  gives nothing when nobody wants it
+    void emit(std::size_t output, std::optional<Identity> begun, Json header,
+              const std::function<std::optional<Body>()>& body, std::string type);
+    void repeat(std::size_t output, Event event);
+
+private:
+    struct Slot {         ///< one output
+        Encoder encoder;  ///< until the outlet has it
+        event::Outlet* outlet = nullptr;
+        std::int64_t sequence = 0;  ///< of the last identity that was begun
+        std::int64_t given = 0;     ///< turns of lossless events
+        int part = 0;               ///< events emitted for the present set
+        Handover handover;
+    };
+    void inherit(Event& event, Slot& slot) const;
+    [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
+    void send(std::size_t output, Event event, bool complete);
+
+    const protocol::Hello& self_;
+    Interface& interface_;
+    event::Mailbox& mailbox_;
+    event::Module* module_ = nullptr;
+    std::list<Slot> slots_;
+    std::vector<Slot*> outputs_;  ///< the slots, by number
+    const Set* set_ = nullptr;    ///< what is being worked on
+    event::Clock::time_point begun_{};
+};
+
+}  // namespace hive::service

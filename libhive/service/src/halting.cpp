@@ -1,0 +1,23 @@
+// Halts a drone and resumes it.
+#include "halting.hpp"
+
+#include <hive/event/answer_filter.hpp>
+
+namespace hive::service {
+
+void Halting::halt()
+{
+    board_.halt();
+    module_.halt(true);
+    mailbox_.discard(event::given_by_group);  // others may do it meanwhile
+    mailbox_.nudge();
+}
+
+void Halting::resume()
+{
+    mailbox_.discard([](const Event& event) { return !event.identity.lossless; });
+    board_.resume();
+    module_.halt(false);
+}
+
+}  // namespace hive::service

@@ -1,0 +1,24 @@
+// Waits for a drone's code to come to its end, but not for ever.
+#include "last_grace.hpp"
+
+#include <condition_variable>
+#include <mutex>
+#include <unistd.h>
+
+namespace hive::service {
+
+void LastGrace::begin(const std::filesystem::path& socket)
+{
+    thread_ = std::jthread([socket](const std::stop_token& ended) {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any().wait_for(lock, ended, length, [] { return false; });
+        if (ended.stop_requested())
+            return;
+        std::error_code ignored;
+        std::filesystem::remove(socket, ignored);
+        ::_exit(0);
+    });
+}
+
+}  // namespace hive::service

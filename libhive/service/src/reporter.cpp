@@ -1,0 +1,64 @@
+// Writes the log and makes the exception events of a drone.
+#include "reporter.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace hive::service {
+namespace {
+
+constexpr std::size_t longest_text = 4000;  ///< of an exception, so that its header fits
+
+}  // namespace
+
+void Reporter::attach(event::Module& module)
+{
+    module_ = &module;
+    exceptions_ = &module.add_outlet({"exceptions", "application/x-hive-exception", "what this drone's code threw"},
+                                     protocol::PacketType::exception);
+}
+
+void Reporter::log(const std::string& text) const { spdlog::info("{}: {}", self_.name, text); }
+
+void Reporter::report(const Error& error, const Event* cause)
+{
+    Event event = exception_event(error, cause);
+    board_.exception({.code = std::string(info(error.code()).token),
+                      .text = event.header.value("text", ""),
+                      .policy = event.header.value("policy", ""),
+                      .input = event.header.value("input", ""),
+                      .time_us = event::wall_us(),
+                      .source = event.identity.source,
+                      .sequence = event.identity.sequence});
+    log(std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what());
+    std::optional<Share> own;
+    if (event.identity.lossless)
+        own = Share{.of = self_.name + ".exceptions", .epoch = self_.epoch, .turn = ++given_};
+    if (module_)
+        module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event), true, own)] {
+            module_->emit(*exceptions_, emission);
+        });
+}
+
+Event Reporter::exception_event(const Error& error, const Event* cause) const
+{
+    Event event;
+    event.identity = cause ? cause->identity
+                           : Identity{.source = self_.name,
+                                      .epoch = self_.epoch,
+                                      .captured_us = event::wall_us(),
+                                      .monotonic_us = event::steady_us(),
+                                      .hops = {}};
+    if (cause && cause->identity.lossless)
+        event.custody = cause->custody;
+    event.sender = self_.name;
+    event.kind = self_.kind;
+    event.output = "exceptions";
+    event.type = "application/x-hive-exception";
+    event.header = {{"code", info(error.code()).token},
+                    {"text", std::string(error.what()).substr(0, longest_text)},
+                    {"policy", token(board_.policy())},
+                    {"input", cause ? cause->input : ""}};
+    return event;
+}
+
+}  // namespace hive::service

@@ -1,0 +1,33 @@
+// What a drone says of its own accord: lines in its log, and exceptions as events.
+#pragma once
+
+#include "status_board.hpp"
+
+#include <hive/event/module.hpp>
+
+namespace hive::service {
+
+/// Any thread, once it is attached.
+class Reporter {
+public:
+    Reporter(const protocol::Hello& self, StatusBoard& board) : self_(self), board_(board) {}
+
+    /// Before it, exceptions reach the log and the board alone.
+    void attach(event::Module& module);
+
+    void log(const std::string& text) const;
+    /// An exception goes to subscribed applications, to the status board and to the log.
+    /// @param cause  the event that was worked on, or null
+    void report(const Error& error, const Event* cause = nullptr);
+
+private:
+    [[nodiscard]] Event exception_event(const Error& error, const Event* cause) const;
+
+    const protocol::Hello& self_;
+    StatusBoard& board_;
+    event::Module* module_ = nullptr;
+    event::Outlet* exceptions_ = nullptr;
+    std::atomic<std::int64_t> given_ = 0;  ///< turns of exceptions of lossless events
+};
+
+}  // namespace hive::service

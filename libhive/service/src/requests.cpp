@@ -1,0 +1,138 @@
+// Gives each request to what answers it; put, halt, resume and stop are answered here.
+#include "requests.hpp"
+
+#include <hive/protocol/requests.hpp>
+
+namespace hive::service {
+
+using event::Incoming;
+using protocol::PacketType;
+
+Requests::Requests(Parts parts)
+    : parts_(std::move(parts)),
+      inbox_(parts_.mailbox, parts_.worker),
+      state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.reporter),
+      wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
+      parameters_(parts_.declaration.parameters, parts_.module, inbox_, state_file_),
+      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module)
+{
+    add_handlers();
+}
+
+void Requests::add_handlers()
+{
+    const auto handle = [this](PacketType type, auto answer) { parts_.module.handle(type, std::move(answer)); };
+    handle(PacketType::describe,
+           [this](const Incoming& incoming) { incoming.answer(to_json(parts_.declaration.interface)); });
+    handle(PacketType::status, [this](const Incoming& incoming) {
+        incoming.answer(
+            to_json(status_.page(Fields(incoming.header, "status").integer_or("skip_edges", 0, max_json_integer, 0))));
+    });
+    handle(PacketType::get, [this](const Incoming& incoming) { parameters_.on_get(incoming); });
+    handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });
+    handle(PacketType::connect, [this](const Incoming& incoming) { wiring_.on_connect(incoming); });
+    handle(PacketType::disconnect, [this](const Incoming& incoming) { wiring_.on_disconnect(incoming); });
+    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
+    handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
+    handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
+    handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
+    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
+    handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
+}
+
+void Requests::restore(const Json& state)
+{
+    wiring_.restore(state.value("connections", Json::array()));
+    state_file_.remember();
+}
+
+void Requests::on_forget(const Incoming& incoming)
+{
+    const auto forget = protocol::forget_from_json(incoming.header);
+    const auto removed = parts_.module.forget(forget.receiver, forget.output);
+    if (removed == 0)
+        throw Error(Errc::not_found, parts_.module.self().name + " waits for nothing of " + forget.receiver);
+    incoming.answer(Json{{"removed", removed}});
+}
+
+void Requests::on_put(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "put");
+    const auto& name = parts_.module.self().name;
+    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
+    if (parts_.board.halted())
+        throw Error(Errc::halted, name + " has halted", "let it go on: hivectl resume " + name);
+    Event event;
+    event.type = fields.text("type");
+    if (!types_fit(event.type, input.type))
+        throw Error(Errc::type_mismatch,
+                    "the event is " + event.type + ", but " + name + "." + input.name + " takes " + input.type);
+    event.identity = {.source = incoming.peer,
+                      .epoch = incoming.peer_epoch,
+                      .sequence = fields.integer("id", 0, max_json_integer),
+                      .captured_us = event::wall_us(),
+                      .monotonic_us = event::steady_us(),
+                      .hops = {}};
+    event.sender = incoming.peer;
+    event.kind = "application";
+    event.output = "put";
+    event.input = input.name;
+    if (fields.has("header"))
+        event.header = fields.object("header");
+    event.body = incoming.body;
+    event.size = incoming.body.size();
+    event.received = event::Clock::now();
+    inbox_.arrived(std::move(event));
+    incoming.answer(Json::object());
+}
+
+/// Nobody waits any longer for a receiver that is gone.
+void Requests::on_forget(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "forget");
+    const auto receiver = fields.name("receiver"), output = fields.name_or("output", "");
+    if (!output.empty())
+        port_named(parts_.declaration.interface.outputs, parts_.module.self().name, "output", output);
+    const auto removed = parts_.module.forget(receiver, output);
+    if (removed == 0)
+        throw Error(Errc::not_found, parts_.module.self().name + " keeps nothing for " + receiver);
+    incoming.answer(Json{{"removed", removed}});
+}
+
+/// A halt or resume that names a policy sets it, and does nothing else.
+bool Requests::set_policy(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "policy");
+    if (!fields.has("policy"))
+        return false;
+    parts_.board.policy(from_token<ExceptionPolicy>(fields.text("policy"), "policy"));
+    state_file_.remember();
+    incoming.answer(Json::object());
+    return true;
+}
+
+void Requests::on_halt(const Incoming& incoming)
+{
+    if (set_policy(incoming))
+        return;
+    parts_.halting.halt();
+    incoming.answer(Json::object());
+}
+
+void Requests::on_resume(const Incoming& incoming)
+{
+    if (set_policy(incoming))
+        return;
+    inbox_.command([answer = incoming.answer](Worker& worker) {
+        worker.resume();
+        answer(Json::object());
+    });
+}
+
+void Requests::on_stop(const Incoming& incoming)
+{
+    incoming.answer(Json::object());
+    parts_.end();
+}
+
+}  // namespace hive::service

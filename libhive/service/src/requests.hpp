@@ -1,0 +1,49 @@
+// The network side of a drone: what applications ask of it, answered while user code is busy.
+#pragma once
+
+#include "parameter_requests.hpp"
+#include "status_report.hpp"
+#include "wiring.hpp"
+
+namespace hive::service {
+
+/// The network side, but for the constructor: it runs before the module starts.
+class Requests {
+public:
+    /// What it uses, which outlives it.
+    struct Parts {
+        const Declaration& declaration;
+        StatusBoard& board;
+        Reporter& reporter;
+        const event::Home& home;
+        event::Mailbox& mailbox;
+        event::Module& module;
+        Halting& halting;
+        Worker& worker;             ///< for commands alone
+        std::function<void()> end;  ///< ends the drone
+    };
+    explicit Requests(Parts parts);
+
+    /// Connects again what was connected before a crash.
+    void restore(const Json& state);
+    [[nodiscard]] Status status() const { return status_.now(); }
+
+private:
+    void add_handlers();
+    void on_forget(const event::Incoming& incoming);
+    void on_put(const event::Incoming& incoming);
+    void on_forget(const event::Incoming& incoming);
+    bool set_policy(const event::Incoming& incoming);
+    void on_halt(const event::Incoming& incoming);
+    void on_resume(const event::Incoming& incoming);
+    void on_stop(const event::Incoming& incoming);
+
+    Parts parts_;
+    Inbox inbox_;
+    StateFile state_file_;
+    Wiring wiring_;
+    ParameterRequests parameters_;
+    StatusReport status_;
+};
+
+}  // namespace hive::service

@@ -1,0 +1,73 @@
+// Reads and writes the state of a drone.
+#include "state_file.hpp"
+
+#include <hive/protocol/requests.hpp>
+
+namespace hive::service {
+namespace {
+
+Json connection_json(const event::IntakeSpec& spec)
+{
+    return to_json(protocol::Connect{.drone = spec.sender,
+                                     .output = spec.output,
+                                     .address = to_text(spec.address),
+                                     .input = spec.input,
+                                     .options = spec.options});
+}
+
+}  // namespace
+
+Json left_state(const event::Home& home, const protocol::Hello& self, const Reporter& reporter)
+try {
+    const auto state = home.read_state(self.name);
+    if (!state)
+        return Json::object();
+    if (const auto kind = Fields(*state, "state").text("kind"); kind != self.kind) {
+        reporter.log("what was told to a drone of this name and of the kind " + in_quotes(kind) + " is left out");
+        return Json::object();
+    }
+    return *state;
+} catch (const std::exception& error) {
+    reporter.log(std::string("what a drone of this name was told cannot be read and is left out: ") + error.what());
+    return Json::object();
+}
+
+Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter)
+{
+    Json values = Json::object();
+    for (const auto& [name, value] : saved.items())
+        try {
+            values.update(parameters.checked(Json::object({{name, value}})));
+        } catch (const Error& error) {
+            reporter.log(std::string("a saved value is left out: ") + error.what());
+        }
+    return values;
+}
+
+void StateFile::remember()
+{
+    if (board_.stopping())
+        return;
+    try {
+        home_.write_state(module_.self().name, state());
+        forgetful_ = false;
+    } catch (const std::exception& error) {
+        if (!std::exchange(forgetful_, true))
+            reporter_.report(
+                Error(Errc::io, std::string("what this drone is told would not outlive a crash: ") + error.what()));
+    }
+}
+
+Json StateFile::state() const
+{
+    Json connections = Json::array();
+    for (const auto& intake : module_.intakes())
+        if (!intake->spec().output.empty())
+            connections.push_back(connection_json(intake->spec()));
+    return {{"kind", declaration_.interface.kind},
+            {"parameters", declaration_.parameters.changed()},
+            {"connections", connections},
+            {"policy", token(board_.policy())}};
+}
+
+}  // namespace hive::service

@@ -1,0 +1,38 @@
+// What a drone was told: kept beside its socket, and taken again after a crash.
+#pragma once
+
+#include "reporter.hpp"
+
+#include <hive/event/home.hpp>
+
+namespace hive::service {
+
+/// What a crashed drone of this name and kind was told; an empty object when there is nothing of use. Any thread.
+[[nodiscard]] Json left_state(const event::Home& home, const protocol::Hello& self, const Reporter& reporter);
+/// The saved values that the drone still takes. The user thread, before the start.
+[[nodiscard]] Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter);
+
+/// The network side.
+class StateFile {
+public:
+    StateFile(const event::Home& home, const event::Module& module, const Declaration& declaration,
+              const StatusBoard& board, Reporter& reporter)
+        : home_(home), module_(module), declaration_(declaration), board_(board), reporter_(reporter)
+    {
+    }
+
+    /// Writes what the drone is told now. One that cannot write goes on without, and says so once.
+    void remember();
+
+private:
+    [[nodiscard]] Json state() const;
+
+    const event::Home& home_;
+    const event::Module& module_;
+    const Declaration& declaration_;
+    const StatusBoard& board_;
+    Reporter& reporter_;
+    bool forgetful_ = false;  ///< the state cannot be written, which was reported
+};
+
+}  // namespace hive::service

@@ -1,0 +1,90 @@
+// The state of a drone, under one mutex.
+#include "status_board.hpp"
+
+namespace hive::service {
+
+StatusBoard::Values StatusBoard::values() const
+{
+    const std::lock_guard lock(mutex_);
+    return values_;
+}
+
+void StatusBoard::idle()
+{
+    const std::lock_guard lock(mutex_);
+    values_.state = State::idle;
+}
+
+void StatusBoard::halt()
+{
+    const std::lock_guard lock(mutex_);
+    halted_ = true;
+    if (values_.state == State::idle)
+        values_.state = State::halted;
+}
+
+void StatusBoard::resume()
+{
+    const std::lock_guard lock(mutex_);
+    halted_ = false;
+    values_.state = State::idle;
+}
+
+bool StatusBoard::stop() { return !stopping_.exchange(true); }
+
+void StatusBoard::ended()
+{
+    const std::lock_guard lock(mutex_);
+    values_.state = State::stopping;
+}
+
+void StatusBoard::begin_work(const std::string& callback)
+{
+    const std::lock_guard lock(mutex_);
+    values_.state = State::busy;
+    values_.callback = callback;
+    values_.busy_since = event::Clock::now();
+}
+
+void StatusBoard::end_work()
+{
+    const std::lock_guard lock(mutex_);
+    values_.busy_us += event::microseconds(event::Clock::now() - values_.busy_since);
+    values_.state = halted_ ? State::halted : State::idle;
+    values_.callback.clear();
+}
+
+void StatusBoard::matched(std::size_t matching, MatchCounts counts)
+{
+    const std::lock_guard lock(mutex_);
+    if (values_.matched.size() <= matching)
+        values_.matched.resize(matching + 1);
+    values_.matched[matching] = std::move(counts);
+}
+
+bool StatusBoard::condition(const std::string& text, Reason why)
+{
+    const std::lock_guard lock(mutex_);
+    values_.why = why;
+    return std::exchange(values_.condition, text) != text;
+}
+
+void StatusBoard::exception(ExceptionStatus exception)
+{
+    const std::lock_guard lock(mutex_);
+    values_.last_exception = std::move(exception);
+}
+
+ExceptionPolicy StatusBoard::policy() const
+{
+    const std::lock_guard lock(mutex_);
+    return values_.policy;
+}
+
+void StatusBoard::policy(ExceptionPolicy policy)
+{
+    const std::lock_guard lock(mutex_);
+    values_.policy = policy;
+}
+
+}  // namespace hive::service

@@ -1,0 +1,61 @@
+// What everybody may know of a drone while its code is busy: its state, its condition, its last exception.
+#pragma once
+
+#include "declaration.hpp"
+
+#include <hive/event/clock.hpp>
+#include <hive/status.hpp>
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+
+namespace hive::service {
+
+/// Any thread. Its mutex is locked by its own small functions and by nobody else.
+class StatusBoard {
+public:
+    /// A copy of what the board says at one moment.
+    struct Values {
+        State state = State::starting;
+        std::string condition;
+        std::string callback;  ///< what the user thread works on
+        ExceptionPolicy policy{};
+        std::int64_t busy_us = 0;
+        event::Clock::time_point busy_since{};
+        Reason why{};  ///< beside the condition
+        std::optional<ExceptionStatus> last_exception;
+        std::vector<MatchCounts> matched;  ///< one for each matching, in the order of their declaration
+    };
+    [[nodiscard]] Values values() const;
+
+    // --- the state ---
+    [[nodiscard]] bool halted() const noexcept { return halted_; }
+    [[nodiscard]] bool stopping() const noexcept { return stopping_; }
+    void idle();
+    void halt();
+    void resume();
+    /// @return  whether this was the first call
+    bool stop();
+    /// The loop has ended.
+    void ended();
+
+    // --- the work ---
+    void begin_work(const std::string& callback);
+    void end_work();
+    void matched(std::size_t matching, MatchCounts counts);
+
+    // --- what is told ---
+    /// @return  whether that is news
+    bool condition(const std::string& text, Reason why);
+    void exception(ExceptionStatus exception);
+    [[nodiscard]] ExceptionPolicy policy() const;
+    void policy(ExceptionPolicy policy);
+
+private:
+    std::atomic<bool> halted_ = false, stopping_ = false;
+    mutable std::mutex mutex_;
+    Values values_;
+};
+
+}  // namespace hive::service

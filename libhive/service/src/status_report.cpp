@@ -1,0 +1,87 @@
+// Puts together what the board, the outlets and the intakes say.
+#include "status_report.hpp"
+
+namespace hive::service {
+
+using event::Clock;
+
+namespace {
+
+MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& counts)
+{
+    MatchingStatus row{.inputs = {},
+                       .sets = counts.sets,
+                       .waiting = counts.waiting,
+                       .unmatched = counts.unmatched,
+                       .duplicates = counts.duplicates,
+                       .missing = counts.missing};
+    for (const auto& input : matching.inputs) {
+        row.inputs.push_back(input.name);
+        row.missing.try_emplace(input.name, 0);
+    }
+    return row;
+}
+
+}  // namespace
+
+Status StatusReport::page(std::int64_t skip_edges) const { return page_of(now(), skip_edges); }
+
+Status StatusReport::now() const
+{
+    const auto board = board_.values();
+    const auto busy_for = board.state == State::busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
+    Status status{.name = module_.self().name,
+                  .kind = module_.self().kind,
+                  .pid = module_.self().pid,
+                  .epoch = module_.self().epoch,
+                  .state = board_.stopping() ? State::stopping : board.state,
+                  .policy = board.policy,
+                  .condition = board.condition,
+                  .uptime_us = event::microseconds(Clock::now() - started_),
+                  .busy_us = board.busy_us + busy_for,
+                  .busy_for_us = busy_for,
+                  .callback = board.callback,
+                  .why = why(board),
+                  .outputs = {},
+                  .inputs = inputs(),
+                  .left = module_.left(),
+                  .matching = matching(board),
+                  .last_exception = board.last_exception};
+    for (const auto& outlet : module_.outlets())
+        status.outputs.push_back(outlet.status());
+    return status;
+}
+
+Reason StatusReport::why(const StatusBoard::Values& board) const
+{
+    if (module_.paused() != Reason::none)
+        return module_.paused();
+    if (!declaration_.interface.inputs.empty() && module_.intakes().empty())
+        return Reason::no_input;
+    return board.why;
+}
+
+std::vector<InputStatus> StatusReport::inputs() const
+{
+    std::vector<InputStatus> rows;
+    for (const auto& intake : module_.intakes()) {
+        const auto& spec = intake->spec();
+        rows.push_back(intake->status());
+        rows.back().queued = mailbox_.count([&](const Event& event) {
+            return event.input == spec.input && event.sender == spec.sender && event.output == spec.output;
+        });
+        rows.back().in_hand -= rows.back().queued;
+    }
+    return rows;
+}
+
+std::vector<MatchingStatus> StatusReport::matching(const StatusBoard::Values& board) const
+{
+    std::vector<MatchingStatus> rows;
+    for (std::size_t i = 0; i < declaration_.matchings.size(); ++i)
+        rows.push_back(
+            matching_row(declaration_.matchings[i], i < board.matched.size() ? board.matched[i] : MatchCounts{}));
+    return rows;
+}
+
+}  // namespace hive::service

@@ -1,0 +1,37 @@
+// The answer to status.
+#pragma once
+
+#include "status_board.hpp"
+
+#include <hive/event/mailbox.hpp>
+#include <hive/event/module.hpp>
+
+namespace hive::service {
+
+/// The network side.
+class StatusReport {
+public:
+    StatusReport(const Declaration& declaration, const StatusBoard& board, const event::Mailbox& mailbox,
+                 event::Module& module)
+        : declaration_(declaration), board_(board), mailbox_(mailbox), module_(module)
+    {
+    }
+
+    /// As SPEC.md, section 6.4, has it, with all edges.
+    [[nodiscard]] Status now() const;
+    /// With as many edges as fit one answer, from one on.
+    [[nodiscard]] Status page(std::int64_t skip_edges) const;
+
+private:
+    [[nodiscard]] std::vector<InputStatus> inputs() const;
+    [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
+    [[nodiscard]] Reason why(const StatusBoard::Values& board) const;
+
+    const Declaration& declaration_;
+    const StatusBoard& board_;
+    const event::Mailbox& mailbox_;
+    event::Module& module_;
+    event::Clock::time_point started_ = event::Clock::now();
+};
+
+}  // namespace hive::service

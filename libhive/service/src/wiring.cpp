@@ -1,0 +1,128 @@
+// Answers connect and disconnect.
+#include "wiring.hpp"
+
+#include <algorithm>
+
+namespace hive::service {
+
+using event::Intake;
+using event::IntakeSpec;
+using event::Outcome;
+
+namespace {
+
+bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
+{
+    return one.sender == other.sender && one.output == other.output && one.input == other.input;
+}
+
+}  // namespace
+
+void Wiring::on_connect(const event::Incoming& incoming)
+{
+    connect(intake_spec(protocol::connect_from_json(incoming.header)),
+            [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
+}
+
+void Wiring::on_disconnect(const event::Incoming& incoming)
+{
+    const Fields fields(incoming.header, "disconnect");
+    const Fields from(fields.object("from"), "disconnect: from");
+    const auto drone = from.name("drone"), output = from.name_or("output", ""), input = fields.name_or("input", "");
+    const auto meant = [&](const IntakeSpec& spec) {
+        return spec.sender == drone && (output.empty() || spec.output == output)
+               && (input.empty() || spec.input == input);
+    };
+    std::size_t removed = 0;
+    for (const auto& intake : std::vector(module_.intakes()))
+        if (meant(intake->spec())) {
+            inbox_.discard(intake->spec());
+            module_.remove_intake(intake);
+            ++removed;
+        }
+    if (removed == 0)
+        throw Error(Errc::not_found,
+                    module_.self().name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
+    state_file_.remember();
+    incoming.answer(Json{{"removed", removed}});
+}
+
+void Wiring::restore(const Json& connections)
+{
+    for (const auto& saved : connections)
+        try {
+            add_intake(intake_spec(protocol::connect_from_json(saved)))->start({});
+        } catch (const Error& error) {
+            reporter_.log(std::string("a saved connection is left out: ") + error.what());
+        }
+}
+
+IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
+{
+    const Port& port = port_named(declaration_.interface.inputs, module_.self().name, "input", connect.input);
+    const auto& self = module_.self().name;
+    const auto address =
+        connect.address.empty() ? home_.address(connect.drone) : transport::parse_address(connect.address);
+    if (address == home_.address(self))
+        throw Error(Errc::invalid_argument, self + " cannot receive its own output " + connect.output
+                                                + ": each event would bring forth the next");
+    return {.sender = connect.drone,
+            .output = connect.output,
+            .address = address,
+            .input = connect.input,
+            .receiver = self + "." + connect.input,
+            .accepts = port.type,
+            .stateful = declaration_.interface.stateful,
+            .options = connect.options};
+}
+
+std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
+{
+    return module_.add_intake(std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); });
+}
+
+void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
+{
+    if (const auto present = connected(spec);
+        present && present->spec().options.group.empty() && spec.options.group.empty())
+        return present->change(spec.options, [this, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+            state_file_.remember();
+            on_outcome(outcome);
+        });
+    const std::weak_ptr<Intake> weak = add_intake(std::move(spec));
+    weak.lock()->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+        const auto self = weak.lock();
+        if (std::holds_alternative<Error>(outcome)) {
+            module_.remove_intake(self);
+            return on_outcome(outcome);
+        }
+        replace_earlier(self);
+        state_file_.remember();
+        on_outcome(outcome);
+    });
+}
+
+std::shared_ptr<Intake> Wiring::connected(const IntakeSpec& spec) const
+{
+    for (const auto& intake : module_.intakes())
+        if (intake->connected() && same_ends(intake->spec(), spec))
+            return intake;
+    return nullptr;
+}
+
+/// An input has one connection to an output: the newest. One that was asked for later will replace this one in its
+/// turn.
+void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
+{
+    for (const auto& other : std::vector(module_.intakes())) {
+        if (other == intake)
+            return;
+        if (!same_ends(other->spec(), intake->spec()))
+            continue;
+        if (!other->spec().options.group.empty())
+            inbox_.discard(other->spec());
+        module_.remove_intake(other);
+    }
+}
+
+}  // namespace hive::service

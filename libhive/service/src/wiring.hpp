@@ -1,0 +1,45 @@
+// The connections of a drone's inputs: made, replaced, ended, and made again after a crash.
+#pragma once
+
+#include "inbox.hpp"
+#include "state_file.hpp"
+
+#include <hive/protocol/requests.hpp>
+
+namespace hive::service {
+
+/// The network side.
+class Wiring {
+public:
+    Wiring(const Declaration& declaration, const event::Home& home, event::Module& module, Inbox& inbox,
+           StateFile& state_file, const Reporter& reporter)
+        : declaration_(declaration),
+          home_(home),
+          module_(module),
+          inbox_(inbox),
+          state_file_(state_file),
+          reporter_(reporter)
+    {
+    }
+
+    void on_connect(const event::Incoming& incoming);
+    void on_disconnect(const event::Incoming& incoming);
+    /// @param connections  as the state file has them
+    void restore(const Json& connections);
+
+private:
+    [[nodiscard]] event::IntakeSpec intake_spec(const protocol::Connect& connect) const;
+    std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
+    void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
+    [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
+    void replace_earlier(const std::shared_ptr<event::Intake>& intake);
+
+    const Declaration& declaration_;
+    const event::Home& home_;
+    event::Module& module_;
+    Inbox& inbox_;
+    StateFile& state_file_;
+    const Reporter& reporter_;
+};
+
+}  // namespace hive::service

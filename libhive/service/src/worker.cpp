@@ -1,0 +1,144 @@
+// Takes commands and events out of the mailbox and runs the author's code on them.
+#include "worker.hpp"
+
+#include <hive/event/receipt.hpp>
+
+#include <algorithm>
+
+namespace hive::service {
+
+using event::Clock;
+
+namespace {
+
+constexpr auto never = Clock::time_point::max();
+constexpr auto pause_after_failure = std::chrono::milliseconds(100);  ///< a main that keeps failing must not spin
+
+}  // namespace
+
+void Worker::run()
+{
+    next_step_ = Clock::now();
+    while (!parts_.board.stopping()) {
+        auto item = parts_.module.next(parts_.mailbox, next_deadline());
+        if (item) {
+            if (auto* command = std::get_if<event::Mailbox::Command>(&*item))
+                (*command)();
+            else
+                deliver(std::move(std::get<Event>(*item)));
+        }
+        work_on_sets();
+        if (steps() && !parts_.board.stopping() && (!item || Clock::now() >= next_step_))
+            step();
+    }
+    parts_.board.ended();
+}
+
+bool Worker::steps() const { return parts_.declaration.main && !parts_.board.halted(); }
+
+Clock::time_point Worker::next_deadline() const
+{
+    auto first = steps() ? next_step_ : never;
+    for (const auto& matching : parts_.declaration.matchings)
+        first = std::min(first, matching.matcher.deadline().value_or(never));
+    return first;
+}
+
+void Worker::step()
+{
+    parts_.board.begin_work("main");
+    try {
+        next_step_ = Clock::now() + parts_.declaration.main();
+    } catch (...) {
+        failed({}, current_error());
+    }
+    parts_.board.end_work();
+}
+
+void Worker::apply(const Json& values)
+{
+    next_step_ = Clock::now();
+    parts_.declaration.parameters.apply(values, parts_.declaration.on_change);
+}
+
+void Worker::deliver(Event&& event)
+{
+    for (auto& matching : parts_.declaration.matchings)
+        if (const auto* input = matching.input(event.input))
+            return to_partners(std::move(event), matching, *input);
+    Set set;
+    set.push_back(std::move(event));
+    const auto callback = [&] {
+        require_type(set.front());
+        parts_.declaration.callbacks.at(set.front().input)(set.front());
+    };
+    work(set, callback);
+}  // the receipt goes with the set: the next one is asked for, unless the drone has halted
+
+void Worker::to_partners(Event event, MatchedInputs& matching, const MatchedInput& input)
+{
+    Set single;
+    single.push_back(std::move(event));
+    const auto check = [&] {
+        require_type(single.front());
+        if (input.check)
+            input.check(single.front());
+    };
+    if (work(single, check))
+        matching.matcher.push(std::move(single.front()), Clock::now());
+}
+
+void Worker::work_on_sets()
+{
+    auto& matchings = parts_.declaration.matchings;
+    for (std::size_t i = 0; i < matchings.size(); ++i) {
+        auto& [inputs, matcher, callback] = matchings[i];
+        matcher.expire(Clock::now());
+        while (!parts_.board.halted() && !parts_.board.stopping())
+            if (const auto set = matcher.pop()) {
+                work(*set, [&] { callback(*set); });
+            } else {
+                break;
+            }
+        parts_.board.matched(i, matcher.counts());
+    }
+}
+
+/// @return  whether the callback came to its end
+bool Worker::work(const Set& set, const std::function<void()>& callback)
+{
+    parts_.board.begin_work(set.front().input);
+    parts_.emitter.begin(set);
+    bool done = false;
+    try {
+        callback();
+        done = true;
+    } catch (...) {
+        failed(set, current_error());
+    }
+    parts_.emitter.finish();
+    parts_.board.end_work();
+    return done;
+}
+
+/// @param set  empty: it was main that failed
+void Worker::failed(const Set& set, const Error& error)
+{
+    parts_.reporter.report(error, set.empty() ? nullptr : &set.front());
+    if (set.empty())
+        next_step_ = Clock::now() + pause_after_failure;
+    for (const auto& event : set)
+        conclude(event, event::Ending::abandoned);
+    if (parts_.board.policy() == ExceptionPolicy::halt)
+        parts_.halting.halt();
+}
+
+void Worker::require_type(const Event& event) const
+{
+    const auto* input = parts_.declaration.interface.input(event.input);
+    if (!types_fit(event.type, input->type))
+        throw Error(Errc::type_mismatch, event.sender + "." + event.output + " sent " + event.type + ", but "
+                                             + event.input + " takes " + input->type);
+}
+
+}  // namespace hive::service

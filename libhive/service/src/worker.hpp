@@ -1,0 +1,46 @@
+// The user thread of a drone at work: the loop, the callbacks, main, and what comes of exceptions.
+#pragma once
+
+#include "emitter.hpp"
+#include "halting.hpp"
+#include "reporter.hpp"
+
+namespace hive::service {
+
+/// Everything here runs on the user thread. The network side reaches it only by commands (inbox.hpp).
+class Worker {
+public:
+    /// What it uses, which outlives it.
+    struct Parts {
+        Declaration& declaration;
+        StatusBoard& board;
+        Reporter& reporter;
+        Emitter& emitter;
+        Halting& halting;
+        event::Mailbox& mailbox;
+        event::Module& module;
+    };
+    explicit Worker(const Parts& parts) : parts_(parts) {}
+
+    /// Works until the drone is told to stop.
+    void run();
+    /// Assigns checked values and calls on_change. What that throws is thrown here, when the old values are back.
+    void apply(const Json& values);
+    void resume() { parts_.halting.resume(); }
+
+private:
+    void step();
+    void deliver(Event&& event);
+    void to_partners(Event event, MatchedInputs& matching, const MatchedInput& input);
+    void work_on_sets();
+    bool work(const Set& set, const std::function<void()>& callback);
+    void failed(const Set& set, const Error& error);
+    void require_type(const Event& event) const;
+    [[nodiscard]] bool steps() const;
+    [[nodiscard]] event::Clock::time_point next_deadline() const;
+
+    Parts parts_;
+    event::Clock::time_point next_step_{};  ///< of main
+};
+
+}  // namespace hive::service

@@ -1,0 +1,129 @@
+// Requests that come while user code is busy, or several at once: each has its answer, in time.
+#include "prey.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace hostile;
+
+namespace {
+
+Json from_ticker(const std::string& address = {}, int window = 1)
+{
+    Json from{{"drone", "ticker"}, {"output", "tick"}};
+    if (!address.empty())
+        from["address"] = address;
+    return {{"from", from}, {"input", "image"}, {"options", {{"window", window}}}};
+}
+
+std::string connect_packet(int id, Json fields)
+{
+    fields["id"] = id;
+    return raw::packet(raw::connect, 0, fields.dump());
+}
+
+}  // namespace
+
+TEST_CASE("request: a set is answered at its deadline while user code is busy, and never applied after it")
+{
+    const Prey prey("sleeper", {"work_ms=1500"});
+    auto peer = prey.meet();
+    REQUIRE(raw::error_of(peer.ask(raw::put, {{"input", "image"}, {"type", "text/plain"}}, 0, "x")) == "");
+    REQUIRE(
+        hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "busy"; }, within(1000)));
+    const auto begin = Clock::now();
+    const Json answer = peer.ask(raw::set, {{"parameters", {{"work_ms", 7}}}, {"deadline_ms", 200}});
+    CHECK(raw::error_of(answer) == "timeout");
+    CHECK(Clock::now() - begin > Milliseconds(190));
+    CHECK(peer.ask(raw::status).at("result").at("state") == "busy");
+    REQUIRE(
+        hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "idle"; }, within(5000)));
+    CHECK(peer.ask(raw::get).at("result").at("parameters").at("work_ms") == 1500);
+    CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{"work_ms", 7}}}, {"deadline_ms", 200}})) == "");
+    CHECK(peer.ask(raw::get).at("result").at("parameters").at("work_ms") == 7);
+}
+
+TEST_CASE("request: three connects of one pair at once have three answers, and the last one stands")
+{
+    const Prey prey("sleeper");
+    const auto ticker = prey.swarm().drone("ticker", "ticker", {"fps=5"});
+    auto peer = prey.meet();
+    std::string all;
+    for (int i = 1; i <= 3; ++i)
+        all += connect_packet(i, from_ticker({}, i));
+    REQUIRE(peer.send(all));
+    std::string last = "no answer";
+    for (int i = 1; i <= 3; ++i) {
+        const auto answer = peer.next_of(raw::confirmation, within(3000));
+        REQUIRE(answer);
+        const Json json = answer->json();
+        CHECK((raw::error_of(json) == "" || raw::error_of(json) == "stopped"));
+        if (json.at("id") == 3)
+            last = raw::error_of(json);
+    }
+    CHECK(last == "");
+    const Json inputs = peer.ask(raw::status).at("result").at("inputs");
+    REQUIRE(inputs.size() == 1);
+    CHECK(inputs[0].value("options", inputs[0]).at("window") == 3);
+}
+
+TEST_CASE("request: a connect that still waits is answered when a later one of the same pair replaces it, or its input "
+          "is disconnected")
+{
+    const Prey prey("sleeper");
+    const auto ticker = prey.swarm().drone("ticker", "ticker", {"fps=5"});
+    const auto silent = prey.swarm().home() / "silent.sock";
+    const raw::Listener listener(silent);  // accepts, and says nothing
+    auto peer = prey.meet();
+    REQUIRE(peer.send(connect_packet(1001, from_ticker("unix:" + silent.string()))));
+    REQUIRE(peer.send(connect_packet(1002, from_ticker())));
+    for (const auto& [id, error] : {std::pair{1001, "stopped"}, std::pair{1002, ""}}) {
+        const auto answer = peer.next_of(raw::confirmation, within(2000));
+        REQUIRE(answer);
+        CHECK(answer->json().at("id") == id);
+        CHECK(raw::error_of(answer->json()) == error);
+    }
+    CHECK(peer.ask(raw::status).at("result").at("inputs").size() == 1);
+    REQUIRE(peer.send(connect_packet(1003, from_ticker("unix:" + silent.string()))));
+    REQUIRE(peer.send(raw::packet(raw::disconnect, 0, R"({"id":1004,"from":{"drone":"ticker"}})")));
+    for (const auto& [id, error] : {std::pair{1003, "stopped"}, std::pair{1004, ""}}) {
+        const auto answer = peer.next_of(raw::confirmation, within(2000));
+        REQUIRE(answer);
+        CHECK(answer->json().at("id") == id);
+        CHECK(raw::error_of(answer->json()) == error);
+    }
+    CHECK(peer.ask(raw::status).at("result").at("inputs") == Json::array());
+}
+
+TEST_CASE("request: the result of a connect is what the sender answered")
+{
+    const Prey prey("sleeper");
+    const auto ticker = prey.swarm().drone("ticker", "ticker", {"fps=5"});
+    const Json result = prey.meet().ask(raw::connect, from_ticker()).at("result");
+    CHECK(result.at("kind") == "ticker");
+    CHECK(result.at("type") == "application/octet-stream");
+    CHECK(result.at("epoch").get<std::int64_t>() > 0);
+}
+
+TEST_CASE("request: who is only notified of a camera is told no size while no picture is made, and the true one when "
+          "somebody takes them")
+{
+    const Prey prey = Prey::camera();
+    auto peer = prey.meet();
+    const Json registration{{"epoch", 1},
+                            {"output", "image"},
+                            {"receiver", "raw"},
+                            {"options", {{"transfer", "stream"}, {"delivery", "notify"}}}};
+    REQUIRE(raw::error_of(peer.ask(raw::register_, registration, 1)) == "");
+    for (int i = 0; i < 3; ++i) {
+        const auto notification = peer.next_of(raw::notification, within(2000));
+        REQUIRE(notification);
+        CHECK_FALSE(notification->json().contains("size"));
+    }
+    const Witness witness(prey);
+    REQUIRE(hive::test::eventually(
+        [&] {
+            const auto notification = peer.next_of(raw::notification, within(2000));
+            return notification && notification->json().value("size", 0) == 320 * 240 * 3;
+        },
+        within(3000)));
+}

@@ -1,0 +1,148 @@
+// In order, and complete: whoever was slow, threw or was asked twice, an ordered collector loses no result and waits
+// for none that cannot come.
+#include "taking.hpp"
+
+#include <recording_reader.hpp>
+
+#include <hive/event_text.hpp>
+
+#include <fstream>
+
+using namespace hive::test;
+using hive::Json;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a recording has, one line for each event in its order: which output, which sequence, which body.
+std::vector<std::string> events_in(const fs::path& file)
+{
+    recording::Reader reader(file);
+    std::vector<std::string> lines;
+    while (const auto record = reader.next()) {
+        const auto event = hive::event_from_text(reader.text(*record));
+        std::vector<std::byte> body(record->prefix.body_size);
+        reader.body(*record, body);
+        const auto sum = std::hash<std::string_view>()({reinterpret_cast<const char*>(body.data()), body.size()});
+        lines.push_back(event.identity.source + " " + std::to_string(event.identity.sequence) + " "
+                        + event.header.dump() + " " + std::to_string(sum));
+    }
+    return lines;
+}
+
+/// Replays a recording on demand into another one.
+std::vector<std::string> recorded_again(const Swarm& swarm, const fs::path& file, const fs::path& copy)
+{
+    const auto count = events_in(file).size();
+    swarm.hivectl_done({"replay", file.string(), "--pace", "demand", "--halted"});
+    auto recorder = swarm.hivectl_running({"record", "replay", "-o", copy.string(), "-n", std::to_string(count)},
+                                          "recorder-of-" + copy.stem().string());
+    auto application = swarm.application();
+    const auto both = [&] {
+        const auto status = status_of(application, "replay");
+        return std::ranges::all_of(status.at("outputs"), [](const Json& output) {
+            return output.at("name") == "exceptions" || !registered(output).empty();
+        });
+    };
+    REQUIRE(eventually(both));
+    application.resume("replay");
+    REQUIRE(recorder.wait(patient(10'000ms)) == 0);
+    application.stop("replay");
+    return events_in(copy);
+}
+
+/// A folder with copies of one picture of the camera, of which the third is cut short.
+fs::path folder_with_a_damaged_picture(const Swarm& swarm)
+{
+    const auto folder = swarm.home() / "pictures", whole = swarm.home() / "whole.jpg";
+    fs::create_directory(folder);
+    const auto camera = swarm.drone("camera", "photographer", {"noise=0"});
+    swarm.hivectl_done({"snap", "photographer", whole.string()});
+    const auto picture = text_of(whole);
+    for (int i = 1; i <= 6; ++i)
+        std::ofstream(folder / (std::to_string(i) + ".jpg"), std::ios::binary)
+            << (i == 3 ? picture.substr(0, picture.size() / 2) + "\xff\xd9" : picture);
+    return folder;
+}
+
+}  // namespace
+
+TEST_CASE("ordered: the first result of a group may be the slowest")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=10"});
+    const auto slow = swarm.drone("sleeper", "slow", {"work_ms=2700"}), fast = swarm.drone("sleeper", "fast");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"slow", "result"}, {"fast", "result"}}, in_order);
+    for (const char* worker : {"slow", "fast"})
+        application.connect({"source", "tick"}, {worker, "image"}, member_of("workers"));
+    CHECK(listed(take(*collector, 10)) == listed(one_to(10)));
+    CHECK(collector->counts().missing == 0);
+}
+
+TEST_CASE("ordered: what an earlier stage threw on is failed at once, and nothing waits for it")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=30"});
+    const auto first = swarm.drone("sleeper", "first", {"throw_at=10"}), second = swarm.drone("sleeper", "second");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"second", "result"}}, in_order);
+    application.connect({"first", "result"}, {"second", "image"});
+    application.connect({"source", "tick"}, {"first", "image"});
+    auto expected = one_to(30);
+    std::erase(expected, 10);
+    CHECK(listed(take(*collector, 29)) == listed(expected));
+    CHECK(collector->counts().failed == 1);
+    CHECK(collector->counts().missing == 0);
+}
+
+TEST_CASE("ordered: a damaged picture in a folder is failed at once, and its exception says which it was")
+{
+    const Swarm swarm;
+    const auto folder = folder_with_a_damaged_picture(swarm);
+    const auto face = swarm.drone("face", "face");
+    const auto camera =
+        swarm.drone("camera", "camera", {"source=" + folder.string(), "width=320", "pace=demand", "loop=off"});
+    auto application = swarm.application();
+    const auto exceptions = application.exceptions({"camera"});
+    const auto collector = application.collect({{"face", "faces"}}, in_order);
+    application.connect({"camera", "image"}, {"face", "image"});
+    CHECK(listed(take(*collector, 5)) == "1 2 4 5 6");
+    CHECK(collector->counts().failed == 1);
+    CHECK(collector->counts().missing == 0);
+    const auto exception = exceptions->next(patient(1000ms));
+    REQUIRE(exception);
+    CHECK(exception->identity.source == "camera");
+    CHECK(exception->identity.sequence == 3);
+}
+
+TEST_CASE("ordered: a replay of two outputs on demand gives the same events in the same order each time")
+{
+    const Swarm swarm;
+    const auto large = swarm.drone("ticker", "large", {"fps=200", "bytes=300000"}),
+               small = swarm.drone("ticker", "small", {"fps=200", "bytes=100"});
+    const auto file = swarm.home() / "run.hive";
+    swarm.hivectl_done({"record", "large", "small", "-o", file.string(), "-n", "100"});
+    const auto original = events_in(file);
+    const auto once = recorded_again(swarm, file, swarm.home() / "once.hive"),
+               twice = recorded_again(swarm, file, swarm.home() / "twice.hive");
+    CHECK((once == twice));
+    CHECK((once == original));
+}
+
+TEST_CASE("ordered: a recording that is replayed again and again goes on being taken by a drone that keeps state")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto boxes = swarm.drone("fork", "boxes"), track = swarm.drone("track", "track");
+    const auto file = (swarm.home() / "run.hive").string();
+    auto application = swarm.application();
+    application.connect({"source", "tick"}, {"boxes", "in"});
+    swarm.hivectl_done({"record", "boxes.left", "-o", file, "-n", "20"});
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file, "pace=demand", "loop=on"});
+    const auto collector = application.collect({{"track", "tracks"}});
+    application.connect({"replay", "left"}, {"track", "boxes"});
+    CHECK(take(*collector, 60, 2000ms).size() == 60);
+    CHECK(total(application, "track", "abandoned") == 0);
+}

@@ -1,0 +1,176 @@
+// Drones that run inside the test: what they do with whatever their code throws, and how they end themselves.
+#include <hive/application.hpp>
+#include <hive/drone.hpp>
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <future>
+#include <iostream>
+#include <sstream>
+#include <thread>
+
+namespace {
+
+using namespace std::chrono_literals;
+using hive::Drone;
+using hive::Json;
+
+constexpr const char* not_an_exception = "something that is not an exception was thrown";
+
+/// A home of its own for the drones of one test.
+class Home {
+public:
+    Home()
+    {
+        std::string pattern = (std::filesystem::temp_directory_path() / "hive-unit-service-XXXXXX").string();
+        REQUIRE(::mkdtemp(pattern.data()));
+        directory_ = pattern;
+        ::setenv("HIVE_HOME", pattern.c_str(), 1);
+    }
+    ~Home() { std::filesystem::remove_all(directory_); }
+    Home(const Home&) = delete;
+    Home& operator=(const Home&) = delete;
+
+    [[nodiscard]] bool has(const std::string& file) const { return std::filesystem::exists(directory_ / file); }
+
+private:
+    std::filesystem::path directory_;
+};
+
+int run_drone(const std::function<void(Drone&)>& body)
+{
+    std::string program = "hive-subject", option = "--log-level", level = "off";
+    char* words[] = {program.data(), option.data(), level.data(), nullptr};
+    return hive::run_drone(3, words, {"subject", "A drone under test."}, body);
+}
+
+/// A drone in a thread of its own, which is its user thread; told to stop at the end.
+class Running {
+public:
+    /// Returns when it answers.
+    explicit Running(std::function<void(Drone&)> declare)
+        : thread_([this, declare = std::move(declare)] {
+              exit_code_.set_value(run_drone([&](Drone& drone) {
+                  declare(drone);
+                  drone.on_start([&] { drone_.set_value(&drone); });
+                  drone.run();
+              }));
+          })
+    {
+        auto future = drone_.get_future();
+        REQUIRE(future.wait_for(10s) == std::future_status::ready);
+        handle_ = future.get();
+    }
+    ~Running()
+    {
+        if (thread_.joinable()) {
+            handle_->stop();
+            thread_.join();
+        }
+    }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+    /// Waits for it to end by itself.
+    int exit_code()
+    {
+        auto future = exit_code_.get_future();
+        REQUIRE(future.wait_for(10s) == std::future_status::ready);
+        thread_.join();
+        return future.get();
+    }
+
+private:
+    std::promise<Drone*> drone_;
+    std::promise<int> exit_code_;
+    Drone* handle_ = nullptr;
+    std::thread thread_;
+};
+
+/// Asks until the drone answers and the answer pleases.
+template <class Condition>
+Json status_when(hive::Application& application, Condition condition)
+{
+    for (const auto end = std::chrono::steady_clock::now() + 10s; std::chrono::steady_clock::now() < end;) {
+        const auto answer = application.status(std::vector<std::string>{"subject"}).front();
+        if (!answer.error && condition(answer.result))
+            return answer.result;
+        std::this_thread::sleep_for(3ms);
+    }
+    FAIL("the drone did not come to what was waited for");
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("running drone: what main throws is reported, even if it is not an exception, and main is called again")
+{
+    const Home home;
+    std::atomic<int> calls{0};
+    const Running drone([&](Drone& subject) {
+        subject.main([&]() -> std::chrono::microseconds {
+            if (++calls == 1)
+                throw 42;
+            return 1s;
+        });
+    });
+    hive::Application application;
+    const auto status = status_when(application, [&](const Json& now) { return calls > 1 && now["state"] == "idle"; });
+    CHECK(status.at("last_exception").at("code") == "failed");
+    CHECK(status.at("last_exception").at("text") == not_an_exception);
+}
+
+TEST_CASE("running drone: a set that on_change answers by throwing something is refused, and the old value is back")
+{
+    const Home home;
+    int value = 1;
+    const Running drone([&](Drone& subject) {
+        subject.parameter("value", value, hive::anything(), "a number below 10");
+        subject.on_change([&] {
+            if (value >= 10)
+                throw 42;
+        });
+    });
+    hive::Application application;
+    status_when(application, [](const Json& now) { return now["state"] == "idle"; });
+    CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 10}}), doctest::Contains(not_an_exception), hive::Error);
+    CHECK(application.get("subject").at("value") == 1);
+    CHECK(application.set("subject", {{"value", 9}}).at("value") == 9);
+}
+
+TEST_CASE("running drone: whatever on_start throws, the drone ends and says why")
+{
+    const Home home;
+    std::ostringstream said;
+    auto* const before = std::cerr.rdbuf(said.rdbuf());
+    const int exit_code = run_drone([](Drone& drone) {
+        drone.on_start([] { throw 42; });
+        drone.run();
+    });
+    std::cerr.rdbuf(before);
+    CHECK(exit_code == 1);
+    CHECK(said.str() == std::string("hive-subject: ") + not_an_exception + "\n");
+}
+
+TEST_CASE("running drone: a drone whose world has ended stops itself and leaves nothing behind")
+{
+    const Home home;
+    Running drone([](Drone& subject) {
+        subject.main([&]() -> std::chrono::microseconds {
+            subject.stop();
+            return 1h;
+        });
+    });
+    CHECK(drone.exit_code() == 0);
+    CHECK_FALSE(home.has("subject.sock"));
+    CHECK_FALSE(home.has("subject.state"));
+}
+
+TEST_CASE("running drone: stop() before run() is refused")
+{
+    const Home home;
+    CHECK(run_drone([](Drone& drone) { CHECK_THROWS_AS(drone.stop(), hive::Error); }) == 0);
+}
