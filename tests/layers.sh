@@ -21,6 +21,8 @@ refuse "service and manager are siblings" 'hive/application\.hpp|hive/vision/' l
 refuse "service and manager are siblings" 'hive/drone\.hpp|hive/vision/' libhive/manager
 refuse "hivectl uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/drone\.hpp' hivectl
 refuse "drones use the public API and vision alone" 'hive/(transport|event|protocol)/|hive/application\.hpp' drones
+refuse "recordings are made by who uses the public API" 'hive/recording/' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision
+refuse "recording uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/(drone|application)\.hpp' libhive/recording
 mapfile -t no_asio < <(find drones \( -name '*.hpp' -o -name '*.cpp' \) -not -path 'drones/axis/emulator/*')
 refuse "Asio belongs to transport, event and the emulated camera" 'asio' protocol libhive/service libhive/manager libhive/vision hivectl "${no_asio[@]}"
 refuse "the emulated camera is no part of Hive" 'hive/' drones/axis/emulator
@@ -28,6 +30,7 @@ refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/trans
 refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/event libhive/manager libhive/vision drones
 mapfile -t verbs < <(find hivectl \( -name '*.hpp' -o -name '*.cpp' \) -not -name command_line.cpp)
 refuse "in hivectl one file knows CLI11: it takes seconds to compile" 'CLI/' "${verbs[@]}"
+refuse "zlib belongs to recording" 'zlib' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision hivectl drones
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
 refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \

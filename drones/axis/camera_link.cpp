@@ -1,7 +1,6 @@
-// The link's thread. Everything it touches is in Shared, which it keeps alive itself.
+// What the link's thread does, and what its owner may ask and tell meanwhile.
 #include "camera_link.hpp"
 
-#include <condition_variable>
 #include <mutex>
 #include <utility>
 
@@ -10,30 +9,32 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = Lifeline::Clock;
-constexpr std::chrono::milliseconds end_within{500}, look_at_credentials{1000}, give_up_without_picture{10'000};
+constexpr std::chrono::milliseconds look_at_credentials{1000}, give_up_without_picture{10'000};
 
 /// Ends a session that shall begin anew at once.
 struct Restart {};
 
 }  // namespace
 
-struct CameraLink::Shared {
-    explicit Shared(LinkSettings all, LinkHooks them) : settings(std::move(all)), hooks(std::move(them)) {}
+class CameraLink::Work : public capture::PictureWork<Picture> {
+public:
+    Work(LinkSettings settings, LinkHooks hooks)
+        : PictureWork(std::move(hooks.notice)),
+          settings_(std::move(settings)),
+          log_(std::move(hooks.log)),
+          measure_(std::move(hooks.measure))
+    {
+    }
 
-    LinkSettings settings;  // of the thread alone, but for `wanted`
-    LinkHooks hooks;        // notice and log: under the mutex, so that they end with the link
-    std::filesystem::file_time_type credentials_written = written_at(settings.credentials_path);
-    std::int64_t count = 0;
-    Clock::time_point last_picture{};
+    void ask();
+    void wanted(const Parameters& wanted);
+    void restart();
+    void once_more();
+    [[nodiscard]] bool login_refused() const;
+    [[nodiscard]] std::string condition() const;
 
-    mutable std::mutex mutex;  // for all below
-    std::condition_variable changed;
-    bool stopping = false, ended = false, asked = false, restart = false;
-    std::optional<Picture> newest;
-    Lifeline lifeline{Clock::now()};
-    std::string settings_trouble, last_told, greeting;
-
-    void run();
+private:
+    void run() override;
     void session();
     void set_up(Camera& camera);
     void greet(const Model& model);
@@ -43,107 +44,113 @@ struct CameraLink::Shared {
     void check();
     void pause();
     void look_for_credentials();
+    void notice_news();
+    [[nodiscard]] std::string told() const;
 
-    [[nodiscard]] bool is_stopping() const
-    {
-        const std::lock_guard lock(mutex);
-        return stopping;
-    }
+    // of the thread alone
+    LinkSettings settings_;                        ///< but for `wanted`, which is under the mutex
+    std::function<void(const std::string&)> log_;  ///< called under the mutex, so that it ends with the link
+    std::function<Size(const std::string&)> measure_;
+    std::filesystem::file_time_type credentials_written_ = written_at(settings_.credentials_path);
+    std::int64_t count_ = 0;
+    Clock::time_point last_picture_{};
 
-    /// The mutex is held.
-    [[nodiscard]] std::string told() const
-    {
-        const std::string trouble = lifeline.condition(Clock::now());
-        return trouble.empty() ? settings_trouble : trouble;
-    }
-
-    void notice_news()
-    {
-        const std::lock_guard lock(mutex);
-        const std::string text = told();
-        if (!stopping && std::exchange(last_told, text) != text)
-            hooks.notice();
-    }
+    // under the mutex
+    bool asked_ = false, restart_ = false;
+    Lifeline lifeline_{Clock::now()};
+    std::string settings_trouble_, last_told_, greeting_;
 };
 
-void CameraLink::Shared::run()
+/// The mutex is held.
+std::string CameraLink::Work::told() const
+{
+    const std::string trouble = lifeline_.condition(Clock::now());
+    return trouble.empty() ? settings_trouble_ : trouble;
+}
+
+void CameraLink::Work::notice_news()
+{
+    const std::lock_guard lock(mutex_);
+    const std::string text = told();
+    if (std::exchange(last_told_, text) != text)
+        notify();
+}
+
+void CameraLink::Work::run()
 {
     while (!is_stopping()) {
         try {
             session();
         } catch (const Restart&) {
         } catch (const CameraError& error) {
-            const std::lock_guard again(mutex);
-            lifeline.failed(error, Clock::now());
+            const std::lock_guard again(mutex_);
+            lifeline_.failed(error, Clock::now());
         } catch (const std::exception& error) {
-            const std::lock_guard again(mutex);
-            lifeline.failed(CameraError(Trouble::refused_status, error.what()), Clock::now());
+            const std::lock_guard again(mutex_);
+            lifeline_.failed(CameraError(Trouble::refused_status, error.what()), Clock::now());
         }
         notice_news();
         pause();
     }
-    const std::lock_guard lock(mutex);
-    ended = true;
-    changed.notify_all();
 }
 
-void CameraLink::Shared::session()
+void CameraLink::Work::session()
 {
-    last_picture = Clock::now();
-    Camera camera(settings.access, [this] { check(); });
+    last_picture_ = Clock::now();
+    Camera camera(settings_.access, [this] { check(); });
     set_up(camera);
-    settings.pace == Pace::live ? live(camera) : on_demand(camera);
+    settings_.pace == Pace::live ? live(camera) : on_demand(camera);
 }
 
 /// An anonymous viewer may see pictures, but perhaps no parameters: the pictures decide then.
-void CameraLink::Shared::set_up(Camera& camera)
+void CameraLink::Work::set_up(Camera& camera)
 {
     Parameters wanted;
     {
-        const std::lock_guard lock(mutex);
-        lifeline.expect(Clock::now());
-        restart = false;
-        wanted = settings.wanted;
+        const std::lock_guard lock(mutex_);
+        lifeline_.expect(Clock::now());
+        restart_ = false;
+        wanted = settings_.wanted;
     }
     std::string trouble;
     try {
         greet(camera.identify());
         camera.apply(wanted);
     } catch (const CameraError& error) {
-        const bool anonymous = error.trouble() == Trouble::login_needed && !settings.access.credentials;
+        const bool anonymous = error.trouble() == Trouble::login_needed && !settings_.access.credentials;
         if (!anonymous && error.trouble() != Trouble::setting_refused)
             throw;
         if (!wanted.empty())
             trouble = error.what();
     }
-    const std::lock_guard lock(mutex);
-    settings_trouble = trouble;
+    const std::lock_guard lock(mutex_);
+    settings_trouble_ = trouble;
 }
 
 /// A camera that comes and goes is named once.
-void CameraLink::Shared::greet(const Model& model)
+void CameraLink::Work::greet(const Model& model)
 {
     const std::string text =
         masked("connected to " + model.name + ", firmware " + model.firmware + ", serial number " + model.serial);
-    const std::lock_guard lock(mutex);
-    if (!stopping && std::exchange(greeting, text) != text)
-        hooks.log(text);
+    const std::lock_guard lock(mutex_);
+    if (!stopping_ && std::exchange(greeting_, text) != text)
+        log_(text);
 }
 
-void CameraLink::Shared::live(Camera& camera)
+void CameraLink::Work::live(Camera& camera)
 {
     camera.stream([this](Part part) { accept(std::move(part.bytes)); });
 }
 
-void CameraLink::Shared::on_demand(Camera& camera)
+void CameraLink::Work::on_demand(Camera& camera)
 {
     while (true) {
         {
-            std::unique_lock lock(mutex);
-            if (!asked)
-                lifeline.content();
-            changed.wait(lock, [&] { return asked || stopping; });
-            lifeline.expect(Clock::now());
+            std::unique_lock lock(mutex_);
+            if (!asked_)
+                lifeline_.content();
+            changed_.wait(lock, [&] { return asked_ || stopping_; });
+            lifeline_.expect(Clock::now());
         }
         check();
         accept(camera.snapshot());
@@ -151,133 +158,120 @@ void CameraLink::Shared::on_demand(Camera& camera)
 }
 
 /// What is not whole is never passed on.
-void CameraLink::Shared::accept(std::string bytes)
+void CameraLink::Work::accept(std::string bytes)
 {
-    Picture picture{.jpeg = {}, .size = {}, .index = count, .captured = std::chrono::system_clock::now()};
+    Picture picture{.jpeg = {}, .size = {}, .index = count_, .captured = std::chrono::system_clock::now()};
     try {
-        picture.size = hooks.measure(bytes);
+        picture.size = measure_(bytes);
     } catch (const std::exception& problem) {
-        const std::lock_guard lock(mutex);
-        lifeline.broken(std::string("no whole picture: ") + problem.what());
-        if (settings.pace == Pace::demand)
+        const std::lock_guard lock(mutex_);
+        lifeline_.broken(std::string("no whole picture: ") + problem.what());
+        if (settings_.pace == Pace::demand)
             throw CameraError(Trouble::not_a_picture, std::string("no whole picture: ") + problem.what());
         return;
     }
     picture.jpeg = std::make_shared<const std::string>(std::move(bytes));
-    ++count;
-    last_picture = Clock::now();
-    const std::lock_guard lock(mutex);
-    lifeline.picture(last_picture);
-    asked = false;
-    newest = std::move(picture);
-    last_told = told();
-    if (!stopping)
-        hooks.notice();
+    ++count_;
+    last_picture_ = Clock::now();
+    const std::lock_guard lock(mutex_);
+    lifeline_.picture(last_picture_);
+    asked_ = false;
+    newest_ = std::move(picture);
+    last_told_ = told();
+    notify();
 }
 
 /// Ten times a second while the network is waited for.
-void CameraLink::Shared::check()
+void CameraLink::Work::check()
 {
     notice_news();
-    if (Clock::now() - last_picture > give_up_without_picture && settings.pace == Pace::live)
+    if (Clock::now() - last_picture_ > give_up_without_picture && settings_.pace == Pace::live)
         throw CameraError(Trouble::silent, "bytes, but no picture");
-    const std::lock_guard lock(mutex);
-    if (stopping)
+    const std::lock_guard lock(mutex_);
+    if (stopping_)
         throw CameraError(Trouble::cancelled, "not wanted any more");
-    if (std::exchange(restart, false))
+    if (std::exchange(restart_, false))
         throw Restart();
 }
 
 /// Until the next try is due.
-void CameraLink::Shared::pause()
+void CameraLink::Work::pause()
 {
-    std::unique_lock lock(mutex);
-    while (!stopping && lifeline.locked_out()) {
-        changed.wait_for(lock, look_at_credentials, [&] { return stopping || !lifeline.locked_out(); });
+    std::unique_lock lock(mutex_);
+    while (!stopping_ && lifeline_.locked_out()) {
+        changed_.wait_for(lock, look_at_credentials, [&] { return stopping_ || !lifeline_.locked_out(); });
         lock.unlock();
         look_for_credentials();
         lock.lock();
     }
-    changed.wait_until(lock, lifeline.next_try(), [&] { return stopping; });
+    changed_.wait_until(lock, lifeline_.next_try(), [&] { return stopping_; });
 }
 
-void CameraLink::Shared::look_for_credentials()
+void CameraLink::Work::look_for_credentials()
 {
     try {
-        auto now = read_credentials(settings.credentials_path);
-        const auto written = written_at(settings.credentials_path);
-        if (now == settings.access.credentials && written == credentials_written)
+        auto now = read_credentials(settings_.credentials_path);
+        const auto written = written_at(settings_.credentials_path);
+        if (now == settings_.access.credentials && written == credentials_written_)
             return;
-        settings.access.credentials = std::move(now);
-        credentials_written = written;
-        const std::lock_guard lock(mutex);
-        lifeline.new_credentials(Clock::now());
+        settings_.access.credentials = std::move(now);
+        credentials_written_ = written;
+        const std::lock_guard lock(mutex_);
+        lifeline_.new_credentials(Clock::now());
     } catch (const std::exception&) {  // it is being written, or gone: what is said already stays true
     }
 }
 
+void CameraLink::Work::ask()
+{
+    const std::lock_guard lock(mutex_);
+    asked_ = asked_ || !newest_;
+    changed_.notify_all();
+}
+
+void CameraLink::Work::wanted(const Parameters& wanted)
+{
+    const std::lock_guard lock(mutex_);
+    settings_.wanted = wanted;
+    settings_trouble_.clear();
+}
+
+void CameraLink::Work::restart()
+{
+    const std::lock_guard lock(mutex_);
+    restart_ = true;
+}
+
+void CameraLink::Work::once_more()
+{
+    const std::lock_guard lock(mutex_);
+    lifeline_.once_more(Clock::now());
+    changed_.notify_all();
+}
+
+bool CameraLink::Work::login_refused() const
+{
+    const std::lock_guard lock(mutex_);
+    return lifeline_.login_refused();
+}
+
+std::string CameraLink::Work::condition() const
+{
+    const std::lock_guard lock(mutex_);
+    return told();
+}
+
 CameraLink::CameraLink(LinkSettings settings, LinkHooks hooks)
-    : shared_(std::make_shared<Shared>(std::move(settings), std::move(hooks)))
+    : work_(std::make_shared<Work>(std::move(settings), std::move(hooks))), thread_(work_)
 {
-    thread_ = std::thread([shared = shared_] { shared->run(); });
 }
 
-CameraLink::~CameraLink()
-{
-    std::unique_lock lock(shared_->mutex);
-    shared_->stopping = true;
-    shared_->changed.notify_all();
-    const bool ended = shared_->changed.wait_for(lock, end_within, [&] { return shared_->ended; });
-    lock.unlock();
-    if (ended)
-        thread_.join();
-    else
-        thread_.detach();
-}
-
-std::optional<Picture> CameraLink::take()
-{
-    const std::lock_guard lock(shared_->mutex);
-    return std::exchange(shared_->newest, std::nullopt);
-}
-
-void CameraLink::ask()
-{
-    const std::lock_guard lock(shared_->mutex);
-    shared_->asked = shared_->asked || !shared_->newest;
-    shared_->changed.notify_all();
-}
-
-void CameraLink::wanted(const Parameters& wanted)
-{
-    const std::lock_guard lock(shared_->mutex);
-    shared_->settings.wanted = wanted;
-    shared_->settings_trouble.clear();
-}
-
-void CameraLink::restart()
-{
-    const std::lock_guard lock(shared_->mutex);
-    shared_->restart = true;
-}
-
-void CameraLink::once_more()
-{
-    const std::lock_guard lock(shared_->mutex);
-    shared_->lifeline.once_more(Clock::now());
-    shared_->changed.notify_all();
-}
-
-bool CameraLink::login_refused() const
-{
-    const std::lock_guard lock(shared_->mutex);
-    return shared_->lifeline.login_refused();
-}
-
-std::string CameraLink::condition() const
-{
-    const std::lock_guard lock(shared_->mutex);
-    return shared_->told();
-}
+std::optional<Picture> CameraLink::take() { return work_->take(); }
+void CameraLink::ask() { work_->ask(); }
+void CameraLink::wanted(const Parameters& wanted) { work_->wanted(wanted); }
+void CameraLink::restart() { work_->restart(); }
+void CameraLink::once_more() { work_->once_more(); }
+bool CameraLink::login_refused() const { return work_->login_refused(); }
+std::string CameraLink::condition() const { return work_->condition(); }
 
 }  // namespace axis

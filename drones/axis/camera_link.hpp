@@ -5,13 +5,14 @@
 #include "camera.hpp"
 #include "lifeline.hpp"
 
+#include <capture_thread.hpp>
+
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 namespace axis {
 
@@ -53,11 +54,8 @@ struct LinkHooks {
 /// For one thread (the drone's); the network is met on the link's own.
 class CameraLink {
 public:
+    /// Its thread may be stuck in the resolution of a name; then it ends by itself.
     CameraLink(LinkSettings settings, LinkHooks hooks);
-    /// Waits half a second for the thread; one that is stuck (in the resolution of a name) ends by itself.
-    ~CameraLink();
-    CameraLink(const CameraLink&) = delete;
-    CameraLink& operator=(const CameraLink&) = delete;
 
     /// The newest picture that was not yet taken.
     std::optional<Picture> take();
@@ -74,9 +72,9 @@ public:
     [[nodiscard]] std::string condition() const;
 
 private:
-    struct Shared;  // outlives the link if the thread is stuck
-    std::shared_ptr<Shared> shared_;
-    std::thread thread_;
+    class Work;
+    std::shared_ptr<Work> work_;
+    capture::CaptureThread thread_;
 };
 
 }  // namespace axis

@@ -1,8 +1,6 @@
 // Pauses, password attempts and sentences.
 #include "lifeline.hpp"
 
-#include <algorithm>
-
 namespace axis {
 namespace {
 
@@ -35,7 +33,7 @@ void Lifeline::content()
 
 void Lifeline::well()
 {
-    pause_ = shortest;
+    backoff_.reset();
     logins_ = 0;
     trouble_.clear();
     broken_.clear();
@@ -46,9 +44,10 @@ void Lifeline::failed(const CameraError& error, Time now)
     if (error.trouble() == Trouble::login_refused)
         ++logins_;
     trouble_ = told(error);
-    const auto pause = absent(error.trouble()) ? std::min(pause_, longest_absent) : pause_;
-    next_try_ = now + pause;
-    pause_ = absent(error.trouble()) ? pause : std::min(pause_ * 2, longest);
+    const bool nobody = absent(error.trouble());
+    if (nobody)
+        backoff_.reset();
+    next_try_ = now + (nobody ? shortest : backoff_.next());
 }
 
 std::string Lifeline::told(const CameraError& error) const
@@ -69,7 +68,7 @@ std::string Lifeline::told(const CameraError& error) const
 void Lifeline::new_credentials(Time now)
 {
     logins_ = 0;
-    pause_ = shortest;
+    backoff_.reset();
     next_try_ = now;
 }
 

@@ -4,6 +4,8 @@
 
 #include "trouble.hpp"
 
+#include <hive/backoff.hpp>
+
 #include <chrono>
 #include <optional>
 #include <string>
@@ -17,8 +19,9 @@ public:
 
     /// A picture that takes longer is missed.
     static constexpr std::chrono::milliseconds stalled_after{2000};
-    /// Nobody there, or nothing said: an attempt costs the camera nothing, so it is found soon when it is back.
-    static constexpr std::chrono::milliseconds shortest{500}, longest_absent{500}, longest{10'000};
+    /// Between two attempts. It stays at the shortest while nobody is there or nothing is said: an attempt costs the
+    /// camera nothing then, and it is found soon when it is back.
+    static constexpr std::chrono::milliseconds shortest{500}, longest{10'000};
     /// So often is a password tried; a camera locks users out that fail more often.
     static constexpr int most_logins = 3;
 
@@ -52,7 +55,7 @@ private:
     [[nodiscard]] std::string told(const CameraError& error) const;
 
     Time next_try_;
-    std::chrono::milliseconds pause_ = shortest;
+    hive::Backoff backoff_{shortest, longest};
     int logins_ = 0;
     std::optional<Time> due_since_;
     std::string trouble_, broken_;

@@ -152,8 +152,7 @@ std::chrono::microseconds CameraDrone::step_on_demand()
 {
     if (!on_demand_ || !image_.asked())
         return 1s;
-    const auto frame = on_demand_->next();
-    if (frame) {
+    if (const auto frame = next_on_demand()) {
         send(*frame, true);
         return 0s;
     }
@@ -162,8 +161,30 @@ std::chrono::microseconds CameraDrone::step_on_demand()
     return 1s;
 }
 
-/// A JPEG that keeps its size travels as it is; everything else as pixels, which connections may have encoded.
+/// A file that cannot be read has its place in the sequence, so that nobody waits for it.
+std::optional<Frame> CameraDrone::next_on_demand()
+{
+    const auto captured = std::chrono::system_clock::now();
+    try {
+        return on_demand_->next();
+    } catch (const std::exception& problem) {
+        image_.fail(captured, true, hive::Errc::failed, problem.what());
+    }
+}
+
+/// So has a file that cannot be decoded.
 void CameraDrone::send(const Frame& frame, bool lossless)
+{
+    try {
+        emit(frame, lossless);
+    } catch (const hive::Error& problem) {
+        image_.fail(frame.captured, lossless, problem.code(),
+                    (frame.file.empty() ? "" : frame.file + ": ") + problem.what());
+    }
+}
+
+/// A JPEG that keeps its size travels as it is; everything else as pixels, which connections may have encoded.
+void CameraDrone::emit(const Frame& frame, bool lossless)
 {
     const cv::Size own = frame.jpeg ? hive::vision::size_of(body_of(frame.jpeg), "image/jpeg") : frame.image.size();
     const cv::Size size = size_to_send(own, width_, height_);

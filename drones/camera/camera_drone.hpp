@@ -39,7 +39,9 @@ private:
     std::chrono::microseconds step();
     std::chrono::microseconds step_live();
     std::chrono::microseconds step_on_demand();
+    std::optional<Frame> next_on_demand();
     void send(const Frame& frame, bool lossless);
+    void emit(const Frame& frame, bool lossless);
     [[nodiscard]] hive::Body pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size);
     void say(const std::string& condition);
 

@@ -1,12 +1,12 @@
-// The capture thread. Everything it touches is in Shared, which it keeps alive itself.
+// What the capture thread does: opens, reads at the right pace, opens again.
 #include "capture.hpp"
 
 #include "pacing.hpp"
 
-#include <condition_variable>
+#include <hive/backoff.hpp>
+
 #include <exception>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 namespace camera {
@@ -14,59 +14,51 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds stalled_after{2};
-constexpr std::chrono::milliseconds end_within{500};
+constexpr std::chrono::milliseconds shortest_pause{500}, longest_pause{10'000};
 constexpr double usual_fps = 30;
 
 }  // namespace
 
-struct Capture::Shared {
-    Opener open;  // of the thread alone, like fps and at_end
-    double fps;
-    AtEnd at_end;
-    Backoff backoff;  // begins anew with each picture
-
-    std::mutex mutex;  // for all below
-    std::condition_variable changed;
-    std::function<void()> notice;
-    bool stopping = false, ended = false;
-    std::optional<Frame> newest;
-    std::string trouble;  // empty while the source is open
-    Clock::time_point last_news = Clock::now();
-
-    /// False if the capture is to end.
-    bool wait_until(Clock::time_point when)
+class Capture::Work : public capture::PictureWork<Frame> {
+public:
+    Work(Opener open, double fps, AtEnd at_end, std::function<void()> notice)
+        : PictureWork(std::move(notice)), open_(std::move(open)), fps_(fps), at_end_(at_end)
     {
-        std::unique_lock lock(mutex);
-        changed.wait_until(lock, when, [&] { return stopping; });
-        return !stopping;
     }
+
+    [[nodiscard]] std::string condition(Clock::time_point now) const
+    {
+        const std::lock_guard lock(mutex_);
+        if (!trouble_.empty())
+            return trouble_;
+        return now - last_news_ > stalled_after ? "stalled" : "";
+    }
+
+private:
+    enum class Outcome { stopped, ended };
 
     void say(const std::string& text)
     {
-        const std::lock_guard lock(mutex);
-        trouble = text;
-        last_news = Clock::now();
-        if (!stopping)
-            notice();
+        const std::lock_guard lock(mutex_);
+        trouble_ = text;
+        last_news_ = Clock::now();
+        notify();
     }
 
     void post(Frame frame)
     {
-        backoff.reset();
-        const std::lock_guard lock(mutex);
-        newest = std::move(frame);
-        trouble.clear();
-        last_news = Clock::now();
-        if (!stopping)
-            notice();
+        backoff_.reset();
+        const std::lock_guard lock(mutex_);
+        newest_ = std::move(frame);
+        trouble_.clear();
+        last_news_ = Clock::now();
+        notify();
     }
-
-    enum class Outcome { stopped, ended };
 
     /// A file is held back until its picture is due. One that cannot be read is passed over.
     Outcome read_file(Source& source)
     {
-        Schedule schedule(fps > 0 ? fps : source.fps() > 0 ? source.fps() : usual_fps, Clock::now());
+        Schedule schedule(fps_ > 0 ? fps_ : source.fps() > 0 ? source.fps() : usual_fps, Clock::now());
         for (; wait_until(schedule.due()); schedule.take(Clock::now()))
             try {
                 auto frame = source.next();
@@ -82,8 +74,8 @@ struct Capture::Shared {
     /// A camera cannot be held back: what comes too early for the schedule (by more than its jitter) is left out.
     Outcome read_camera(Source& source)
     {
-        const std::chrono::duration<double> jitter(fps > 0 ? 0.25 / fps : 0);
-        Schedule schedule(fps, Clock::now());
+        const std::chrono::duration<double> jitter(fps_ > 0 ? 0.25 / fps_ : 0);
+        Schedule schedule(fps_, Clock::now());
         while (wait_until(Clock::now())) {
             auto frame = source.next();
             if (!frame)
@@ -100,8 +92,8 @@ struct Capture::Shared {
     bool open_and_read()
     {
         try {
-            const auto source = open();
-            const bool camera = at_end == AtEnd::open_again;
+            const auto source = open_();
+            const bool camera = at_end_ == AtEnd::open_again;
             if ((camera ? read_camera(*source) : read_file(*source)) == Outcome::stopped)
                 return false;
             say(camera ? "connection to the source lost" : "end of source");
@@ -112,51 +104,30 @@ struct Capture::Shared {
         }
     }
 
-    void run()
+    void run() override
     {
-        while (open_and_read() && wait_until(Clock::now() + backoff.next())) {
+        while (open_and_read() && wait_until(Clock::now() + backoff_.next())) {
         }
-        const std::lock_guard lock(mutex);
-        ended = true;
-        changed.notify_all();
     }
+
+    // of the thread alone
+    Opener open_;
+    double fps_;
+    AtEnd at_end_;
+    hive::Backoff backoff_{shortest_pause, longest_pause};  ///< begins anew with each picture
+
+    // under the mutex
+    std::string trouble_;  ///< empty while the source is open
+    Clock::time_point last_news_ = Clock::now();
 };
 
 Capture::Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice)
-    : shared_(std::make_shared<Shared>())
+    : work_(std::make_shared<Work>(std::move(open), fps, at_end, std::move(notice))), thread_(work_)
 {
-    shared_->open = std::move(open);
-    shared_->fps = fps;
-    shared_->at_end = at_end;
-    shared_->notice = std::move(notice);
-    thread_ = std::thread([shared = shared_] { shared->run(); });
 }
 
-Capture::~Capture()
-{
-    std::unique_lock lock(shared_->mutex);
-    shared_->stopping = true;
-    shared_->changed.notify_all();
-    const bool ended = shared_->changed.wait_for(lock, end_within, [&] { return shared_->ended; });
-    lock.unlock();
-    if (ended)
-        thread_.join();
-    else
-        thread_.detach();
-}
+std::optional<Frame> Capture::take() { return work_->take(); }
 
-std::optional<Frame> Capture::take()
-{
-    const std::lock_guard lock(shared_->mutex);
-    return std::exchange(shared_->newest, std::nullopt);
-}
-
-std::string Capture::condition(Clock::time_point now) const
-{
-    const std::lock_guard lock(shared_->mutex);
-    if (!shared_->trouble.empty())
-        return shared_->trouble;
-    return now - shared_->last_news > stalled_after ? "stalled" : "";
-}
+std::string Capture::condition(Clock::time_point now) const { return work_->condition(now); }
 
 }  // namespace camera

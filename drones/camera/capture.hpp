@@ -3,11 +3,12 @@
 
 #include "source.hpp"
 
+#include <capture_thread.hpp>
+
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 
 namespace camera {
 
@@ -21,10 +22,6 @@ public:
     /// @param fps     pictures per second; 0: as the source has it, or 30 if it has no rate
     /// @param notice  called from the capture's thread when there is news; never after the capture is destroyed
     Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice);
-    /// Waits half a second for the thread; one that is stuck in a read is left to end by itself.
-    ~Capture();
-    Capture(const Capture&) = delete;
-    Capture& operator=(const Capture&) = delete;
 
     /// The newest picture that was not yet taken.
     std::optional<Frame> take();
@@ -33,9 +30,9 @@ public:
     condition(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
 
 private:
-    struct Shared;  // outlives the capture if the thread is stuck
-    std::shared_ptr<Shared> shared_;
-    std::thread thread_;
+    class Work;
+    std::shared_ptr<Work> work_;
+    capture::CaptureThread thread_;
 };
 
 }  // namespace camera

@@ -41,20 +41,4 @@ private:
     std::int64_t count_ = 0;
 };
 
-/// How long to wait before trying again to open a source: 0.5 s, doubling to 10 s.
-class Backoff {
-public:
-    std::chrono::milliseconds next()
-    {
-        const auto now = wait_;
-        wait_ = std::min(wait_ * 2, longest);
-        return now;
-    }
-    void reset() { wait_ = shortest; }
-
-private:
-    static constexpr std::chrono::milliseconds shortest{500}, longest{10000};
-    std::chrono::milliseconds wait_ = shortest;
-};
-
 }  // namespace camera

@@ -30,6 +30,7 @@ Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
 {
     Frame frame;
     frame.image.allocator = memory;
+    frame.file = path.string();
     frame.captured = std::chrono::system_clock::now();
     auto bytes = read_file(path);
     if (bytes.size() >= 2 && bytes[0] == 0xFF && bytes[1] == 0xD8) {

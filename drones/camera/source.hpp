@@ -22,6 +22,7 @@ struct Frame {
     std::vector<DrawnHand> hands;                            ///< of the scene
     bool knows_truth = false;
     std::int64_t index = 0;  ///< in the source, from 0; begins again when the source is looped
+    std::string file;        ///< where it was read; empty: elsewhere
     std::chrono::system_clock::time_point captured{};
 };
 

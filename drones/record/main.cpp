@@ -4,5 +4,5 @@
 int main(int argc, char** argv)
 {
     return hive::run_drone(argc, argv, {.kind = "record", .summary = "Records events into a file.", .stateful = true},
-                           [](hive::Drone& drone) { recording::RecordDrone(drone).run(); });
+                           [](hive::Drone& drone) { record::RecordDrone(drone).run(); });
 }

@@ -1,12 +1,12 @@
 // One file at a time; a disk that fails ends the file, never the drone.
 #include "record_drone.hpp"
 
-#include "event_record.hpp"
+#include <hive/recording/event_record.hpp>
 
 #include <csignal>
 #include <filesystem>
 
-namespace recording {
+namespace record {
 namespace {
 
 using namespace std::chrono_literals;
@@ -69,7 +69,7 @@ void RecordDrone::run()
     close("stopped");
 }
 
-Limits RecordDrone::limits() const
+hive::recording::Limits RecordDrone::limits() const
 {
     return {static_cast<std::uint64_t>(max_size_ * 1e6),
             std::chrono::microseconds(static_cast<std::int64_t>(max_duration_ * 1e6))};
@@ -99,10 +99,10 @@ void RecordDrone::spare_what_was_recorded()
 /// The new file first: if it cannot be, the old one goes on.
 void RecordDrone::open()
 {
-    std::unique_ptr<Writer> fresh;
+    std::unique_ptr<hive::recording::Writer> fresh;
     if (!file_.empty())
         try {
-            fresh = std::make_unique<Writer>(WriterSettings{
+            fresh = std::make_unique<hive::recording::Writer>(hive::recording::WriterSettings{
                 file_, overwrite_, limits(), std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
@@ -133,7 +133,7 @@ void RecordDrone::take(const hive::Event& event)
 {
     if (!writer_)
         return;
-    append(*writer_, event);
+    hive::recording::append(*writer_, event);
     if (!writer_->ended().empty())
         say();
 }
@@ -175,4 +175,4 @@ void RecordDrone::say()
                                           + "; the recording has ended, what comes now is counted as lost");
 }
 
-}  // namespace recording
+}  // namespace record

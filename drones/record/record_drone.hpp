@@ -1,15 +1,14 @@
 // The wiring of the record drone: parameters to a writer, events into it, what was lost on the way to its end.
 #pragma once
 
-#include "recording_writer.hpp"
-
 #include <hive/drone.hpp>
+#include <hive/recording/writer.hpp>
 
 #include <map>
 #include <memory>
 #include <string>
 
-namespace recording {
+namespace record {
 
 /// User thread.
 class RecordDrone {
@@ -27,7 +26,7 @@ private:
     std::chrono::microseconds look();
     void count_dropped();
     void say();
-    [[nodiscard]] Limits limits() const;
+    [[nodiscard]] hive::recording::Limits limits() const;
 
     hive::Drone& drone_;
     bool remembered_;  ///< the file is that of before a crash
@@ -35,7 +34,7 @@ private:
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;
     std::string opened_;  ///< the file that `writer_` was made for
-    std::unique_ptr<Writer> writer_;
+    std::unique_ptr<hive::recording::Writer> writer_;
     struct Dropped {
         std::int64_t seen = 0;   ///< the connection's own count, which begins again with the connection
         std::int64_t total = 0;  ///< since the file was opened
@@ -45,4 +44,4 @@ private:
     std::chrono::steady_clock::time_point next_count_{};
 };
 
-}  // namespace recording
+}  // namespace record

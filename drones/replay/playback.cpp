@@ -34,16 +34,17 @@ std::int64_t Playback::advance(bool again)
         return 0;
     const auto pause = pause_us();
     rewind();
+    ++rounds_;
     return pause;
 }
 
-/// The mean distance of the events; more where a turn would be so short that it comes to spinning.
+/// The mean distance of the events; more where a round would be so short that it comes to spinning.
 std::int64_t Playback::pause_us() const
 {
-    constexpr std::int64_t shortest_turn_us = 100'000;
+    constexpr std::int64_t shortest_round_us = 100'000;
     const auto length = std::max<std::int64_t>(last_us_ - first_us_, 0);
     const auto mean = distances_ > 0 ? length / distances_ : 0;
-    return std::max(mean, shortest_turn_us - length);
+    return std::max(mean, shortest_round_us - length);
 }
 
 Timeline::Clock::time_point Timeline::due(std::int64_t time_us, double speed, Clock::time_point now)

@@ -1,7 +1,7 @@
 // Which event of a recording is next, and when it is due.
 #pragma once
 
-#include "recording_reader.hpp"
+#include <hive/recording/reader.hpp>
 
 #include <chrono>
 #include <optional>
@@ -20,21 +20,24 @@ public:
     /// @throws std::runtime_error  no such file, or no recording
     Playback(const std::filesystem::path& path, const Range& range);
 
-    [[nodiscard]] const recording::Reader& reader() const noexcept { return reader_; }
+    [[nodiscard]] const hive::recording::Reader& reader() const noexcept { return reader_; }
     /// The event whose turn it is; nothing at the end.
-    [[nodiscard]] const std::optional<recording::Record>& current() const noexcept { return current_; }
+    [[nodiscard]] const std::optional<hive::recording::Record>& current() const noexcept { return current_; }
     /// @param again  at the end the first one follows
     /// @return       then how long after the last one, in µs of the recording; otherwise 0
     std::int64_t advance(bool again);
+    /// How often it has begun again.
+    [[nodiscard]] std::int64_t rounds() const noexcept { return rounds_; }
 
 private:
     void rewind();
     [[nodiscard]] std::int64_t pause_us() const;
 
-    recording::Reader reader_;
+    hive::recording::Reader reader_;
     Range range_;
-    std::optional<recording::Record> current_;
-    std::int64_t first_us_ = 0, last_us_ = 0, distances_ = 0;  ///< of this turn
+    std::optional<hive::recording::Record> current_;
+    std::int64_t first_us_ = 0, last_us_ = 0, distances_ = 0;  ///< of this round
+    std::int64_t rounds_ = 0;
 };
 
 /// The times of the recording on the clock of this machine. No clock of its own: the caller says what time it is.

@@ -25,7 +25,8 @@ bool are_pictures(const std::string& types)
     return all;
 }
 
-hive::Body body_of(const recording::Reader& reader, const recording::Record& record, const hive::Output& output)
+hive::Body body_of(const hive::recording::Reader& reader, const hive::recording::Record& record,
+                   const hive::Output& output)
 {
     if (record.prefix.body_size == 0)
         return {};
@@ -60,10 +61,10 @@ void ReplayDrone::declare()
 void ReplayDrone::declare_outputs()
 {
     const auto given = drone_.given("file").value_or("");
-    std::vector<recording::Port> ports;
+    std::vector<hive::recording::Port> ports;
     if (given.is_string() && given != "")
         try {
-            ports = recording::ports_of(recording::Reader(given.get<std::string>()).summary().tracks);
+            ports = hive::recording::ports_of(hive::recording::Reader(given.get<std::string>()).summary().tracks);
         } catch (const std::exception&) {
         }
     for (const auto& port : ports) {
@@ -106,6 +107,8 @@ void ReplayDrone::open(const Opened& wanted)
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
         }
+    if (begun_)
+        rounds_before_ += playback_->rounds() + 1;
     playback_ = std::move(fresh);
     output_of_ = std::move(output_of);
     opened_ = wanted;
@@ -115,12 +118,12 @@ void ReplayDrone::open(const Opened& wanted)
     drone_.condition("waiting for a receiver");
 }
 
-std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<recording::Track>& tracks) const
+std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<hive::recording::Track>& tracks) const
 {
     std::vector<std::size_t> result(tracks.size(), 0);
     if (outputs_[0].port.name == everything && outputs_[0].port.tracks.empty())
         return result;
-    for (const auto& port : recording::ports_of(tracks)) {
+    for (const auto& port : hive::recording::ports_of(tracks)) {
         const auto found = std::ranges::find_if(outputs_, [&](const Declared& declared) {
             return declared.port.name == port.name && declared.port.types == port.types;
         });
@@ -188,6 +191,8 @@ try {
     identity.lossless = identity.lossless || pace_ == "demand";
     identity.group.clear();  // what was shared work then is nobody's now
     identity.turn = identity.attempt = 0;
+    // Each round is as if the sources had been started again, so that drones that keep state take it.
+    identity.epoch = std::min(identity.epoch + rounds_before_ + playback_->rounds(), hive::max_json_integer);
     return true;
 } catch (const std::exception& error) {
     damaged(error.what());

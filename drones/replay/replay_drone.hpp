@@ -21,7 +21,7 @@ public:
 
 private:
     struct Declared {
-        recording::Port port;
+        hive::recording::Port port;
         hive::Output output;
     };
     struct Opened {  ///< a difference means opening again
@@ -37,7 +37,7 @@ private:
     void apply();
     void open(const Opened& wanted);
     [[nodiscard]] Range range() const;
-    [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<recording::Track>& tracks) const;
+    [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<hive::recording::Track>& tracks) const;
     [[nodiscard]] bool anybody() const;
     Step next_step();
     std::chrono::microseconds step();
@@ -58,6 +58,7 @@ private:
     std::vector<Declared> outputs_;
     Opened opened_;
     std::unique_ptr<Playback> playback_;
+    std::int64_t rounds_before_ = 0;      ///< that were begun before this playback
     std::vector<std::size_t> output_of_;  ///< by track
     Timeline timeline_;
     bool begun_ = false, ended_ = false, asked_before_ = false;

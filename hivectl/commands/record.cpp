@@ -10,7 +10,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-#include <event_record.hpp>
+#include <hive/recording/event_record.hpp>
 
 #include <array>
 #include <csignal>
@@ -60,7 +60,7 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, recording::Writer& writer, const Options& options,
+int take_events(hive::Collector& collector, hive::recording::Writer& writer, const Options& options,
                 std::optional<std::chrono::milliseconds> patience, const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds
@@ -72,7 +72,7 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
             writer.finish("time over");
         } else if (const auto event = collector.next(100ms)) {
             if (event->received < limit)
-                recording::append(writer, *event);
+                hive::recording::append(writer, *event);
             if (writer.summary().events() == options.count)
                 writer.finish("count reached");
             last = Clock::now();
@@ -88,12 +88,12 @@ int take_events(hive::Collector& collector, recording::Writer& writer, const Opt
 }
 
 /// What had come before the end is part of the recording.
-void take_rest(hive::Collector& collector, recording::Writer& writer)
+void take_rest(hive::Collector& collector, hive::recording::Writer& writer)
 {
     const auto now = Clock::now();
     for (auto event = collector.next(0ms); event && event->received < now && writer.ended().empty();
          event = collector.next(0ms))
-        recording::append(writer, *event);
+        hive::recording::append(writer, *event);
 }
 
 constexpr std::array losses{
@@ -106,7 +106,7 @@ constexpr std::array losses{
 };
 
 /// What the sender of an output says about us.
-void note_sender(const hive::Endpoint& output, const hive::StatusAnswer& answer, recording::Writer& writer)
+void note_sender(const hive::Endpoint& output, const hive::StatusAnswer& answer, hive::recording::Writer& writer)
 {
     if (answer.error)
         return writer.lost(to_text(output), "not known: " + output.drone + " did not answer at the end", 0);
@@ -122,7 +122,7 @@ void note_sender(const hive::Endpoint& output, const hive::StatusAnswer& answer,
 }
 
 void note_losses(const std::vector<hive::Endpoint>& outputs, hive::Application& application,
-                 const hive::Collector& collector, recording::Writer& writer)
+                 const hive::Collector& collector, hive::recording::Writer& writer)
 {
     std::vector<std::string> drones;
     for (const auto& output : outputs)
@@ -134,7 +134,7 @@ void note_losses(const std::vector<hive::Endpoint>& outputs, hive::Application& 
         writer.lost("*", "dropped by hivectl: not taken in time", dropped);
 }
 
-void summarize(const std::string& file, const recording::Writer& writer, bool json)
+void summarize(const std::string& file, const hive::recording::Writer& writer, bool json)
 {
     const auto& summary = writer.summary();
     hive::Json lost = hive::Json::array();
@@ -144,7 +144,7 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
                                + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "")
                                + printable(loss.reason));
     }
-    const auto outputs = static_cast<std::int64_t>(recording::ports_of(summary.tracks).size());
+    const auto outputs = static_cast<std::int64_t>(hive::recording::ports_of(summary.tracks).size());
     const Row row{{"file", file},
                   {"events", summary.events()},
                   {"outputs", outputs},
@@ -159,7 +159,7 @@ void summarize(const std::string& file, const recording::Writer& writer, bool js
                          + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
 }
 
-int exit_code_for(int code, const recording::Writer& writer)
+int exit_code_for(int code, const hive::recording::Writer& writer)
 {
     const bool any = writer.summary().events() > 0;
     if (!writer.failure().empty())
@@ -175,9 +175,9 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto outputs = outputs_named(application, options.names);
     const auto collector = application.collect(outputs, collecting(options));
-    recording::Writer writer({.path = options.file,
-                              .overwrite = options.overwrite,
-                              .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
+    hive::recording::Writer writer({.path = options.file,
+                                    .overwrite = options.overwrite,
+                                    .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
     const int code = take_events(*collector, writer, options, session.patience(),
                                  [&] { return reason_for_silence(application, outputs); });

@@ -8,7 +8,7 @@
 #include "../table.hpp"
 #include "../verbs.hpp"
 
-#include <recording_reader.hpp>
+#include <hive/recording/reader.hpp>
 
 #include <filesystem>
 
@@ -31,10 +31,10 @@ const std::vector<Column> columns{{"OUTPUT", "output"},
                                   {"LAST", "last_us", as_duration},
                                   {"WITHOUT BODY", "without_body"}};
 
-std::vector<Row> output_rows(const recording::Summary& summary)
+std::vector<Row> output_rows(const hive::recording::Summary& summary)
 {
     std::vector<Row> rows;
-    for (const auto& port : recording::ports_of(summary.tracks))
+    for (const auto& port : hive::recording::ports_of(summary.tracks))
         for (const auto number : port.tracks) {
             const auto& track = summary.tracks[number];
             rows.push_back({{"output", port.name},
@@ -49,7 +49,7 @@ std::vector<Row> output_rows(const recording::Summary& summary)
     return rows;
 }
 
-void print_json(const std::string& file, const recording::Reader& reader)
+void print_json(const std::string& file, const hive::recording::Reader& reader)
 {
     const auto& summary = reader.summary();
     hive::Json outputs = hive::Json::array(), lost = hive::Json::array();
@@ -70,7 +70,7 @@ void print_json(const std::string& file, const recording::Reader& reader)
               + "\n");
 }
 
-void print_text(const std::string& file, const recording::Reader& reader)
+void print_text(const std::string& file, const hive::recording::Reader& reader)
 {
     const auto& summary = reader.summary();
     write_out(printable(file) + ": " + count_text(summary.events(), "event") + " in "
@@ -98,7 +98,7 @@ std::vector<std::string> settings(const Options& options)
 
 int run(const Options& options, Session& session)
 {
-    const recording::Reader reader(options.file);
+    const hive::recording::Reader reader(options.file);
     if (!reader.problem().empty())
         complain("replay", printable(options.file) + ": " + reader.problem()
                                + "; whole events before that: " + std::to_string(reader.summary().events()));

@@ -62,7 +62,7 @@ endfunction()
 add_custom_target(programs)
 
 # A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
-# main.cpp and, where the wiring is longer than one file, WIRING.
+# main.cpp and, where the wiring is longer than one file, WIRING. LIBRARIES are the algorithm's, or without one the executable's.
 function(hive_drone name)
   cmake_parse_arguments(PARSE_ARGV 1 drone "" "" "ALGORITHM;LIBRARIES;WIRING")
   if(drone_ALGORITHM)
@@ -76,6 +76,8 @@ function(hive_drone name)
   target_precompile_headers(hive-${name} REUSE_FROM wiring_headers)
   if(drone_ALGORITHM)
     target_link_libraries(hive-${name} PRIVATE ${name}_algorithm)
+  else()
+    target_link_libraries(hive-${name} PRIVATE ${drone_LIBRARIES})
   endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
   add_dependencies(programs hive-${name})

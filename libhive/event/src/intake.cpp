@@ -19,7 +19,7 @@ constexpr auto patience = 3s;               // for one attempt to dial and regis
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 
-transport::Backoff backoff_for(const transport::Address& address)
+Backoff backoff_for(const transport::Address& address)
 {
     // A local socket that is not there costs nothing to try, so a restarted drone is met again at once.
     const bool local = address.scheme != transport::Address::Scheme::tcp;

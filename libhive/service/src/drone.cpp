@@ -109,6 +109,12 @@ void Output::emit_captured(std::chrono::system_clock::time_point captured, bool 
                           if_wanted(*this, body), std::move(type));
 }
 
+void Output::fail(std::chrono::system_clock::time_point captured, bool lossless, Errc code,
+                  const std::string& text) const
+{
+    core_->emitter().fail(index_, event::microseconds(captured.time_since_epoch()), lossless, Error(code, text));
+}
+
 void Output::repeat(Event event) const { core_->emitter().repeat(index_, std::move(event)); }
 
 }  // namespace hive

@@ -67,12 +67,12 @@ bool Emitter::asked(std::size_t output) const
     return slot.outlet && slot.handover.empty() && slot.outlet->asked();
 }
 
-Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless)
+Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const
 {
     const auto age_us = event::wall_us() - captured_us;
     return {.source = self_.name,
             .epoch = self_.epoch,
-            .sequence = ++outputs_[output]->sequence,
+            .sequence = outputs_[output]->sequence + 1,
             .captured_us = telling(captured_us),
             .monotonic_us = telling(event::steady_us() - age_us),
             .lossless = lossless,
@@ -96,6 +96,7 @@ void Emitter::emit(std::size_t output, std::optional<Identity> begun, Json heade
                    const std::function<std::optional<Body>()>& body, std::string type)
 {
     const Port& port = port_to_emit(output, header);
+    const bool begins = begun || !set_;
     Event event;
     if (begun)
         event.identity = std::move(*begun);
@@ -110,6 +111,15 @@ void Emitter::emit(std::size_t output, std::optional<Identity> begun, Json heade
     event.body = std::move(made).value_or(Body());
     event.size = event.body.size();
     send(output, std::move(event), complete);
+    if (begins)
+        ++outputs_[output]->sequence;  // what could not be sent leaves no gap
+}
+
+void Emitter::fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error)
+{
+    auto identity = fresh_identity(output, captured_us, lossless);
+    ++outputs_[output]->sequence;
+    throw CaptureFailed(error, std::move(identity));
 }
 
 const Port& Emitter::port_to_emit(std::size_t output, const Json& header) const

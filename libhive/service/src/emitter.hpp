@@ -12,6 +12,16 @@
 
 namespace hive::service {
 
+/// What a source could not give, which has a number all the same.
+class CaptureFailed : public Error {
+public:
+    CaptureFailed(const Error& error, Identity identity) : Error(error) { lost_.identity = std::move(identity); }
+    [[nodiscard]] const Event& lost() const noexcept { return lost_; }
+
+private:
+    Event lost_;
+};
+
 /// The user thread, but for loan().
 class Emitter {
 public:
@@ -35,11 +45,13 @@ public:
     [[nodiscard]] bool wanted(std::size_t output) const;
     [[nodiscard]] bool received(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
-    [[nodiscard]] Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless);
+    /// Its number is taken when the event is sent.
+    [[nodiscard]] Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const;
     /// @param begun  empty: inherited from the present set, or a new one
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header,
               const std::function<std::optional<Body>()>& body, std::string type);
+    [[noreturn]] void fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error);
     void repeat(std::size_t output, Event event);
 
 private:

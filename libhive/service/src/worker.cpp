@@ -49,6 +49,8 @@ void Worker::step()
     parts_.board.begin_work("main");
     try {
         next_step_ = Clock::now() + parts_.declaration.main();
+    } catch (const CaptureFailed& error) {
+        failed({}, error, &error.lost());
     } catch (...) {
         failed({}, current_error());
     }
@@ -121,10 +123,11 @@ bool Worker::work(const Set& set, const std::function<void()>& callback)
     return done;
 }
 
-/// @param set  empty: it was main that failed
-void Worker::failed(const Set& set, const Error& error)
+/// @param set   empty: it was main that failed
+/// @param lost  then what it could not give, if that has an identity
+void Worker::failed(const Set& set, const Error& error, const Event* lost)
 {
-    parts_.reporter.report(error, set.empty() ? nullptr : &set.front());
+    parts_.reporter.report(error, set.empty() ? lost : &set.front());
     if (set.empty())
         next_step_ = Clock::now() + pause_after_failure;
     for (const auto& event : set)

@@ -34,7 +34,7 @@ private:
     void to_partners(Event event, MatchedInputs& matching, const MatchedInput& input);
     void work_on_sets();
     bool work(const Set& set, const std::function<void()>& callback);
-    void failed(const Set& set, const Error& error);
+    void failed(const Set& set, const Error& error, const Event* lost = nullptr);
     void require_type(const Event& event) const;
     [[nodiscard]] bool steps() const;
     [[nodiscard]] event::Clock::time_point next_deadline() const;

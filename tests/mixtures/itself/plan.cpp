@@ -81,13 +81,17 @@ TEST_CASE("mixtures: a plan is a function of its seed")
     }
 }
 
-TEST_CASE("mixtures: a seed means the same everywhere and always") { CHECK(text_of(make_plan(3, 4)) == R"(source on demand -> a1 a2 (window 3, shared, lease 4000 ms) -> collected in order
+TEST_CASE("mixtures: a seed means the same everywhere and always")
+{
+    CHECK(text_of(make_plan(3, 4))
+          == R"(source on demand -> a1 a2 (window 3, shared, lease 4000 ms) -> collected in order
 feed source 24
 set all 1 6, then check
 freeze a2
 thaw a2 after 263 ms
 feed source 68
-rest, then check)"); }
+rest, then check)");
+}
 
 TEST_CASE("mixtures: every step of a plan can be done where it stands, and at the end nothing is broken")
 {

@@ -1,4 +1,4 @@
-// Addresses as text, and the pauses between attempts.
+// Addresses as text.
 #include <hive/transport/transport.hpp>
 
 #include <doctest/doctest.h>
@@ -30,24 +30,4 @@ TEST_CASE("address: what is none is refused with the text")
         }
     }
     CHECK_THROWS_AS(parse_address(std::string("unix:/a\0b", 9)), hive::Error);
-}
-
-TEST_CASE("backoff: pauses double up to the most, each within half of itself, the same for the same seed")
-{
-    Backoff one(100ms, 5s, 7);
-    Backoff same(100ms, 5s, 7);
-    Backoff other(100ms, 5s, 8);
-    bool differs = false;
-    for (int i = 0; i < 100; ++i) {
-        const auto middle = std::min(5000.0, 100.0 * (1LL << std::min(i, 30)));
-        const auto pause = one.next();
-        CHECK(pause.count() >= middle / 2 - 1);
-        CHECK(pause.count() <= middle * 3 / 2);
-        CHECK(pause == same.next());
-        differs = differs || pause != other.next();
-    }
-    CHECK(differs);
-    one.reset();
-    CHECK(one.next() <= 150ms);
-    CHECK(Backoff(100ms, 5s, 0).next() >= 50ms);
 }

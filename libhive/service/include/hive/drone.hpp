@@ -71,6 +71,11 @@ public:
     /// machine's start.
     void emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header,
                        const std::function<Body()>& body, std::string type = {}) const;
+    /// For a source that took something which cannot be given, as a damaged file: it has its number in the sequence all
+    /// the same, so that whoever counts does not wait for it. Throws; main lets it pass, and the exception that
+    /// applications see has the identity that the event would have had.
+    [[noreturn]] void fail(std::chrono::system_clock::time_point captured, bool lossless, Errc code,
+                           const std::string& text) const;
     /// Sends an event again, as it once was: identity, capture time, hops, header, type and body are those of `event`;
     /// only who sends it is new. Without its body (`size` says that there was one) it goes to those who receive headers
     /// alone.

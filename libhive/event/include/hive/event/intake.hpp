@@ -1,6 +1,7 @@
 // An input's connection to one output of another module: registers, asks, acknowledges, and comes back after a loss.
 #pragma once
 
+#include <hive/backoff.hpp>
 #include <hive/event/intake_host.hpp>
 #include <hive/event/receipt.hpp>
 #include <hive/status.hpp>
@@ -87,7 +88,7 @@ private:
     Sink sink_;
     OnOutcome first_;
     std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
-    transport::Backoff backoff_;
+    Backoff backoff_;
     asio::steady_timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;

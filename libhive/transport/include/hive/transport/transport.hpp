@@ -32,17 +32,4 @@ std::unique_ptr<Listener> listen(asio::io_context& context, const Address& addre
 void dial(asio::io_context& context, const Address& address, std::chrono::milliseconds deadline, OnDialed on_dialed,
           Timing timing = {});
 
-/// How long to wait before the next attempt to reach a peer: doubling from `first` to `most`, each ±50 % at random.
-class Backoff {
-public:
-    Backoff(std::chrono::milliseconds first, std::chrono::milliseconds most, std::uint32_t seed);
-    std::chrono::milliseconds next();
-    void reset() noexcept { attempt_ = 0; }
-
-private:
-    std::chrono::milliseconds first_, most_;
-    std::uint32_t state_;
-    int attempt_ = 0;
-};
-
 }  // namespace hive::transport

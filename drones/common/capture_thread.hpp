@@ -1,0 +1,80 @@
+// A thread that takes pictures for a drone, of which the newest is kept.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace capture {
+
+/// What the thread does, and what it shares with its owner. It outlives its owner when the thread is stuck, so it keeps
+/// everything that the thread needs.
+class Work {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// @param notice  called from the thread when there is news; never after its CaptureThread is destroyed
+    explicit Work(std::function<void()> notice) : notice_(std::move(notice)) {}
+    virtual ~Work() = default;
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+
+protected:
+    /// On the thread. Returns soon after is_stopping().
+    virtual void run() = 0;
+
+    [[nodiscard]] bool is_stopping() const;
+    /// Waits; false if the thread is to end.
+    bool wait_until(Clock::time_point when);
+    /// Tells the owner that there is news. The mutex is held.
+    void notify();
+
+    mutable std::mutex mutex_;         ///< for all that the thread and its owner share
+    std::condition_variable changed_;  ///< also when the thread is to end
+    bool stopping_ = false;
+
+private:
+    friend class CaptureThread;
+    void run_to_the_end();
+
+    std::function<void()> notice_;
+    bool ended_ = false;
+};
+
+/// Work that gives pictures.
+template <class Picture>
+class PictureWork : public Work {
+public:
+    using Work::Work;
+
+    /// The newest picture that was not yet taken.
+    std::optional<Picture> take()
+    {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(newest_, std::nullopt);
+    }
+
+protected:
+    std::optional<Picture> newest_;
+};
+
+/// For one thread (the drone's), on which it is made and destroyed.
+class CaptureThread {
+public:
+    explicit CaptureThread(std::shared_ptr<Work> work);
+    /// Waits half a second for the thread; one that is stuck is left to end by itself.
+    ~CaptureThread();
+    CaptureThread(const CaptureThread&) = delete;
+    CaptureThread& operator=(const CaptureThread&) = delete;
+
+private:
+    std::shared_ptr<Work> work_;
+    std::thread thread_;
+};
+
+}  // namespace capture

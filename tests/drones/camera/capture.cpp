@@ -1,0 +1,223 @@
+// The capture thread and its pace: newest picture, conditions, a source that hangs.
+#include "capture.hpp"
+#include "pacing.hpp"
+
+#include <doctest/doctest.h>
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+
+using camera::Capture;
+using camera::Frame;
+using camera::Source;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr auto deadline = 5s;
+
+/// Counts notices; a test waits for them instead of sleeping.
+class Bell {
+public:
+    void ring()
+    {
+        const std::lock_guard lock(mutex_);
+        ++rung_;
+        changed_.notify_all();
+    }
+    bool wait_for(int times, std::chrono::seconds most = deadline)
+    {
+        std::unique_lock lock(mutex_);
+        return changed_.wait_for(lock, most, [&] { return rung_ >= times; });
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    int rung_ = 0;
+};
+
+/// What a source under the test's control shall do; next() hangs while there is nothing to do.
+class Script {
+public:
+    enum class Act { give, end, fail };
+
+    void play(Act act)
+    {
+        const std::lock_guard lock(mutex_);
+        acts_.push_back(act);
+        changed_.notify_all();
+    }
+    std::optional<Frame> next()
+    {
+        std::unique_lock lock(mutex_);
+        reading_.ring();
+        changed_.wait(lock, [&] { return !acts_.empty(); });
+        const Act act = acts_.front();
+        acts_.pop_front();
+        if (act == Act::fail)
+            throw std::runtime_error("broken");
+        if (act == Act::end)
+            return std::nullopt;
+        Frame frame;
+        frame.index = count_++;
+        return frame;
+    }
+    Bell& reading() { return reading_; }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Act> acts_;
+    std::int64_t count_ = 0;
+    Bell reading_;
+};
+
+class ScriptedSource : public Source {
+public:
+    ScriptedSource(std::shared_ptr<Script> script, std::shared_ptr<Bell> gone)
+        : script_(std::move(script)), gone_(std::move(gone))
+    {
+    }
+    ~ScriptedSource() override { gone_->ring(); }
+    std::optional<Frame> next() override { return script_->next(); }
+
+private:
+    std::shared_ptr<Script> script_;
+    std::shared_ptr<Bell> gone_;
+};
+
+struct Stage {
+    std::shared_ptr<Script> script = std::make_shared<Script>();
+    std::shared_ptr<Bell> gone = std::make_shared<Bell>(), opened = std::make_shared<Bell>();
+    Bell news;
+
+    std::unique_ptr<Capture> capture(double fps, Capture::AtEnd at_end)
+    {
+        auto open = [script = script, gone = gone, opened = opened]() -> std::unique_ptr<Source> {
+            opened->ring();
+            return std::make_unique<ScriptedSource>(script, gone);
+        };
+        return std::make_unique<Capture>(open, fps, at_end, [this] { news.ring(); });
+    }
+};
+
+}  // namespace
+
+TEST_CASE("schedule: small delays do not add up, a long pause is not made up for")
+{
+    using camera::Schedule;
+    const Schedule::Clock::time_point start{1000s};
+    Schedule schedule(10, start);
+    CHECK(schedule.due() == start);
+    for (int i = 0; i < 50; ++i)
+        schedule.take(schedule.due() + 30ms);
+    CHECK(schedule.due() == start + 5s);
+    schedule.take(schedule.due() + 150ms);  // late by more than one, but the next is still to come
+    CHECK(schedule.due() == start + 5100ms);
+    schedule.take(start + 60s);
+    CHECK(schedule.due() == start + 60s + 100ms);
+}
+
+TEST_CASE("schedule: without a rate a picture is always due")
+{
+    const camera::Schedule::Clock::time_point start{1000s};
+    camera::Schedule schedule(0, start);
+    schedule.take(start + 1h);
+    CHECK(schedule.due() == start);
+}
+
+TEST_CASE("capture: only the newest picture is kept, and only once")
+{
+    Stage stage;
+    const auto capture = stage.capture(0, Capture::AtEnd::open_again);
+    CHECK_FALSE(capture->take());
+    for (int i = 0; i < 3; ++i)
+        stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(3));
+    CHECK(capture->take()->index == 2);
+    CHECK_FALSE(capture->take());
+    CHECK(capture->condition().empty());
+    stage.script->play(Script::Act::end);
+}
+
+TEST_CASE("capture: a source without news for more than 2 s has stalled")
+{
+    Stage stage;
+    const auto capture = stage.capture(0, Capture::AtEnd::open_again);
+    stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(1));
+    const auto now = std::chrono::steady_clock::now();
+    CHECK(capture->condition(now + 1900ms).empty());
+    CHECK(capture->condition(now + 2100ms) == "stalled");
+    stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(2));
+    CHECK(capture->condition().empty());
+    stage.script->play(Script::Act::end);
+}
+
+TEST_CASE("capture: a file's end is told, and the last picture stays to be taken")
+{
+    Stage stage;
+    const auto capture = stage.capture(500, Capture::AtEnd::stop);
+    stage.script->play(Script::Act::give);
+    stage.script->play(Script::Act::end);
+    REQUIRE(stage.news.wait_for(2));
+    CHECK(capture->condition() == "end of source");
+    CHECK(capture->condition(std::chrono::steady_clock::now() + 1h) == "end of source");
+    CHECK(capture->take()->index == 0);
+    CHECK(stage.gone->wait_for(1));
+}
+
+TEST_CASE("capture: a picture file that cannot be read is told and passed over")
+{
+    Stage stage;
+    const auto capture = stage.capture(500, Capture::AtEnd::stop);
+    stage.script->play(Script::Act::fail);
+    REQUIRE(stage.news.wait_for(1));
+    CHECK(capture->condition() == "broken");
+    stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(2));
+    CHECK(capture->condition().empty());
+    stage.script->play(Script::Act::end);
+    REQUIRE(stage.news.wait_for(3));
+}
+
+TEST_CASE("capture: a camera that ends is told as lost and opened again")
+{
+    Stage stage;
+    const auto capture = stage.capture(0, Capture::AtEnd::open_again);
+    stage.script->play(Script::Act::end);
+    REQUIRE(stage.news.wait_for(1));
+    CHECK(capture->condition() == "connection to the source lost");
+    REQUIRE(stage.opened->wait_for(2));  // after the first pause of half a second
+    stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(2));
+    CHECK(capture->condition().empty());
+    stage.script->play(Script::Act::end);
+}
+
+TEST_CASE("capture: a source that does not open is told by its reason")
+{
+    Bell news;
+    const Capture capture([]() -> std::unique_ptr<Source> { throw std::runtime_error("no such camera"); }, 0,
+                          Capture::AtEnd::open_again, [&] { news.ring(); });
+    REQUIRE(news.wait_for(1));
+    CHECK(capture.condition() == "no such camera");
+}
+
+TEST_CASE("capture: one that hangs in a read does not keep its owner, and gives no more notice")
+{
+    Stage stage;
+    auto capture = stage.capture(0, Capture::AtEnd::open_again);
+    REQUIRE(stage.script->reading().wait_for(1));
+    const auto begin = std::chrono::steady_clock::now();
+    capture.reset();
+    CHECK(std::chrono::steady_clock::now() - begin < 3s);
+    stage.script->play(Script::Act::give);  // the hanging read comes back after all
+    CHECK(stage.gone->wait_for(1));         // its thread ends and takes the source with it
+    CHECK_FALSE(stage.news.wait_for(1, 0s));
+}

@@ -1,0 +1,55 @@
+// The camera drone in a swarm: what it cannot give is said, and holds up nobody.
+#include "media.hpp"
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <opencv2/core/mat.hpp>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Six pictures, of which the third and the fourth are damaged: one cannot be read, one only not be decoded.
+void fill(const std::filesystem::path& folder)
+{
+    const auto png = media::encoded(".png", media::sample({64, 48}, CV_8UC3));
+    auto jpeg = media::encoded(".jpg", media::sample({64, 48}, CV_8UC3));
+    for (const char* name : {"1.png", "2.png", "5.png", "6.png"})
+        media::write(folder / name, png);
+    media::write(folder / "3.png", media::Bytes(png.begin(), png.begin() + 30));
+    jpeg.resize(jpeg.size() / 2);
+    jpeg.insert(jpeg.end(), {0xFF, 0xD9});
+    media::write(folder / "4.jpg", jpeg);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "camera: a damaged picture in a folder on demand has a number, an exception with that, and nobody waits for it")
+{
+    const Swarm swarm;
+    const media::Folder folder;
+    fill(folder.path());
+    const auto camera =
+        swarm.drone("camera", "camera", {"source=" + folder.path().string(), "width=32", "pace=demand", "loop=off"});
+    auto application = swarm.application();
+    const auto exceptions = application.exceptions({"camera"});
+    const auto pictures = application.collect({{"camera", "image"}}, {.ordered = true});
+    for (const std::int64_t sequence : {1, 2, 5, 6}) {
+        const auto event = pictures->next(patient(5000ms));
+        REQUIRE(event);
+        CHECK(event->identity.sequence == sequence);
+        CHECK(event->header.at("index") == sequence - 1);
+    }
+    CHECK(pictures->counts().failed == 2);
+    CHECK(pictures->counts().missing == 0);
+    for (const auto& [sequence, file] : {std::pair{3, "3.png"}, std::pair{4, "4.jpg"}}) {
+        const auto exception = exceptions->next(patient(2000ms));
+        REQUIRE(exception);
+        CHECK(exception->identity.source == "camera");
+        CHECK(exception->identity.sequence == sequence);
+        CHECK(exception->header.at("text").get<std::string>().find((folder.path() / file).string()) == 0);
+    }
+}

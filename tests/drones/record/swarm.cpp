@@ -1,0 +1,330 @@
+// Recording and replaying with real drones: nothing is changed, nothing is lost in silence, whatever ends the recorder.
+#include "measure.hpp"
+#include "status_sums.hpp"
+
+#include <hive/event_text.hpp>
+#include <hive/recording/reader.hpp>
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <fstream>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+using hive::recording::Reader;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr hive::ConnectionOptions wide{.window = 64, .group = {}, .lease = {}};
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Everything that an event is, as bytes.
+std::string bytes_of(const hive::Event& event)
+{
+    return hive::event_text(event) + '\n'
+           + std::string(reinterpret_cast<const char*>(event.body.data()), event.body.size());
+}
+
+/// The same, but for who sent it.
+std::string bytes_without_sender(hive::Event event)
+{
+    event.sender = event.kind = event.output = "any";
+    return bytes_of(event);
+}
+
+std::vector<hive::Event> take(hive::Collector& collector, std::size_t count)
+{
+    std::vector<hive::Event> events;
+    while (events.size() < count) {
+        auto event = collector.next(patient(5000ms));
+        REQUIRE_MESSAGE(event, "only ", events.size(), " events of ", count, " came");
+        event->body = hive::Body(std::string(reinterpret_cast<const char*>(event->body.data()),
+                                             event->body.size()));  // not kept in shared memory
+        event->receipt.reset();
+        events.push_back(std::move(*event));
+    }
+    return events;
+}
+
+std::vector<hive::Event> replayed(const Swarm& swarm, const fs::path& file, std::size_t count)
+{
+    const auto drone = swarm.drone("replay", "replay", {"file=" + file.string(), "pace=demand"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"replay", "tick"}});
+    auto events = take(*collector, count);
+    CHECK(eventually([&] { return application.status("replay").condition == "end of recording"; }));
+    CHECK_FALSE(collector->next(0ms));
+    application.stop("replay");
+    return events;
+}
+
+/// The sequences of what can be read, which must be without a gap.
+std::int64_t contiguous_events(Reader& reader)
+{
+    std::int64_t count = 0, last = 0;
+    while (const auto record = reader.next()) {
+        const auto event = hive::event_from_text(reader.text(*record));
+        std::vector<std::byte> body(record->prefix.body_size);
+        reader.body(*record, body);
+        CHECK((last == 0 || event.identity.sequence == last + 1));
+        CHECK(body.size() == event.size);
+        last = event.identity.sequence;
+        ++count;
+    }
+    return count;
+}
+
+std::int64_t lost_in(const Reader& reader)
+{
+    std::int64_t lost = 0;
+    for (const auto& loss : reader.summary().lost)
+        lost += loss.events;
+    return lost;
+}
+
+}  // namespace
+
+TEST_CASE("recording: ten thousand events on demand come back as they were, twice the same to the byte")
+{
+    constexpr std::size_t count = 10'000;
+    const Swarm swarm;
+    const auto file = swarm.home() / "run.hive";
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=10000", "bytes=100", "padding=1024"});
+    const auto recorder = swarm.drone("record", "record", {"file=" + file.string()});
+    auto application = swarm.application();
+    application.halt("source");
+    application.connect({"source", ""}, {"record", ""}, wide);
+    const auto collector = application.collect({{"source", "tick"}});
+    application.resume("source");
+    const auto originals = take(*collector, count);
+    REQUIRE(
+        eventually([&] { return at_inputs(application.status("record"), &hive::InputStatus::processed) == count; }));
+    application.stop("record");
+    {
+        const Reader reader(file);
+        CHECK(reader.problem() == "");
+        CHECK(reader.summary().ended == "stopped");
+        CHECK(reader.summary().events() == count);
+        CHECK(reader.summary().lossless());
+    }
+    const auto first = replayed(swarm, file, count), second = replayed(swarm, file, count);
+    std::size_t same = 0, twice = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        same += bytes_without_sender(first[i]) == bytes_without_sender(originals[i]) ? 1 : 0;
+        twice += bytes_of(first[i]) == bytes_of(second[i]) ? 1 : 0;
+    }
+    CHECK(same == count);
+    CHECK(twice == count);
+    CHECK(hive::event_text(originals[0]).size() > 1024);
+}
+
+TEST_CASE("recording: the work of a replay that begins again and again can be shared, and no result is taken for a "
+          "second answer")
+{
+    constexpr std::size_t count = 10;
+    const Swarm swarm;
+    const auto file = (swarm.home() / "run.hive").string();
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    swarm.hivectl_done({"record", "source", "-o", file, "-n", std::to_string(count)});
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file, "pace=demand", "loop=on"});
+    const auto first = swarm.drone("sleeper", "first"), second = swarm.drone("sleeper", "second");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"first", "result"}, {"second", "result"}}, {.connection = wide});
+    swarm.hivectl_done({"connect", "replay.tick", "first", "second", "--share"});
+    take(*collector, 5 * count);
+    CHECK(collector->counts().duplicates == 0);
+    for (const char* worker : {"first", "second"})
+        CHECK(at_inputs(application.status(worker), &hive::InputStatus::duplicates) == 0);
+}
+
+TEST_CASE("recording: a recorder that is killed leaves every event that it had taken")
+{
+    const Swarm swarm;
+    const auto file = swarm.home() / "run.hive";
+    const auto source = swarm.drone("ticker", "source", {"fps=200", "bytes=10000"});
+    auto recorder = swarm.drone("record", "record", {"file=" + file.string()});
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"record", ""}, wide);
+    std::int64_t taken = 0;
+    REQUIRE(eventually(
+        [&] { return (taken = at_inputs(application.status("record"), &hive::InputStatus::processed)) >= 100; }));
+    recorder.kill();
+    Reader reader(file);
+    CHECK(has(reader.problem(), "no end"));
+    CHECK(reader.summary().ended == "");
+    CHECK(contiguous_events(reader) >= taken);
+
+    const auto info = swarm.hivectl({"replay", file.string(), "--info", "--json"});
+    CHECK(info.exit_code == 8);
+    CHECK(has(info.err, "no end"));
+    CHECK(Json::parse(info.out).at("events") == reader.summary().events());
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file.string(), "pace=demand"});
+    const auto collector = application.collect({{"replay", "tick"}});
+    take(*collector, static_cast<std::size_t>(reader.summary().events()));
+    CHECK(eventually(
+        [&] { return has(application.status("replay").condition, "end of recording; the recording has no end"); }));
+    CHECK(application.status("replay").last_exception.value().code == "malformed");
+}
+
+TEST_CASE("recording: a full disk is said within a second, costs others nothing, and the file is whole up to there")
+{
+    const Swarm swarm;
+    if (swarm.run({"/usr/bin/unshare", "-Urm", "/bin/true"}).exit_code != 0) {
+        MESSAGE("skipped: this user may not mount a small file system");
+        return;
+    }
+    const auto disk = swarm.home() / "disk", copy = swarm.home() / "copy.hive";
+    fs::create_directory(disk);
+    const auto camera = swarm.drone("camera", "camera", {"fps=30"});
+    const std::string script = "mount -t tmpfs -o size=8m small " + disk.string() + " && hive-record --set file="
+                               + disk.string() + "/run.hive; cp " + disk.string() + "/run.hive " + copy.string()
+                               + ".part && mv " + copy.string() + ".part " + copy.string();
+    const char* path = std::getenv("PATH");
+    const std::vector<std::string> environment{"HIVE_HOME=" + swarm.home().string(),
+                                               "PATH=" + swarm.program("").string() + ":" + (path ? path : "/bin")};
+    const Process recorder({"/usr/bin/unshare", "-Urm", "/bin/sh", "-c", script}, environment,
+                           swarm.home() / "record.log");
+    auto application = swarm.application();
+    REQUIRE_MESSAGE(eventually(
+                        [&] {
+                            return fs::exists(swarm.home() / "record.sock")
+                                   && !application.status(std::vector<std::string>{"record"}).at(0).error;
+                        },
+                        10'000ms),
+                    swarm.log("record"));
+
+    const auto exceptions = application.exceptions({"record"});
+    const auto other = application.collect({{"camera", "image"}});
+    application.connect({"camera", ""}, {"record", ""}, wide);
+    std::optional<hive::Event> exception;
+    std::int64_t last = 0, gaps = 0, seen = 0;
+    REQUIRE(eventually(
+        [&] {
+            if (const auto event = other->next(0ms)) {
+                gaps += last > 0 && event->identity.sequence != last + 1 ? 1 : 0;
+                last = event->identity.sequence;
+                ++seen;
+            }
+            if (!exception)
+                exception = exceptions->next(0ms);
+            return exception && seen > 60;
+        },
+        10'000ms));
+    CHECK(has(exception->header.at("text"), "disk full"));
+    CHECK(application.status("record").condition == "disk full");
+    CHECK(application.status("record").state != hive::State::halted);
+    CHECK(gaps == 0);
+    application.stop("record");
+    REQUIRE(eventually([&] { return fs::exists(copy); }));
+    Reader reader(copy);
+    const auto& summary = reader.summary();
+    const auto said_after = exception->identity.captured_us - (summary.begun_us + summary.duration_us);
+    MESSAGE(summary.events(), " events, ", lost_in(reader), " lost; said ", said_after / 1000,
+            " ms after the last one that went in");
+    CHECK(said_after < 1'000'000);
+    CHECK(summary.ended == "disk full");
+    CHECK(lost_in(reader) > 0);
+    CHECK(contiguous_events(reader) == summary.events());
+    CHECK(reader.problem() == "");
+}
+
+TEST_CASE("recording: a recorder that was killed and is started again goes on in a new file, and what it had stays")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto file = swarm.home() / "run.hive";
+    auto application = swarm.application();
+    {
+        auto recorder = swarm.drone("record", "record", {"file=" + file.string(), "overwrite=on"});
+        application.connect({"source", ""}, {"record", ""}, {.window = 8, .group = {}, .lease = {}});
+        REQUIRE(eventually([&] { return Reader(file).summary().events() > 20; }));
+        recorder.signal(SIGKILL);
+        recorder.wait(2000ms);
+    }
+    const auto kept = text_of(file);
+    for (const char* name : {"run-2.hive", "run-3.hive"}) {
+        CAPTURE(name);
+        auto again = swarm.drone("record", "record");
+        CHECK(application.get("record", {"file"}).at("file") == (swarm.home() / name).string());
+        CHECK(eventually([&] { return Reader(swarm.home() / name).summary().events() > 20; }));
+        again.signal(SIGKILL);
+        again.wait(2000ms);
+    }
+    CHECK(text_of(file) == kept);
+}
+
+TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its exit code says what is not")
+{
+    const Swarm swarm;
+    const auto left = swarm.drone("ticker", "left", {"fps=100"}), right = swarm.drone("ticker", "right", {"fps=100"});
+    const auto file = (swarm.home() / "run.hive").string();
+    const auto done = Json::parse(swarm.hivectl_done({"record", "left", "right", "-o", file, "-n", "50", "--json"}));
+    CHECK(done.at("events") == 50);
+    CHECK(done.at("outputs") == 2);
+    CHECK(done.at("ended") == "count reached");
+    CHECK(done.at("lost").empty());
+    CHECK(swarm.hivectl({"record", "left", "-o", file, "-n", "1"}).exit_code == 1);  // it is there
+    CHECK(Reader(file).summary().events() == 50);
+    CHECK(has(swarm.hivectl_done({"replay", file, "--info"}), "left-tick"));
+    CHECK(has(swarm.hivectl_done({"record", "left", "-o", (swarm.home() / "one.hive").string(), "-n", "1"}),
+              ": 1 event of 1 output in "));
+
+    CHECK(swarm.hivectl_done({"replay", file, "--pace", "demand", "--halted"}) == "replay\n");
+    auto application = swarm.application();
+    CHECK(application.describe("replay").outputs.size() == 2);
+    CHECK(application.status("replay").state == hive::State::halted);
+
+    const auto fast = swarm.drone("ticker", "fast", {"fps=20000"});
+    const auto lossy = swarm.hivectl({"record", "fast", "-o", file, "--overwrite", "--for", "0.5", "--window", "1"});
+    CHECK(lossy.exit_code == 8);
+    CHECK(has(lossy.err, "skipped by the sender"));
+    CHECK(lost_in(Reader(file)) > 0);
+    CHECK(Reader(file).summary().ended == "time over");
+}
+
+TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are replayed to those who receive headers alone")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto file = swarm.home() / "run.hive";
+    auto application = swarm.application();
+    const auto somebody = application.collect({{"source", "tick"}});  // bodies that nobody receives are not made
+    auto running = swarm.hivectl_running({"record", "source", "-o", file.string(), "--notify"}, "recording");
+    REQUIRE(eventually([&] { return fs::exists(file) && Reader(file).summary().events() > 10; }));
+    running.signal(SIGINT);
+    REQUIRE(running.wait(patient(3000ms)) == 0);
+    const Reader reader(file);
+    CHECK(reader.problem() == "");
+    CHECK(reader.summary().ended == "stopped");
+    CHECK(reader.summary().tracks.at(0).without_body == reader.summary().events());
+    CHECK(reader.summary().tracks.at(0).bytes == 0);
+
+    for (const std::string pace : {"pace=real", "pace=demand"}) {
+        CAPTURE(pace);
+        const auto alone = swarm.drone("replay", "alone", {"file=" + file.string(), pace});
+        const auto watching = application.collect(
+            {{"alone", "tick"}}, {.connection = {.delivery = hive::Delivery::notification, .group = {}, .lease = {}}});
+        CHECK(watching->next(patient(2000ms)));
+    }
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file.string(), "speed=1000"});
+    application.halt("replay");
+    const auto watching =
+        application.collect({{"replay", "tick"}}, {.connection = {.transfer = hive::Transfer::streaming,
+                                                                  .delivery = hive::Delivery::notification,
+                                                                  .group = {},
+                                                                  .lease = {}}});
+    const auto receiving = application.collect({{"replay", "tick"}});
+    application.resume("replay");
+    const auto events = take(*watching, static_cast<std::size_t>(reader.summary().events()));
+    CHECK(events.front().size == 1000);
+    CHECK(eventually([&] {
+        return has(application.status("replay").condition,
+                   "end of recording; without a body, so for no receiver of bodies: ");
+    }));
+    CHECK_FALSE(receiving->next(0ms));
+}
