@@ -3,6 +3,7 @@
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"camera", "Publishes pictures from a camera, from files, or of a synthetic scene."},
+    return hive::run_drone(argc, argv,
+                           {"camera", "Publishes pictures from a camera, from files, or of a synthetic scene."},
                            [](hive::Drone& drone) { camera::CameraDrone(drone).run(); });
 }
