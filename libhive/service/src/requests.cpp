@@ -32,7 +32,6 @@ void Requests::add_handlers()
     handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });
     handle(PacketType::connect, [this](const Incoming& incoming) { wiring_.on_connect(incoming); });
     handle(PacketType::disconnect, [this](const Incoming& incoming) { wiring_.on_disconnect(incoming); });
-    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
@@ -44,15 +43,6 @@ void Requests::restore(const Json& state)
 {
     wiring_.restore(state.value("connections", Json::array()));
     state_file_.remember();
-}
-
-void Requests::on_forget(const Incoming& incoming)
-{
-    const auto forget = protocol::forget_from_json(incoming.header);
-    const auto removed = parts_.module.forget(forget.receiver, forget.output);
-    if (removed == 0)
-        throw Error(Errc::not_found, parts_.module.self().name + " waits for nothing of " + forget.receiver);
-    incoming.answer(Json{{"removed", removed}});
 }
 
 void Requests::on_put(const Incoming& incoming)

@@ -30,7 +30,6 @@ public:
 
 private:
     void add_handlers();
-    void on_forget(const event::Incoming& incoming);
     void on_put(const event::Incoming& incoming);
     void on_forget(const event::Incoming& incoming);
     bool set_policy(const event::Incoming& incoming);
