@@ -131,12 +131,16 @@ void add_sender_counts(Row& row, const EdgeStatus* edge)
 void add_receiver_counts(Row& row, const InputStatus* input)
 {
     using Count = std::pair<const char*, std::int64_t InputStatus::*>;
-    constexpr std::array counts{
-        Count{"received", &InputStatus::received},        Count{"processed", &InputStatus::processed},
-        Count{"receiver_dropped", &InputStatus::dropped}, Count{"receiver_abandoned", &InputStatus::abandoned},
-        Count{"duplicates", &InputStatus::duplicates},    Count{"discarded", &InputStatus::discarded},
-        Count{"unmatched", &InputStatus::unmatched},      Count{"queued", &InputStatus::queued},
-        Count{"in_hand", &InputStatus::in_hand},          Count{"age_us", &InputStatus::last_age_us}};
+    constexpr std::array counts{Count{"received", &InputStatus::received},
+                                Count{"processed", &InputStatus::processed},
+                                Count{"dropped_by_receiver", &InputStatus::dropped},
+                                Count{"abandoned_by_receiver", &InputStatus::abandoned},
+                                Count{"duplicates", &InputStatus::duplicates},
+                                Count{"discarded", &InputStatus::discarded},
+                                Count{"unmatched", &InputStatus::unmatched},
+                                Count{"queued", &InputStatus::queued},
+                                Count{"in_hand", &InputStatus::in_hand},
+                                Count{"age_us", &InputStatus::last_age_us}};
     for (const auto& [key, count] : counts)
         row.add(key, input ? hive::Json(input->*count) : hive::Json());
     row.add("error", input ? text_or_null(input->error) : hive::Json());

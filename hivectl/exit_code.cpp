@@ -25,6 +25,7 @@ constexpr std::array table{
     Entry{Errc::refused, ""},
     Entry{Errc::type_mismatch, "see the ports: hivectl describe NAME"},
     Entry{Errc::halted, "let it go on: hivectl resume NAME"},
+    Entry{Errc::locked, "try again, or allow more time: --timeout SECONDS"},
     Entry{Errc::name_taken, "choose another name: --as NAME, or stop the holder: hivectl stop NAME"},
     Entry{Errc::not_permitted, "use the account that started the drone"},
     Entry{Errc::too_large, "send less"},
@@ -84,6 +85,11 @@ void Outcome::failed(std::string_view subject, const hive::Error& error)
     const std::string_view text = error.what();
     const bool named = text.find(subject) != std::string_view::npos;
     complain(verb_, (named ? "" : printable(subject) + ": ") + explained(error));
+}
+
+int Outcome::exit_code(int code) const
+{
+    return code == exit_code::done && !codes_.empty() ? exit_code::partly_done : code;
 }
 
 int Outcome::exit_code() const

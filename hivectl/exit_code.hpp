@@ -39,6 +39,8 @@ public:
     void failed(std::string_view subject, const hive::Error& error);
     /// 0 when nothing failed, 8 when only some did, the common code when all failed alike, otherwise 1.
     [[nodiscard]] int exit_code() const;
+    /// Of a verb that went on with those that had not failed, and ended with `code`.
+    [[nodiscard]] int exit_code(int code) const;
 
 private:
     std::string verb_;

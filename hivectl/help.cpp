@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t line_width = 80;
 
-/// The words of `text` in lines of at most 80 columns, all but the first indented; an empty line is kept.
+/// The words of `text` in lines of at most 80 columns, all but the first indented.
 std::string wrapped(std::string_view text, std::size_t indent)
 {
     std::string result;
@@ -30,6 +30,14 @@ std::string wrapped(std::string_view text, std::size_t indent)
         column += word.size();
     }
     return result;
+}
+
+/// What stands between empty lines is wrapped by itself.
+std::string paragraphs(std::string_view text)
+{
+    const auto end = text.find("\n\n");
+    return wrapped(text.substr(0, end), 0)
+           + (end == std::string_view::npos ? "" : "\n\n" + paragraphs(text.substr(end + 2)));
 }
 
 /// "  left            right, wrapped"
@@ -106,7 +114,7 @@ std::string help_of(const Verb& verb, const CommandLine& line)
     std::string text = "hivectl " + std::string(verb.name) + (verb.usage.empty() ? "" : " " + std::string(verb.usage))
                        + "\n\n" + wrapped(verb.summary, 0) + ".\n";
     if (!verb.details.empty())
-        text += "\n" + wrapped(verb.details, 0) + "\n";
+        text += "\n" + paragraphs(verb.details) + "\n";
     std::string arguments, options;
     for (const auto& option : line.entries()) {
         if (option.positional)

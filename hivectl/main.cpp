@@ -31,7 +31,7 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
 
 void add_common(CommandLine& line, const Verb& verb, Session& session)
 {
-    line.flag("--json", session.json, "print JSON instead of text; one object a line where it streams");
+    line.flag("--json", session.json, "print JSON instead of text; one object per line where it streams");
     line.option("--timeout", session.timeout_s, std::string(verb.timeout)).type_name("SECONDS").seconds();
 }
 

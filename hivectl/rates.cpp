@@ -87,8 +87,8 @@ hive::Json rate(const Row* before, const Row& now, std::string_view key, std::ch
 
 /// What an edge counts that has a rate; the second half are events that somebody misses.
 constexpr std::array<std::string_view, 4> calm{"acknowledged", "skipped", "passed_on", "duplicates"};
-constexpr std::array<std::string_view, 5> losses{"dropped", "abandoned", "lost", "receiver_dropped",
-                                                 "receiver_abandoned"};
+constexpr std::array<std::string_view, 5> losses{"dropped", "abandoned", "lost", "dropped_by_receiver",
+                                                 "abandoned_by_receiver"};
 
 Row edge_row(const Row* before, const Row& now, std::chrono::nanoseconds interval)
 {
@@ -159,8 +159,8 @@ std::vector<Column> edge_rate_columns()
             {"DROPPED/s", "dropped_per_s", as_tenths, nothing},
             {"ABANDONED/s", "abandoned_per_s", as_tenths, nothing},
             {"LOST/s", "lost_per_s", as_tenths, nothing},
-            {"R-DROPPED/s", "receiver_dropped_per_s", as_tenths, nothing},
-            {"R-ABANDONED/s", "receiver_abandoned_per_s", as_tenths, nothing},
+            {"R-DROPPED/s", "dropped_by_receiver_per_s", as_tenths, nothing},
+            {"R-ABANDONED/s", "abandoned_by_receiver_per_s", as_tenths, nothing},
             {"DUPLICATES/s", "duplicates_per_s", as_tenths, nothing},
             {"IN-FLIGHT", "in_flight"},
             {"MISSING", "missing", nullptr, nothing},

@@ -8,6 +8,13 @@
 namespace hivectl {
 namespace {
 
+void add_new(std::vector<hive::Endpoint>& endpoints, std::vector<hive::Endpoint> more)
+{
+    for (auto& end : more)
+        if (std::ranges::find(endpoints, to_text(end), to_text) == endpoints.end())
+            endpoints.push_back(std::move(end));
+}
+
 /// "face-*.image": the part behind the last dot may be a port or belong to the name; what fits a drone as a whole wins.
 std::vector<hive::Endpoint> matching(hive::Application& application, const std::string& pattern)
 {
@@ -57,14 +64,6 @@ void add_new(std::vector<std::string>& names, std::vector<std::string> more)
             names.push_back(std::move(name));
 }
 
-std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words)
-{
-    std::vector<std::string> names;
-    for (const auto& word : words)
-        add_new(names, application.find(word));
-    return names;
-}
-
 std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words,
                                       Outcome& outcome)
 {
@@ -82,9 +81,20 @@ std::vector<hive::Endpoint> endpoints_named(hive::Application& application, cons
 {
     std::vector<hive::Endpoint> endpoints;
     for (const auto& word : words)
-        for (auto& end : is_glob(word) ? matching(application, word) : std::vector{application.endpoint(word)})
-            if (std::ranges::find(endpoints, to_text(end), to_text) == endpoints.end())
-                endpoints.push_back(std::move(end));
+        add_new(endpoints, is_glob(word) ? matching(application, word) : std::vector{application.endpoint(word)});
+    return endpoints;
+}
+
+std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words,
+                                            Outcome& outcome)
+{
+    std::vector<hive::Endpoint> endpoints;
+    for (const auto& word : words)
+        try {
+            add_new(endpoints, endpoints_named(application, {word}));
+        } catch (const hive::Error& error) {
+            outcome.failed(word, error);
+        }
     return endpoints;
 }
 
@@ -98,12 +108,20 @@ std::string usual_output(const hive::Interface& interface, const std::string& dr
 }
 
 std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words,
-                                          std::string_view preferred)
+                                          std::string_view preferred, Outcome& outcome)
 {
-    auto outputs = endpoints_named(application, words);
-    for (auto& output : outputs)
-        if (output.port.empty())
-            output.port = usual_output(application.describe(output.drone), output.drone, preferred);
+    std::vector<hive::Endpoint> outputs;
+    for (auto& output : endpoints_named(application, words, outcome))
+        try {
+            const auto interface = application.describe(output.drone);
+            if (output.port.empty())
+                output.port = usual_output(interface, output.drone, preferred);
+            else if (output.port != "exceptions")  // every drone has it, and no interface lists it
+                hive::port_named(interface.outputs, output.drone, "output", output.port);
+            add_new(outputs, {output});
+        } catch (const hive::Error& error) {
+            outcome.failed(to_text(output), error);
+        }
     return outputs;
 }
 

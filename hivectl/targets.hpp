@@ -19,20 +19,22 @@ std::string to_text(const hive::Endpoint& endpoint);
 
 /// Adds those that are not there yet.
 void add_new(std::vector<std::string>& names, std::vector<std::string> more);
-/// The drones that the names and globs mean, each once, in the order given. Throws Errc::not_found for a word without
-/// any.
-std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words);
-/// The same, but a word without any is a failure of `outcome`, and the others go on.
+/// The drones that the names and globs mean, each once, in the order given. A word without any is a failure of
+/// `outcome`, and the others go on.
 std::vector<std::string> drones_named(hive::Application& application, const std::vector<std::string>& words,
                                       Outcome& outcome);
-/// The same for ends of connections: "face", "face.image", "face-*", "face-*.image".
+/// The ends of connections that they mean: "face", "face.image", "face-*", "face-*.image". Throws Errc::not_found for a
+/// glob without any.
 std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words);
+/// The same, but that is a failure of `outcome`, and the others go on.
+std::vector<hive::Endpoint> endpoints_named(hive::Application& application, const std::vector<std::string>& words,
+                                            Outcome& outcome);
 
 /// The output meant when none is named: the only one whose type contains `preferred`, otherwise the only one there is.
 std::string usual_output(const hive::Interface& interface, const std::string& drone, std::string_view preferred);
-/// endpoints_named(), with the usual output where none is named.
+/// endpoints_named(), with the usual output where none is named. Outputs that do not exist are failures of `outcome`.
 std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& words,
-                                          std::string_view preferred);
+                                          std::string_view preferred, Outcome& outcome);
 /// The input meant when none is named: the only one that takes `type`.
 std::string usual_input(const hive::Interface& interface, const std::string& drone, const std::string& type);
 

@@ -1,7 +1,9 @@
-// hivectl collect: sets of events that belong together, one JSON object a line.
+// hivectl collect: prints sets of events that belong together, one JSON object per line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
+#include "../exit_code.hpp"
 #include "../format.hpp"
+#include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
@@ -51,7 +53,7 @@ std::string line_of(const std::vector<hive::Event>& set)
     return text + ",\"events\":" + json_array(events) + "}\n";
 }
 
-void summarize(const hive::MatchedCollector& collector)
+void summarize(const hive::MatchedCollector& collector, const std::vector<Loss>& losses)
 {
     const auto counts = collector.counts();
     std::string text;
@@ -60,18 +62,25 @@ void summarize(const hive::MatchedCollector& collector)
     if (counts.duplicates > 0)
         text += ", " + std::to_string(counts.duplicates) + " came twice";
     if (const auto dropped = collector.received().dropped; dropped > 0)
-        text += ", " + std::to_string(dropped) + " dropped here because they were not taken in time";
+        text += ", " + std::to_string(dropped) + " dropped by hivectl because they were not taken in time";
     if (!text.empty())
-        complain("collect", count_text(counts.sets, "set") + text);
+        complain("collect", count_text(counts.sets, "set") + printable(text));
+    for (const auto& loss : losses)
+        if (loss.promised)
+            complain("collect", "lost: " + printable(sentence(loss)));
 }
 
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    const auto outputs = outputs_named(application, options.names, "application/json");
+    Outcome outcome("collect");
+    const auto outputs = outputs_named(application, options.names, "application/json", outcome);
+    if (outcome.exit_code() != exit_code::done)
+        return outcome.exit_code();  // a set needs all of them
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
+    const auto losses = losses_from_now(application, outputs);
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
                                   .patience = session.patience(),
@@ -80,7 +89,7 @@ int run(const Options& options, Session& session)
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;
                                  });
-    summarize(*collector);
+    summarize(*collector, losses_until_now(losses, application, outputs));
     return code;
 }
 
@@ -88,16 +97,16 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names,
-                "two or more of drone, drone.output, or globs; the output goes without saying when only one is JSON")
+                "two or more of drone, drone.output, or globs; the output may be left out when only one is JSON")
         .required();
     line.option("-n", options->count, "end after this many sets")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
     line.option("--within", options->within_ms,
-                "the nearest captures, at most this far apart (default: those of the same capture)")
+                "combine the nearest captures, at most this far apart (default: only events of the same capture)")
         .type_name("MS")
         .between(0, 3'600'000);
-    line.flag("--notify", options->notify, "ask for headers only; the drones need not make the bodies");
+    line.flag("--notify", options->notify, "receive headers only, so that the drones need not make the bodies");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -108,15 +117,15 @@ Verb collect_verb()
     return {.name = "collect",
             .group = "look",
             .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
-            .summary = "Prints what several drones find in the same picture, one JSON object a line",
-            .details = "Each line is a set with one event of each output, in the order given: source, epoch and seq of "
-                       "the first, spread_ms (how "
-                       "far the captures are apart) and events, each as hivectl results prints it. What found no "
-                       "partner is left out; "
-                       "the last line on stderr says how many, and where their partners were missing.",
+            .summary = "Prints what several drones find in the same picture, one JSON object per line",
+            .details =
+                "Each line is a set with one event of each output, in the order in which they were named: source, "
+                "epoch and seq of the first event, spread_ms (how far apart the captures are) and events, each as "
+                "hivectl results prints it. Events without a partner are left out; the last lines on stderr say how "
+                "many there were, where their partners were missing, and what was lost on the way.",
             .examples = "hivectl collect camera.image face.faces -n 5\n"
                         "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
-            .timeout = "give up when no set came for this long (default: never)",
+            .timeout = "give up after this long without a set (default: never)",
             .operands = {Operand::sender},
             .declare = declare};
 }

@@ -48,7 +48,7 @@ int run(const Options& options, Session& session)
     const auto sender = application.endpoint(options.sender);
     const auto connection = connection_of(options, sender.drone);
     Outcome outcome("connect");
-    for (const auto& receiver : endpoints_named(application, options.receivers)) {
+    for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
         try {
             report(application.connect(sender, receiver, connection), connection, session.json);
             outcome.done();
@@ -62,7 +62,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("SENDER", options->sender, "drone or drone.output; the output goes without saying when only one fits")
+    line.option("SENDER", options->sender, "drone or drone.output; the output may be left out when only one fits")
         .required();
     line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
         .required();
@@ -105,22 +105,19 @@ Run declare(CommandLine& line, Session& session)
 
 Verb connect_verb()
 {
-    return {
-        .name = "connect",
-        .group = "wire them",
-        .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
-        .summary = "Sends the events of one drone to others",
-        .details =
-            "Returns when both ends have confirmed, and prints the ports that were joined. By default a receiver gets "
-            "the "
-            "newest event each time it is ready for one, so it is never behind. The connection is made again by itself "
-            "when an end restarts.",
-        .examples = "hivectl connect camera face\n"
-                    "hivectl connect camera.image face.image --window 2\n"
-                    "hivectl connect camera face --encoding jpeg:60\n"
-                    "hivectl connect camera 'face-*' --share  divide the work",
-        .operands = {Operand::sender, Operand::receiver},
-        .declare = declare};
+    return {.name = "connect",
+            .group = "wire them",
+            .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
+            .summary = "Sends the events of one drone to others",
+            .details = "Returns when both ends have confirmed the connection, and prints the ports that were "
+                       "connected. By default a receiver gets the newest event each time it is ready for one, so it "
+                       "never falls behind. When an end restarts, the connection is made again by itself.",
+            .examples = "hivectl connect camera face\n"
+                        "hivectl connect camera.image face.image --window 2\n"
+                        "hivectl connect camera face --encoding jpeg:60\n"
+                        "hivectl connect camera 'face-*' --share  divide the work",
+            .operands = {Operand::sender, Operand::receiver},
+            .declare = declare};
 }
 
 }  // namespace hivectl

@@ -87,18 +87,16 @@ Run declare(CommandLine& line, Session& session)
 
 Verb describe_verb()
 {
-    return {
-        .name = "describe",
-        .group = "run drones",
-        .usage = "NAME... [options]",
-        .summary = "Shows what a drone receives, produces and can be told",
-        .details =
-            "Inputs and outputs with their media types; parameters with present value, default, type, range and unit. "
-            "With --json one object a drone.",
-        .examples = "hivectl describe face\n"
-                    "hivectl describe face --json | jq .parameters",
-        .operands = {Operand::drone},
-        .declare = declare};
+    return {.name = "describe",
+            .group = "run drones",
+            .usage = "NAME... [options]",
+            .summary = "Shows the inputs, outputs and parameters of a drone",
+            .details = "Inputs and outputs are shown with their media types; parameters with their present value, "
+                       "default, type, range and unit. With --json, one object per drone.",
+            .examples = "hivectl describe face\n"
+                        "hivectl describe face --json | jq .parameters",
+            .operands = {Operand::drone},
+            .declare = declare};
 }
 
 }  // namespace hivectl

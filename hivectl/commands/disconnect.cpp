@@ -1,4 +1,4 @@
-// hivectl disconnect: undoes connect.
+// hivectl disconnect: ends a connection, or the waiting for a receiver that is gone.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
@@ -20,7 +20,7 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     const auto sender = application.endpoint(options.sender);
     Outcome outcome("disconnect");
-    for (const auto& receiver : endpoints_named(application, options.receivers)) {
+    for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
         try {
             application.disconnect(sender, receiver);
             outcome.done();
@@ -49,8 +49,9 @@ Verb disconnect_verb()
     return {.name = "disconnect",
             .group = "wire them",
             .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
-            .summary = "Undoes connect",
-            .details = "Without ports, every connection between the two.",
+            .summary = "Ends a connection",
+            .details = "Without ports, it ends every connection between the two drones. A receiver that does not run "
+                       "any more is forgotten by its sender: a source that waited for it goes on.",
             .examples = "hivectl disconnect camera face\n"
                         "hivectl disconnect camera 'face-*'",
             .operands = {Operand::sender, Operand::receiver},

@@ -45,8 +45,8 @@ const std::vector<Column> columns{{"FROM", "from"},
                                   {"LOST-CUT-OFF", "lost_cut_off", nullptr, nothing},
                                   {"LOST-LEFT", "lost_left", nullptr, nothing},
                                   {"IN-FLIGHT", "in_flight"},
-                                  {"R-DROPPED", "receiver_dropped", nullptr, nothing},
-                                  {"R-ABANDONED", "receiver_abandoned", nullptr, nothing},
+                                  {"R-DROPPED", "dropped_by_receiver", nullptr, nothing},
+                                  {"R-ABANDONED", "abandoned_by_receiver", nullptr, nothing},
                                   {"DUPLICATES", "duplicates", nullptr, nothing},
                                   {"DISCARDED", "discarded", nullptr, nothing},
                                   {"UNMATCHED", "unmatched", nullptr, nothing},
@@ -87,7 +87,7 @@ Verb edges_verb()
         .name = "edges",
         .group = "wire them",
         .usage = "[NAME...] [options]",
-        .summary = "Lists the connections (edges), as both ends count them",
+        .summary = "Lists the connections (edges), with what both ends have counted",
         .details =
             "One row for each edge, and one for each group that shares work. Columns in which every row is 0 or empty "
             "are left out; --json has all of them.\n\n"
@@ -96,8 +96,9 @@ Verb edges_verb()
             "receiver asked. dropped: the queue of a stream was full. passed_on: another member of the group got it. "
             "abandoned: given up after failed attempts. lost: it was under way when the connection broke, when the "
             "receiver died, when it was cut off, or when it left.\n\n"
-            "The receiver counts: received = processed + receiver_abandoned (its code threw) + duplicates (second "
-            "answers, refused) + discarded (not begun when it halted or left) + receiver_dropped (its queue was full) "
+            "The receiver counts: received = processed + abandoned_by_receiver (its code threw) + duplicates (second "
+            "answers, refused) + discarded (not begun when it halted or left) + dropped_by_receiver (its queue was "
+            "full) "
             "+ unmatched (no partner at the other inputs) + queued + in_hand; in the table R- stands for receiver. "
             "missing is what was lost to the receiver for good, at either end.\n\n"
             "STATE: connected; waiting, when the receiver is not registered; place_kept, when the receiver was cut off "

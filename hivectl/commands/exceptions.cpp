@@ -1,4 +1,4 @@
-// hivectl exceptions: what went wrong in drones, and what they do then.
+// hivectl exceptions: shows what went wrong in drones, or changes what they do then.
 #include "../command_line.hpp"
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
@@ -24,10 +24,9 @@ const std::vector<Column> columns{
     {"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"},
     {"INPUT", "input"}, {"SOURCE", "source"},         {"SEQ", "seq"},   {"TEXT", "text"}};
 
-int show_last(const std::vector<std::string>& drones, Session& session)
+int show_last(const std::vector<std::string>& drones, Session& session, Outcome& outcome)
 {
     std::vector<Row> rows;
-    Outcome outcome("exceptions");
     for (const auto& answer : session.application().status(drones)) {
         answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
         if (answer.error || !answer.status.last_exception)
@@ -71,10 +70,9 @@ int follow(const std::vector<std::string>& drones, const Options& options, Sessi
                        });
 }
 
-int change_policy(const Options& options, const std::vector<std::string>& drones, Session& session)
+int change_policy(const Options& options, const std::vector<std::string>& drones, Session& session, Outcome& outcome)
 {
     const auto policy = hive::from_token<hive::ExceptionPolicy>(options.policy, "--on-exception");
-    Outcome outcome("exceptions");
     for (const auto& drone : drones) {
         try {
             session.application().exception_policy(drone, policy);
@@ -94,10 +92,14 @@ int run(const Options& options, Session& session)
         throw hive::Error(hive::Errc::invalid_argument, "--on-exception needs the names of the drones",
                           "for all of them: hivectl exceptions '*' --on-exception " + options.policy);
     auto& application = session.application();
-    const auto drones = options.names.empty() ? application.drones() : drones_named(application, options.names);
+    Outcome outcome("exceptions");
+    const auto drones =
+        options.names.empty() ? application.drones() : drones_named(application, options.names, outcome);
+    if (!options.names.empty() && drones.empty())
+        return outcome.exit_code();
     if (!options.policy.empty())
-        return change_policy(options, drones, session);
-    return options.follow ? follow(drones, options, session) : show_last(drones, session);
+        return change_policy(options, drones, session, outcome);
+    return options.follow ? outcome.exit_code(follow(drones, options, session)) : show_last(drones, session, outcome);
 }
 
 Run declare(CommandLine& line, Session& session)
@@ -121,18 +123,20 @@ Run declare(CommandLine& line, Session& session)
 
 Verb exceptions_verb()
 {
-    return {.name = "exceptions",
-            .group = "when something goes wrong",
-            .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
-            .summary = "Shows what went wrong in drones; says what they do then",
-            .details = "An exception is what a drone's code threw. Without options, the last one of each drone.",
-            .examples = "hivectl exceptions\n"
-                        "hivectl exceptions face --follow\n"
-                        "hivectl exceptions 'face-*' --on-exception halt",
-            .timeout =
-                "give up after this long (default 5); with --follow: when none came for this long (default: never)",
-            .operands = {Operand::drone},
-            .declare = declare};
+    return {
+        .name = "exceptions",
+        .group = "when something goes wrong",
+        .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
+        .summary = "Shows what went wrong in drones, or changes what they do then",
+        .details = "When a drone's code throws, the drone reports an exception. Without options, this shows the last "
+                   "one of each drone.",
+        .examples = "hivectl exceptions\n"
+                    "hivectl exceptions face --follow\n"
+                    "hivectl exceptions 'face-*' --on-exception halt",
+        .timeout =
+            "give up after this long (default 5); with --follow: after this long without an exception (default: never)",
+        .operands = {Operand::drone},
+        .declare = declare};
 }
 
 }  // namespace hivectl

@@ -63,10 +63,9 @@ Verb get_verb()
             .group = "configure them",
             .usage = "NAME [PARAMETER...] [options]",
             .summary = "Reads parameters",
-            .details = "One parameter of one drone is printed bare, several as key=value, those of a glob with the "
-                       "drone before them. "
-                       "Answered even while the drone is busy. With --json an object of values; with a glob one "
-                       "{\"drone\", \"values\"} a line.",
+            .details = "A single parameter of one drone is printed as it is, several as key=value, and those of a glob "
+                       "with the name of the drone before them. Drones answer even while they are busy. With --json "
+                       "this prints an object of values; with a glob, one object {\"drone\", \"values\"} per line.",
             .examples = "hivectl get face scale\n"
                         "hivectl get face\n"
                         "hivectl get 'face-*' scale",

@@ -9,10 +9,10 @@ Verb halt_verb()
     return {.name = "halt",
             .group = "when something goes wrong",
             .usage = "NAME... [options]",
-            .summary = "Makes drones take nothing more until they are resumed",
-            .details = "Prints the names. What they are working on is finished. Parameters can still be set, and ps, "
-                       "get and describe still answer. To make a drone halt by itself when its code throws: hivectl "
-                       "exceptions NAME --on-exception halt.",
+            .summary = "Makes drones stop taking events until they are resumed",
+            .details = "Prints the names of the drones. They finish what they are working on. Parameters can still be "
+                       "set, and ps, get and describe still work. To make a drone halt by itself when its code throws, "
+                       "use hivectl exceptions NAME --on-exception halt.",
             .examples = "hivectl halt face\n"
                         "hivectl halt 'face-*'",
             .operands = {Operand::drone},

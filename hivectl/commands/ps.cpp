@@ -129,9 +129,9 @@ Verb ps_verb()
         .summary = "Lists the drones that run on this machine",
         .details =
             "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer. "
-            "BUSY is the share of its life that its code has worked. NOTE is its condition, why it or one of its "
-            "outputs or inputs stands still, what it has been busy with for more than a second, its last exception, "
-            "and how many events found no partner where several inputs belong together.",
+            "BUSY is the share of its lifetime that its code was working. NOTE says what the drone reports about its "
+            "world, why it or one of its outputs or inputs stands still, what has kept it busy for more than a second, "
+            "its last exception, and how many events found no partner where several inputs belong together.",
         .examples = "hivectl ps\n"
                     "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
         .timeout = "a drone that has not answered by then is shown as silent (default 1)",

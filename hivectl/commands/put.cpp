@@ -83,7 +83,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->to, "drone or drone.input; the input goes without saying when only one takes the type")
+    line.option("NAME", options->to, "drone or drone.input; the input may be left out when only one takes the type")
         .required();
     line.option("FILE", options->file, "what to send; - is stdin (then --type is needed)").required();
     line.option("--type", options->type, "its media type (default: from the ending: .jpg .png .bmp .json .txt ...)")
@@ -100,8 +100,8 @@ Verb put_verb()
             .group = "look",
             .usage = "NAME[.INPUT] FILE [options]",
             .summary = "Sends one file into a drone, as if another drone had sent it",
-            .details = "Returns when the drone has taken it into its queue. Its results go to whoever receives them: "
-                       "see hivectl results.",
+            .details = "Returns when the drone has put the file into its queue. The results go to whoever receives "
+                       "them; see hivectl results.",
             .examples = "hivectl put face photo.jpg\n"
                         "hivectl put face.image - --type image/png < photo.png",
             .operands = {Operand::receiver, Operand::file},

@@ -1,8 +1,9 @@
-// hivectl record: what outputs send goes into a file, and what is missing in it is said.
+// hivectl record: writes what outputs send into a file, and says what is missing from it.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
 #include "../interrupt.hpp"
+#include "../losses.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
@@ -12,9 +13,7 @@
 
 #include <hive/recording/event_record.hpp>
 
-#include <array>
 #include <csignal>
-#include <unistd.h>
 
 namespace hivectl {
 namespace {
@@ -33,20 +32,33 @@ struct Options {
 };
 
 /// A drone without a port means all of its outputs.
-std::vector<hive::Endpoint> outputs_named(hive::Application& application, const std::vector<std::string>& names)
+std::vector<std::string> words_of(hive::Application& application, const std::string& name)
 {
-    std::vector<hive::Endpoint> outputs;
-    for (const auto& end : endpoints_named(application, names)) {
+    std::vector<std::string> words;
+    for (const auto& end : endpoints_named(application, {name})) {
         if (!end.port.empty())
-            outputs.push_back(end);
+            words.push_back(to_text(end));
         else
             for (const auto& port : application.describe(end.drone).outputs)
-                outputs.push_back({end.drone, port.name});
+                words.push_back(end.drone + "." + port.name);
     }
-    if (outputs.empty())
-        throw hive::Error(hive::Errc::not_found, "there is no output to record",
-                          "see the ports: hivectl describe NAME");
-    return outputs;
+    if (words.empty())
+        throw hive::Error(hive::Errc::not_found, name + " has no outputs to record",
+                          "see its ports: hivectl describe " + name);
+    return words;
+}
+
+std::vector<hive::Endpoint> outputs_of(hive::Application& application, const std::vector<std::string>& names,
+                                       Outcome& outcome)
+{
+    std::vector<std::string> words;
+    for (const auto& name : names)
+        try {
+            add_new(words, words_of(application, name));
+        } catch (const hive::Error& error) {
+            outcome.failed(name, error);
+        }
+    return outputs_named(application, words, "", outcome);
 }
 
 hive::CollectOptions collecting(const Options& options)
@@ -96,42 +108,13 @@ void take_rest(hive::Collector& collector, hive::recording::Writer& writer)
         hive::recording::append(writer, *event);
 }
 
-constexpr std::array losses{
-    std::pair{hive::Fate::skipped, "skipped by the sender: not asked for in time"},
-    std::pair{hive::Fate::dropped, "dropped by the sender: the queue was full"},
-    std::pair{hive::Fate::abandoned, "given up by the sender"},
-    std::pair{hive::Fate::lost_connection, "under way when the connection broke"},
-    std::pair{hive::Fate::lost_cut_off, "under way when hivectl was cut off: it had fallen silent"},
-    std::pair{hive::Fate::lost_left, "under way when hivectl left"},
-};
-
-/// What the sender of an output says about us.
-void note_sender(const hive::Endpoint& output, const hive::StatusAnswer& answer, hive::recording::Writer& writer)
-{
-    if (answer.error)
-        return writer.lost(to_text(output), "not known: " + output.drone + " did not answer at the end", 0);
-    const std::string own_name = "app-" + std::to_string(::getpid());
-    for (const auto& row : answer.status.outputs)
-        for (const auto& edge : row.edges) {
-            if (row.name != output.port || edge.receiver != own_name)
-                continue;
-            for (const auto& [fate, reason] : losses)
-                if (const auto count = edge.events.of(fate); count > 0)
-                    writer.lost(to_text(output), reason, count);
-        }
-}
-
-void note_losses(const std::vector<hive::Endpoint>& outputs, hive::Application& application,
+void note_losses(const Losses& losses, hive::Application& application, const std::vector<hive::Endpoint>& outputs,
                  const hive::Collector& collector, hive::recording::Writer& writer)
 {
-    std::vector<std::string> drones;
-    for (const auto& output : outputs)
-        drones.push_back(output.drone);
-    const auto answers = application.status(drones);
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-        note_sender(outputs[i], answers[i], writer);
+    for (const auto& loss : losses_until_now(losses, application, outputs))
+        writer.lost(loss.from, loss.reason, loss.events);
     if (const auto dropped = collector.counts().dropped; dropped > 0)
-        writer.lost("*", "dropped by hivectl: not taken in time", dropped);
+        writer.lost("*", "dropped by hivectl: it could not write them in time", dropped);
 }
 
 void summarize(const std::string& file, const hive::recording::Writer& writer, bool json)
@@ -156,7 +139,7 @@ void summarize(const std::string& file, const hive::recording::Writer& writer, b
                    : printable(file) + ": " + count_text(summary.events(), "event") + " of "
                          + count_text(outputs, "output") + " in " + duration_text(summary.duration_us) + ", "
                          + size_text(static_cast<std::int64_t>(writer.size()))
-                         + (lost.empty() ? ", nothing lost\n" : ", and what is lost is said above\n"));
+                         + (lost.empty() ? ", nothing lost\n" : "; what was lost is listed above\n"));
 }
 
 int exit_code_for(int code, const hive::recording::Writer& writer)
@@ -173,26 +156,30 @@ int run(const Options& options, Session& session)
 {
     std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit of the process is an error like others
     auto& application = session.application();
-    const auto outputs = outputs_named(application, options.names);
+    Outcome outcome("record");
+    const auto outputs = outputs_of(application, options.names, outcome);
+    if (outputs.empty())
+        return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
+    const auto losses = losses_from_now(application, outputs);
     hive::recording::Writer writer({.path = options.file,
                                     .overwrite = options.overwrite,
                                     .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
     const int code = take_events(*collector, writer, options, session.patience(),
                                  [&] { return reason_for_silence(application, outputs); });
-    note_losses(outputs, application, *collector, writer);
+    note_losses(losses, application, outputs, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");
     summarize(options.file, writer, session.json);
-    return exit_code_for(code, writer);
+    return outcome.exit_code(exit_code_for(code, writer));
 }
 
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones (all of their outputs), drone.output, or globs").required();
-    line.option("-o,--output", options->file, "where to").type_name("FILE").required();
+    line.option("-o,--output", options->file, "the file to write").type_name("FILE").required();
     line.option("-n", options->count, "end after this many events")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
@@ -203,8 +190,9 @@ Run declare(CommandLine& line, Session& session)
     line.flag("--overwrite", options->overwrite, "replace the file if it is there");
     const auto notify = line.flag("--notify", options->notify, "headers without bodies");
     const auto stream = line.flag("--stream", options->stream,
-                                  "be sent every event, through the sender's queue; what it cannot hold is dropped");
-    line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+                                  "receive every event through the sender's queue, which drops events when it is full");
+    line.option("--window", options->window,
+                "how many events to ask for in advance; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(stream);
@@ -223,15 +211,14 @@ Verb record_verb()
             .group = "keep",
             .usage = "NAME[.OUTPUT]... -o FILE [-n N] [--for SECONDS] [options]",
             .summary = "Records what drones send into a file",
-            .details = "Until Ctrl-C, or as -n, --for and --max-size say. Every event is kept whole: header, body, "
-                       "identity, time of arrival. A recorder "
-                       "that is killed leaves a file that can be read to its last event. If anything that was sent is "
-                       "not in the file, stderr and "
-                       "the file say how much and why, and the exit code is 8.",
+            .details = "Records until Ctrl-C, or as long as -n, --for and --max-size say. Every event is kept whole: "
+                       "header, body, identity and time of arrival. If the recorder is killed, the file can be read up "
+                       "to its last event. If anything is missing from the file, stderr and the end of the file say "
+                       "how much and why, and the exit code is 8.",
             .examples = "hivectl record camera face.faces -o run.hive --for 10\n"
                         "hivectl record camera -o small.hive --encoding jpeg:90  until Ctrl-C\n"
                         "hivectl record '*' -o headers.hive --notify -n 1000",
-            .timeout = "give up when nothing came for this long (default: never)",
+            .timeout = "give up after this long without an event (default: never)",
             .operands = {Operand::sender},
             .declare = declare};
 }

@@ -1,4 +1,4 @@
-// hivectl replay: a drone that gives a recording again, or what is in the recording.
+// hivectl replay: starts a drone that plays a recording, or says what is in the recording.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -142,13 +142,12 @@ Verb replay_verb()
     return {.name = "replay",
             .group = "keep",
             .usage = "FILE [--as NAME] [--pace real|demand] [--halted] [options]",
-            .summary = "Gives a recording again, as a drone with the outputs that were recorded",
-            .details = "Starts the drone and prints its name. It begins with its first receiver; events have the "
-                       "identity, times and bodies of then. "
-                       "The outputs have their old names; where several drones had the same, DRONE-OUTPUT. With "
-                       "--info, the exit code is 8 if the file "
-                       "was cut short or what lists its events is damaged; the events themselves are read, and "
-                       "checked, when they are played.",
+            .summary = "Plays a recording, as a drone with the outputs that were recorded",
+            .details = "Starts the drone and prints its name. It begins to play when it has its first receiver. The "
+                       "events have the identity, times and bodies that they had when they were recorded. The outputs "
+                       "have their old names; if several drones had an output of the same name, it is called "
+                       "DRONE-OUTPUT. With --info, the exit code is 8 if the file was cut short or its index is "
+                       "damaged; the events themselves are checked when they are played.",
             .examples = "hivectl replay run.hive --info\n"
                         "hivectl replay run.hive --pace demand\n"
                         "hivectl connect replay.image face",

@@ -1,6 +1,8 @@
-// hivectl results: what drones find, one JSON object a line.
+// hivectl results: prints what drones find, one JSON object per line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
+#include "../exit_code.hpp"
+#include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
@@ -8,6 +10,8 @@
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
+
+#include <algorithm>
 
 namespace hivectl {
 namespace {
@@ -31,50 +35,78 @@ hive::CollectOptions collecting(const Options& options)
     return result;
 }
 
-void summarize(const hive::CollectCounts& counts)
+/// " (of camera.image#workers: 17, 21)"
+std::string turns_text(const hive::CollectCounts& counts)
 {
     std::string text;
-    for (const auto& [count, what] : {std::pair{counts.missing, "missing"},
-                                      {counts.dropped, "dropped here because they were not taken in time"},
-                                      {counts.duplicates, "second answers refused"},
-                                      {counts.failed, "reported as exceptions instead"}})
+    for (const auto& [of, turns] : counts.missing_turns) {
+        text += (text.empty() ? " (of " : "; of ") + of + ":";
+        for (std::size_t i = 0; i < std::min<std::size_t>(turns.size(), 10); ++i)
+            text += (i == 0 ? " " : ", ") + std::to_string(turns[i]);
+        text += turns.size() > 10 ? " ..." : "";
+    }
+    return text.empty() ? "" : text + ")";
+}
+
+void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losses)
+{
+    std::string text;
+    for (const auto& [count, what] :
+         {std::pair{counts.missing, "missing" + turns_text(counts)},
+          {counts.dropped, std::string("dropped by hivectl because they were not taken in time")},
+          {counts.duplicates, std::string("second answers refused")},
+          {counts.failed, std::string("reported as exceptions instead")}})
         if (count > 0)
             text += ", " + std::to_string(count) + " " + what;
     if (!text.empty())
-        complain("results", std::to_string(counts.received) + " received" + text);
+        complain("results", std::to_string(counts.received) + " received" + printable(text));
+    for (const auto& loss : losses)
+        if (loss.promised)
+            complain("results", "lost: " + printable(sentence(loss)));
 }
 
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    const auto outputs = outputs_named(application, options.names, "application/json");
+    Outcome outcome("results");
+    const auto outputs = outputs_named(application, options.names, "application/json", outcome);
+    if (outputs.empty())
+        return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
+    const auto losses = losses_from_now(application, outputs);
+    bool lossless = false;
     const int code = print_lines({.verb = "results",
                                   .count = options.count,
                                   .patience = session.patience(),
                                   .reason = [&] { return reason_for_silence(application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto event = collector->next(patience);
+                                     lossless = lossless || (event && event->identity.lossless);
                                      return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
                                  });
-    summarize(collector->counts());
-    return code;
+    const auto counts = collector->counts();
+    const auto lost = losses_until_now(losses, application, outputs);
+    summarize(counts, lost);
+    const bool broken = promise_broken(counts, lost, options.ordered, lossless);
+    return outcome.exit_code(code == exit_code::done && broken ? exit_code::partly_done : code);
 }
 
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names,
-                "drones, drone.output, or globs; the output goes without saying when only one is JSON")
+                "drones, drone.output, or globs; the output may be left out when only one is JSON")
         .required();
     line.option("-n", options->count, "end after this many")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
-    line.flag("--ordered", options->ordered, "in the order of capture, however many drones share the work");
-    line.flag("--notify", options->notify, "ask for headers only; the drone need not make the bodies");
+    line.flag("--ordered", options->ordered,
+              "print results in the order of capture, however many drones share the work");
+    line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
     const auto sync = line.flag("--sync", options->sync,
-                                "the newest result each time one has been printed; those in between are skipped");
-    line.option("--window", options->window, "how many to ask for ahead: what comes beyond is skipped (default 64)")
+                                "receive the newest result each time one has been printed, and skip those in between");
+    line.option("--window", options->window,
+                "how many results to ask for in advance; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(sync);
@@ -88,15 +120,15 @@ Verb results_verb()
     return {.name = "results",
             .group = "look",
             .usage = "NAME[.OUTPUT]... [-n N] [options]",
-            .summary = "Prints what drones find, one JSON object a line",
-            .details = "Each has source, epoch and seq of the capture it belongs to, the sender and output it came "
-                       "from, time_us (of the "
-                       "capture, microseconds since 1970), age_ms, size (of the body, bytes) and header (what the "
-                       "drone found). If "
-                       "anything was lost, refused or failed, the last line on stderr says how much.",
+            .summary = "Prints what drones find, one JSON object per line",
+            .details = "Each line has source, epoch and seq of the capture that the result belongs to, the sender and "
+                       "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
+                       "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
+                       "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
+                       "missing that were promised: with --ordered, or when the source produces on demand.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header",
-            .timeout = "give up when nothing came for this long (default: never)",
+            .timeout = "give up after this long without a result (default: never)",
             .operands = {Operand::sender},
             .declare = declare};
 }

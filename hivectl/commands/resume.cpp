@@ -10,9 +10,9 @@ Verb resume_verb()
             .group = "when something goes wrong",
             .usage = "NAME... [options]",
             .summary = "Lets halted drones go on",
-            .details =
-                "Prints the names. Whether they halted because their code threw or by hivectl halt. What happens at "
-                "the next exception stays as it is; change it with hivectl exceptions NAME --on-exception skip.",
+            .details = "Prints the names of the drones. It does not matter whether they halted because their code "
+                       "threw or because of hivectl halt. What they do at the next exception does not change; hivectl "
+                       "exceptions NAME --on-exception skip changes it.",
             .examples = "hivectl resume face\n"
                         "hivectl resume 'face-*'",
             .operands = {Operand::drone},

@@ -99,8 +99,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from,
-                "drone or drone.output; the output goes without saying when only one sends pictures")
+    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
         .required();
     line.option("FILE", options->file, "where to; - is stdout").required();
     return [options, &session] { return run(*options, session); };
@@ -114,10 +113,9 @@ Verb snap_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] FILE [options]",
             .summary = "Saves one picture that a drone sends",
-            .details =
-                "A picture is saved as PNG if the file's ending says so, otherwise as JPEG. What is no picture is "
-                "saved as it came; a "
-                "warning says so if the file's ending means another type. A file that is there already is replaced.",
+            .details = "The picture is saved as PNG if the name of the file ends in .png, otherwise as JPEG. An event "
+                       "that is not a picture is saved as it came, with a warning if the ending of the file means "
+                       "another type. A file that exists already is replaced.",
             .examples = "hivectl snap camera now.jpg\n"
                         "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},

@@ -68,9 +68,10 @@ Verb start_verb()
     return {.name = "start",
             .group = "run drones",
             .usage = "KIND [--as NAME] [key=value ...] [options]",
-            .summary = "Runs a drone in the background; returns when it answers",
-            .details = "Prints its name. What it says goes to NAME.log in the directory where drones meet. If it ends "
-                       "instead of answering, the last lines of its log are shown and its exit code is passed on.",
+            .summary = "Starts a drone in the background",
+            .details = "Returns when the drone answers, and prints its name. Its output goes to NAME.log in the "
+                       "directory where drones meet. If it ends instead of answering, hivectl shows the last lines of "
+                       "the log and exits with the drone's exit code.",
             .examples = "hivectl start camera\n"
                         "hivectl start face --as face-2 scale=1.05 min_size=40",
             .timeout = "end it if it does not answer within this long (default 10)",

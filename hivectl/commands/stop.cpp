@@ -95,22 +95,19 @@ Run declare(CommandLine& line, Session& session)
 
 Verb stop_verb()
 {
-    return {
-        .name = "stop",
-        .group = "run drones",
-        .usage = "NAME... | --all [options]",
-        .summary = "Ends drones; returns when they are gone",
-        .details =
-            "Prints the names of those that ended. A stopped drone forgets the connections and parameters that it was "
-            "told. Its receivers keep theirs: they wait for a drone of that name and are wired to it when there is "
-            "one, until "
-            "hivectl disconnect. One that crashed would get them back when it is started again; stop makes them "
-            "forgotten.",
-        .examples = "hivectl stop face\n"
-                    "hivectl stop 'face-*'\n"
-                    "hivectl stop --all",
-        .operands = {Operand::drone},
-        .declare = declare};
+    return {.name = "stop",
+            .group = "run drones",
+            .usage = "NAME... | --all [options]",
+            .summary = "Stops drones, and returns when they are gone",
+            .details = "Prints the names of the drones that ended. A drone that is stopped forgets its connections and "
+                       "the parameters that it was given. Its receivers keep their connections: they wait for a drone "
+                       "of that name until hivectl disconnect. A drone that crashed would get its connections and "
+                       "parameters back when it is started again; stop makes hivectl forget them.",
+            .examples = "hivectl stop face\n"
+                        "hivectl stop 'face-*'\n"
+                        "hivectl stop --all",
+            .operands = {Operand::drone},
+            .declare = declare};
 }
 
 }  // namespace hivectl

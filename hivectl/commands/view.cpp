@@ -129,8 +129,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from,
-                "drone or drone.output; the output goes without saying when only one sends pictures")
+    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
         .required();
     line.option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
         .type_name("PORT")
@@ -151,9 +150,8 @@ Verb view_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT] [--http PORT] [options]",
             .summary = "Shows the pictures that a drone sends, in a window or a browser",
-            .details = "Runs a drone of the kind view for as long as this command runs: until Ctrl-C, or until the "
-                       "window is closed "
-                       "(q closes it too). With --http it prints the address to open in a browser of this machine.",
+            .details = "Runs a drone of the kind view until Ctrl-C, or until its window is closed (the key q closes it "
+                       "too). With --http it prints the address to open in a browser on this machine.",
             .examples = "hivectl view camera\n"
                         "hivectl view face.annotated --http 8080",
             .timeout = "give up if the drone does not answer within this long (default 10)",

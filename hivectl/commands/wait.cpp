@@ -75,8 +75,8 @@ Run declare(CommandLine& line, Session& session)
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones; they need not run yet").required();
     line.option("--for", options->goal,
-                "running: it answers and is past its start (default); idle: it has nothing to do; "
-                "halted: it takes nothing until resumed; gone: it has ended")
+                "running: it answers and has finished starting (default); idle: it has nothing to do; "
+                "halted: it takes no events until it is resumed; gone: it has ended")
         .type_name("running|idle|halted|gone")
         .one_of({"running", "idle", "halted", "gone"});
     return [options, &session] { return run(*options, session); };
@@ -90,7 +90,7 @@ Verb wait_verb()
             .group = "run drones",
             .usage = "NAME... [--for STATE] [options]",
             .summary = "Returns when drones have reached a state",
-            .details = "Never past the time-out: then the exit code is 124.",
+            .details = "If they have not reached it before the time-out, the exit code is 124.",
             .examples = "hivectl wait face\n"
                         "hivectl wait face --for halted --timeout 30",
             .timeout = "give up after this long (default 10)",

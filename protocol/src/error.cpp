@@ -16,6 +16,7 @@ constexpr std::array table{
     ErrorInfo{Errc::refused, "refused", "the drone said no", "read the reason", 5},
     ErrorInfo{Errc::type_mismatch, "type_mismatch", "output and input do not fit", "connect other ports", 6},
     ErrorInfo{Errc::halted, "halted", "the drone has halted", "resume it", 7},
+    ErrorInfo{Errc::locked, "locked", "another set is being decided there", "try again in a moment", 5},
     ErrorInfo{Errc::name_taken, "name_taken", "the name is in use", "choose another name, or stop the holder", 1},
     ErrorInfo{Errc::not_permitted, "not_permitted", "that is not allowed", "use the right account", 5},
     ErrorInfo{Errc::too_large, "too_large", "over the limit", "send less, or have the operator raise the limit", 5},
@@ -47,6 +48,14 @@ Errc errc_from_token(std::string_view token) noexcept
 {
     const auto row = std::ranges::find(table, token, &ErrorInfo::token);
     return row == table.end() ? Errc::failed : row->code;
+}
+
+void require_at_most(std::string_view what, std::uint64_t bytes, std::uint64_t limit, const std::string& advice)
+{
+    if (bytes > limit)
+        throw Error(Errc::too_large,
+                    std::string(what) + " of " + std::to_string(bytes) + " bytes, limit " + std::to_string(limit),
+                    advice);
 }
 
 Error current_error()

@@ -8,6 +8,17 @@
 namespace hive {
 namespace {
 
+// Each limit in words, for what is read and for what is to be written.
+std::string too_deep(const JsonLimits& limits) { return "more than " + std::to_string(limits.depth) + " levels"; }
+std::string too_wide(const JsonLimits& limits)
+{
+    return "more than " + std::to_string(limits.keys) + " keys in one object";
+}
+std::string too_long(const JsonLimits& limits)
+{
+    return "a string of over " + std::to_string(limits.string_bytes) + " bytes";
+}
+
 /// Builds the value while nlohmann's lexer reads, and stops it at the first excess: a text that would make a deep or
 /// wide value is refused before that value exists (nlohmann 3.11.2 crashes on copying or dumping a very deep one).
 class LimitedBuilder final : public nlohmann::json_sax<Json> {
@@ -34,7 +45,7 @@ public:
         if (!fits(value))
             return false;
         if (object.size() == limits_.keys)
-            return refuse(Errc::too_large, "more than " + std::to_string(limits_.keys) + " keys in one object");
+            return refuse(Errc::too_large, too_wide(limits_));
         const auto [place, is_new] = object.try_emplace(std::move(value));
         if (!is_new)
             return refuse(Errc::malformed, "the key " + in_quotes(place->first) + " twice in one object");
@@ -67,8 +78,7 @@ private:
     }
     bool fits(const string_t& value)
     {
-        return value.size() <= limits_.string_bytes
-               || refuse(Errc::too_large, "a string of over " + std::to_string(limits_.string_bytes) + " bytes");
+        return value.size() <= limits_.string_bytes || refuse(Errc::too_large, too_long(limits_));
     }
     /// Puts a value where the text has come to: the end of the open array, or the slot of the last key.
     template <class Value>
@@ -83,7 +93,7 @@ private:
     bool open(Json::value_t type)
     {
         if (open_.size() == limits_.depth)
-            return refuse(Errc::too_large, "more than " + std::to_string(limits_.depth) + " levels");
+            return refuse(Errc::too_large, too_deep(limits_));
         add(type);
         open_.push_back(slot_);
         return true;
@@ -106,9 +116,7 @@ private:
 
 Json parse_json(std::string_view text, const JsonLimits& limits)
 {
-    if (text.size() > limits.bytes)
-        throw Error(Errc::too_large,
-                    "JSON of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.bytes));
+    require_at_most("JSON", text.size(), limits.bytes);
     if (text.starts_with("\xEF\xBB\xBF"))
         throw Error(Errc::malformed, "JSON with a byte order mark");
     if (text.find('\0') != std::string_view::npos)  // to nlohmann's lexer it is the end, whatever follows
@@ -120,21 +128,19 @@ Json parse_json(std::string_view text, const JsonLimits& limits)
 
 void require_within(const Json& value, const JsonLimits& limits, std::size_t around)
 {
-    const auto refuse = [](const char* what, std::size_t most, const char* of) {
-        throw Error(Errc::too_large, std::string("JSON with ") + what + std::to_string(most) + of);
-    };
+    const auto refuse = [](const std::string& problem) { throw Error(Errc::too_large, "JSON with " + problem); };
     const auto check_text = [&](const std::string& text) {
         if (text.size() > limits.string_bytes)
-            refuse("a string of over ", limits.string_bytes, " bytes");
+            refuse(too_long(limits));
     };
     if (value.is_string())
         return check_text(value.get_ref<const std::string&>());
     if (!value.is_structured())
         return;
     if (around >= limits.depth)
-        refuse("more than ", limits.depth, " levels");
+        refuse(too_deep(limits));
     if (value.is_object() && value.size() > limits.keys)
-        refuse("more than ", limits.keys, " keys in one object");
+        refuse(too_wide(limits));
     if (value.is_object())
         for (const auto& [key, item] : value.get_ref<const Json::object_t&>())
             check_text(key);

@@ -9,13 +9,6 @@
 namespace hive::protocol {
 namespace {
 
-void require_size(std::string_view part, std::uint32_t size, std::uint32_t limit)
-{
-    if (size > limit)
-        throw Error(Errc::too_large,
-                    std::string(part) + " of " + std::to_string(size) + " bytes, limit " + std::to_string(limit));
-}
-
 /// What they have to say is said by their type, and by the body of a release.
 void require_bare(const Prefix& prefix)
 {
@@ -82,8 +75,8 @@ Prefix decode_prefix(const unsigned char* bytes, const Limits& limits)
     if (token(prefix.type).empty())
         throw Error(Errc::malformed, "packet type " + std::to_string(bytes[5]) + " does not exist");
     require_bare(prefix);
-    require_size("header", prefix.header_size, limits.header);
-    require_size("body", prefix.body_size, limits.body);
+    require_at_most("a header", prefix.header_size, limits.header);
+    require_at_most("a body", prefix.body_size, limits.body);
     return prefix;
 }
 

@@ -128,6 +128,18 @@ TEST_CASE("names: of several names those that run are served, and exit code 8 na
         CHECK(asked.exit_code == 8);
         CHECK(has(asked.out, "one"));
     }
+    const auto file = (swarm.home() / "run.hive").string();
+    const std::vector<std::vector<std::string>> streaming{{"results", "one.tick", "one.tack", "gone.tick", "-n", "2"},
+                                                          {"record", "one", "one.tack", "gone", "-n", "2", "-o", file},
+                                                          {"exceptions", "gone", "one", "--follow", "--timeout", "0.1"},
+                                                          {"exceptions", "gone", "one", "--on-exception", "skip"}};
+    for (const auto& words : streaming) {
+        CAPTURE(words[0]);
+        const auto asked = swarm.hivectl(words);
+        CHECK_MESSAGE(asked.exit_code == (words[3] == "--follow" ? 124 : 8), asked.err);
+        CHECK(has(asked.err, "gone is not running"));
+    }
+    CHECK(has(swarm.hivectl({"results", "one.tack"}).err, "one has no output tack; did you mean tick?"));
     const auto stopped = swarm.hivectl({"stop", "one", "gone", "two"});
     CHECK(stopped.exit_code == 8);
     CHECK(stopped.out == "one\ntwo\n");

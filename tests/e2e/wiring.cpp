@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
@@ -241,4 +243,51 @@ TEST_CASE(
     const auto status = application.status("watcher");
     CHECK(at_inputs(status, &hive::InputStatus::abandoned) == 0);
     CHECK(connected_edges(status.outputs.at(0)) == 0);
+}
+
+TEST_CASE("disconnect: a source on demand that waits for a killed receiver says so, and goes on when that is forgotten")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    auto lost = swarm.drone("sleeper", "lost");
+    const auto worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"worker", "result"}});
+    for (const char* receiver : {"lost", "worker"})
+        application.connect({"source", "tick"}, {receiver, "image"});
+    REQUIRE(collector->next(patient(5000ms)));
+    lost.kill();
+    swarm.hivectl_done({"stop", "lost"}, 5000ms);  // it will not come back by itself
+    while (collector->next(300ms)) {
+    }
+    const auto ps = swarm.hivectl_done({"ps", "source"});
+    CHECK_MESSAGE(has(ps, "a place is kept for a receiver that was cut off (lost.image)"), ps);
+    const auto edges = Json::parse(swarm.hivectl_done({"edges", "source", "--json"}));
+    CHECK(std::ranges::any_of(edges, [](const Json& edge) {
+        return edge.at("to") == "lost.image" && edge.at("state") == "place_kept" && edge.at("why") == "place_kept";
+    }));
+    CHECK(swarm.hivectl_done({"disconnect", "source", "lost"}) == "source -x- lost\n");
+    CHECK(collector->next(patient(5000ms)));
+    const auto again = swarm.hivectl({"disconnect", "source", "lost"});
+    CHECK(again.exit_code == 3);
+    CHECK(has(again.err, "lost is not running, and source"));
+}
+
+TEST_CASE("status: 140 receivers of one output are 140 rows with counts")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=20"});
+    auto application = swarm.application();
+    std::vector<std::unique_ptr<hive::Application>> receivers;
+    std::vector<std::unique_ptr<hive::Collector>> collectors;
+    for (int i = 0; i < 140; ++i) {
+        receivers.push_back(std::make_unique<hive::Application>(hive::Application::Options{
+            .name = "receiver-with-a-rather-long-name-" + std::to_string(i), .home = swarm.home()}));
+        collectors.push_back(receivers.back()->collect({{"source", "tick"}}));
+    }
+    const auto status = application.status("source");
+    CHECK(status.outputs.at(0).edges.size() == 140);
+    const auto rows = Json::parse(swarm.hivectl_done({"edges", "--json"}));
+    CHECK(rows.size() == 140);
+    CHECK(std::ranges::all_of(rows, [](const Json& row) { return row.at("came").is_number(); }));
 }

@@ -11,9 +11,7 @@ EmissionPtr encoded(const Encoder& encoder, const Emission& emission, const std:
     result.receipt.reset();
     result.custody.reset();
     result.size = result.body.size();
-    if (result.size > protocol::Limits{}.body)
-        throw Error(Errc::too_large, "a body of " + std::to_string(result.size) + " bytes, limit "
-                                         + std::to_string(protocol::Limits{}.body));
+    require_at_most("a body", result.size, protocol::Limits{}.body);
     return std::make_shared<const Emission>(std::move(result), true, emission.own());
 }
 

@@ -13,12 +13,8 @@ void require_acceptable(const Json& header, const std::string& text, const Body&
 {
     constexpr protocol::Limits limits;
     require_within(header);
-    if (text.size() > limits.header)
-        throw Error(Errc::too_large,
-                    "a header of " + std::to_string(text.size()) + " bytes, limit " + std::to_string(limits.header));
-    if (body.size() > limits.body)
-        throw Error(Errc::too_large,
-                    "a body of " + std::to_string(body.size()) + " bytes, limit " + std::to_string(limits.body));
+    require_at_most("a header", text.size(), limits.header);
+    require_at_most("a body", body.size(), limits.body);
 }
 
 }  // namespace
@@ -128,9 +124,11 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
         confirmation.result = std::get<Json>(outcome);
     }
     auto text = to_text(protocol::to_json(confirmation));
-    if (const auto most = protocol::Limits{}.header; text.size() > most)
-        return answer(id, Error(Errc::too_large, "the answer has " + std::to_string(text.size()) + " bytes, "
-                                                     + std::to_string(most) + " is the most"));
+    try {
+        require_at_most("an answer", text.size(), protocol::Limits{}.header);
+    } catch (const Error& error) {
+        return answer(id, error);
+    }
     connection_->send(protocol::make_packet(PacketType::confirmation, std::move(text)));
 }
 

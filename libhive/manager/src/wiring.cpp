@@ -2,6 +2,7 @@
 #include "application_core.hpp"
 
 #include <hive/name.hpp>
+#include <hive/protocol/requests.hpp>
 
 namespace hive {
 
@@ -81,11 +82,10 @@ std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const
 
 void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
 {
-    Json header{{"receiver", require_name(receiver.drone, "drone")}};
-    if (!sender.port.empty())
-        header["output"] = sender.port;
+    require_name(receiver.drone, "drone");
+    const std::string name = receiver.drone + (receiver.port.empty() ? "" : "." + receiver.port);
     try {
-        ask(sender.drone, PacketType::forget, header);
+        ask(sender.drone, PacketType::forget, to_json(protocol::Forget{.output = sender.port, .receiver = name}));
     } catch (const Error& error) {
         if (error.code() != Errc::not_found)
             throw;

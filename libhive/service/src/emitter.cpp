@@ -153,9 +153,7 @@ void Emitter::send(std::size_t output, Event event, bool complete)
     event.output = port.name;
     if (slot.outlet->shares())
         event.body = module_->pool().copied_in(event.body);
-    if (event.body.size() > protocol::Limits{}.body)
-        throw Error(Errc::too_large, "output " + port.name + ": a body of " + std::to_string(event.body.size())
-                                         + " bytes, limit " + std::to_string(protocol::Limits{}.body));
+    require_at_most("output " + port.name + ": a body", event.body.size(), protocol::Limits{}.body);
     std::optional<Share> own;
     if (event.identity.lossless)
         own = Share{.of = self_.name + "." + port.name,

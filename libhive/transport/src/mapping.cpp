@@ -66,9 +66,7 @@ std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference, 
     if (index >= segment_.slots || reference.offset > segment_.slot_size
         || reference.size > segment_.slot_size - reference.offset)
         throw Error(Errc::malformed, "a reference to " + std::to_string(reference.size) + " bytes outside their slot");
-    if (reference.size > most)
-        throw Error(Errc::too_large,
-                    "a body of " + std::to_string(reference.size) + " bytes, limit " + std::to_string(most));
+    require_at_most("a body", reference.size, most);
     if (!seen_[index]) {
         const auto before = reference.offset % page_size();
         ::madvise(at(index) + reference.offset - before, before + reference.size,

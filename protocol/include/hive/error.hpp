@@ -1,6 +1,7 @@
 // The one vocabulary of errors, in memory and on the wire (SPEC.md, section 7).
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,6 +19,7 @@ enum class Errc {
     refused,           ///< the drone understood and said no; the text gives its reason
     type_mismatch,     ///< output and input speak different types; the text names both
     halted,            ///< the drone has halted and takes nothing until it is resumed
+    locked,            ///< another set is being decided there; it takes moments
     name_taken,        ///< a living module has that name already
     not_permitted,     ///< the peer or the user may not do this
     too_large,         ///< over a limit of this end (SPEC.md, section 3)
@@ -63,6 +65,9 @@ private:
     Errc code_;
     std::string advice_;
 };
+
+/// Throws Errc::too_large for more: "a body of 70000000 bytes, limit 67108864".
+void require_at_most(std::string_view what, std::uint64_t bytes, std::uint64_t limit, const std::string& advice = {});
 
 /// For a catch clause: what is being handled there. Another exception than an Error becomes Errc::failed with its text,
 /// and so does what is no exception at all (`throw 42`), with a text that says so.

@@ -76,7 +76,7 @@ TEST_CASE("connections: what both ends know is one row with the counts of both")
     CHECK(rows[0]["came"] == 10);
     CHECK(rows[0]["acknowledged"] == 6);
     CHECK(rows[0]["processed"] == 4);
-    CHECK(rows[0]["receiver_dropped"] == 2);
+    CHECK(rows[0]["dropped_by_receiver"] == 2);
     CHECK(rows[0]["missing"] == 2);
     CHECK(rows[0]["age_us"] == 40'000);
 }
@@ -198,7 +198,7 @@ TEST_CASE("rates: an edge whose receiver drops is marked, even when the sender h
     auto later = face(3'000'000, 0, 0);
     later.status.inputs[0].dropped = 8;
     const auto rates = rates_between({camera(1, 0, 10, 0), face(0, 0, 0)}, {camera(1, 2'000'000, 20, 0), later}, 2s);
-    CHECK(rates.edges.at(0).number("receiver_dropped_per_s") == doctest::Approx(4));
+    CHECK(rates.edges.at(0).number("dropped_by_receiver_per_s") == doctest::Approx(4));
     CHECK(rates.edges.at(0).number("dropped_per_s") == 0);
     CHECK(rates.edges.at(0)["losing"] == true);
 }
