@@ -23,9 +23,10 @@ constexpr hive::ConnectionOptions wide{.window = 64, .group = {}, .lease = {}};
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// Everything that an event is, as bytes.
-std::string bytes_of(const hive::Event& event)
+/// Everything that an event is, as bytes; by whom it was shared on its way is no part of it.
+std::string bytes_of(hive::Event event)
 {
+    event.identity.shares.clear();
     return hive::event_text(event) + '\n'
            + std::string(reinterpret_cast<const char*>(event.body.data()), event.body.size());
 }

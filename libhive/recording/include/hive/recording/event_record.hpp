@@ -7,6 +7,17 @@
 
 namespace hive::recording {
 
+/// The header that is kept. Who shared or owed the event on its way is no part of it: a recording of the same events
+/// has the same bytes.
+inline std::string kept_text(const hive::Event& event)
+{
+    if (event.identity.shares.empty())
+        return hive::event_text(event);
+    hive::Event plain = event;
+    plain.identity.shares.clear();
+    return hive::event_text(plain);
+}
+
 /// @return false when the recording has ended
 inline bool append(Writer& writer, const hive::Event& event)
 {
@@ -15,7 +26,7 @@ inline bool append(Writer& writer, const hive::Event& event)
     const std::vector<std::byte> copy(event.body.foreign() ? std::vector<std::byte>(bytes.begin(), bytes.end())
                                                            : std::vector<std::byte>());
     const bool has_body = !bytes.empty() || (event.sized && event.size == 0);
-    return writer.append({event.sender, event.output, event.type}, hive::event_text(event),
+    return writer.append({event.sender, event.output, event.type}, kept_text(event),
                          copy.empty() ? bytes : std::span<const std::byte>(copy), has_body, event.received);
 }
 
