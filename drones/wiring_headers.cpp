@@ -1,1 +1,1 @@
-// Nothing of its own: holds the precompiled header of what every drone's wiring includes.
+// Holds the precompiled header that the wiring of every drone includes, and no code.

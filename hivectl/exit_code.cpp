@@ -25,6 +25,7 @@ constexpr std::array table{
     Entry{Errc::refused, ""},
     Entry{Errc::type_mismatch, "see the ports: hivectl describe NAME"},
     Entry{Errc::halted, "let it go on: hivectl resume NAME"},
+    Entry{Errc::locked, "try again, or allow more time: --timeout SECONDS"},
     Entry{Errc::name_taken, "choose another name: --as NAME, or stop the holder: hivectl stop NAME"},
     Entry{Errc::not_permitted, "use the account that started the drone"},
     Entry{Errc::too_large, "send less"},

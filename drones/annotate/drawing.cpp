@@ -1,4 +1,4 @@
-// Boxes, lines, dots and labels, in pixels of the picture that is drawn on.
+// Draws boxes, lines, dots and labels, in pixels of the picture that is drawn on.
 #include "drawing.hpp"
 
 #include <opencv2/imgproc.hpp>

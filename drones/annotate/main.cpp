@@ -1,4 +1,5 @@
-// The annotate drone: pictures, and what other drones found in them, in; the pictures with it drawn onto them out.
+// The annotate drone receives pictures and what other drones found in them, and publishes the pictures with the
+// findings drawn in.
 #include "drawing.hpp"
 #include "marks.hpp"
 
@@ -33,8 +34,8 @@ void annotate_drone(hive::Drone& drone)
                     "exact: marks of the same picture; nearest: each set of marks on the one picture nearest in time");
     drone.parameter("tolerance", tolerance, hive::between(0, 10'000).in("ms"),
                     "with match=nearest: how far the captures may be apart");
-    drone.parameter("thickness", drawing.thickness, hive::between(1, 20).in("px"), "of the lines");
-    drone.parameter("labels", drawing.labels, hive::anything(), "write what the marks are");
+    drone.parameter("thickness", drawing.thickness, hive::between(1, 20).in("px"), "width of the lines");
+    drone.parameter("labels", drawing.labels, hive::anything(), "write labels beside the marks");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
                                                 "the picture with its marks drawn onto it", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
@@ -66,6 +67,6 @@ void annotate_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"annotate", "Draws what other drones found onto the pictures."},
+    return hive::run_drone(argc, argv, {"annotate", "Draws what other drones found into the pictures."},
                            annotate_drone);
 }

@@ -1,4 +1,4 @@
-// Reading JSON that anybody may have written: what does not fit is no mark.
+// The JSON may come from anybody, so whatever is no valid mark is ignored.
 #include "marks.hpp"
 
 #include <nlohmann/json.hpp>

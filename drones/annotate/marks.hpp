@@ -1,4 +1,4 @@
-// What other drones found, read out of the headers of their events: whatever has a place in the picture. Without Hive.
+// Reads marks (boxes, points, lines) from the headers of other drones' events. Knows nothing of Hive.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

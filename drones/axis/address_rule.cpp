@@ -1,4 +1,4 @@
-// Addresses as bytes: 4 of them or 16, so that one address has one form.
+// Compares addresses as 4 or 16 bytes, so that each address has one form.
 #include "address_rule.hpp"
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-// The wiring: parameters to VAPIX names, pictures to events.
+// Maps parameters to names of VAPIX, and pictures to events.
 #include "axis_drone.hpp"
 
 #include "certificate.hpp"
@@ -80,22 +80,23 @@ void AxisDrone::declare()
     drone_.parameter("credentials", place_.credentials, hive::anything(),
                      "file with user:password, chmod 600; empty: HIVE_AXIS_USER and HIVE_AXIS_PASSWORD");
     drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}),
-                     "live: the camera's stream; demand: a picture when all receivers ask");
-    drone_.parameter("resolution", resolution_, hive::anything(), "as 640x480; empty: as the camera has it");
+                     "live: the camera's stream; demand: one picture each time all receivers have asked");
+    drone_.parameter("resolution", resolution_, hive::anything(),
+                     "for example 640x480; empty: leave the camera's setting");
     drone_.parameter("compression", compression_, hive::between(-1, 100),
-                     "more makes smaller pictures; -1: as the camera has it");
+                     "a higher one makes smaller pictures; -1: leave the camera's setting");
     drone_.parameter("fps", fps_, hive::between(-1, 100).in("fps"),
-                     "of the stream; 0: as many as it can; -1: as the camera has it");
+                     "frame rate of the stream; 0: as fast as the camera can; -1: leave the camera's setting");
     drone_.parameter("exposure", exposure_, hive::anything(),
-                     "auto, hold, flickerfree50, flickerfree60 ...; empty: as the camera has it");
-    drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: as the camera has it");
-    drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: as the camera has it");
+                     "auto, hold, flickerfree50, flickerfree60 ...; empty: leave the camera's setting");
+    drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: leave the camera's setting");
+    drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: leave the camera's setting");
     drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything(),
-                     "let the password travel readable when the camera knows no digest");
+                     "send the password unencrypted if the camera does not support digest authentication");
     drone_.parameter("certificate", place_.certificate, hive::anything(),
                      "file of the certificate to trust for https; empty: those of the system");
     drone_.parameter("allow_address", place_.allow_address, hive::anything(),
-                     "loopback, link-local or multicast addresses that are meant, joined by commas");
+                     "loopback, link-local or multicast addresses that the drone may connect to, separated by commas");
 }
 
 Parameters AxisDrone::wanted() const

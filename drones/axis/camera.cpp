@@ -1,4 +1,4 @@
-// The paths of VAPIX.
+// Makes the requests of VAPIX and checks the answers.
 #include "camera.hpp"
 
 namespace axis {

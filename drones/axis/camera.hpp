@@ -1,4 +1,4 @@
-// What an Axis camera can be asked over VAPIX: who it is, its parameters, single pictures, a stream of them.
+// Asks an Axis camera over VAPIX for its model, its parameters, single pictures and its stream.
 #pragma once
 
 #include "http.hpp"

@@ -1,4 +1,4 @@
-// Takes the few URLs that a camera can have, refuses the others with a reason.
+// Accepts the few URLs that a camera can have, and refuses any other with a reason.
 #include "camera_url.hpp"
 
 #include <charconv>

@@ -1,4 +1,4 @@
-// Where the camera is: a URL of scheme, host and port alone, without secrets.
+// The URL of a camera: scheme, host and port alone, without secrets.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Looks for the line that every certificate in PEM begins with.
+// Looks for the line with which every certificate in PEM begins.
 #include "certificate.hpp"
 
 #include <filesystem>

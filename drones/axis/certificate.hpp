@@ -1,5 +1,4 @@
-// The file of the certificate to trust: looked at when it is named, because later nobody would know which file was
-// meant.
+// Checks the file of a trusted certificate when the parameter is set, so that the error can name the file.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Opens first and looks then, so that what was checked is what is read.
+// Opens the file before it checks it, so that the file that was checked is the one that is read.
 #include "credentials.hpp"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// From numbers to sentences.
+// Turns status codes and error codes of libcurl into sentences.
 #include "http_error.hpp"
 
 #include <curl/curl.h>

@@ -1,4 +1,4 @@
-// What an answer that is no success means, and what a transfer that fails.
+// Explains HTTP answers that are no success, and transfers that fail.
 #pragma once
 
 #include "http.hpp"

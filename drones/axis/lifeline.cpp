@@ -1,4 +1,4 @@
-// Pauses, password attempts and sentences.
+// Computes pauses, counts password attempts, and words the condition.
 #include "lifeline.hpp"
 
 namespace axis {

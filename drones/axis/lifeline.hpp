@@ -1,5 +1,5 @@
-// Decides when a camera is tried again, when no more, and what is to be said about it: pure logic, the caller tells the
-// time.
+// Decides when to try a camera again, when to give up on a password, and what the condition says. Pure logic: the
+// caller tells the time.
 #pragma once
 
 #include "trouble.hpp"

@@ -1,8 +1,8 @@
-// The axis drone: pictures from an Axis network camera, live or on demand.
+// The axis drone publishes pictures from an Axis network camera, live or on demand.
 #include "axis_drone.hpp"
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"axis", "Gives pictures from an Axis network camera."},
+    return hive::run_drone(argc, argv, {"axis", "Publishes pictures from an Axis network camera."},
                            [](hive::Drone& drone) { axis::AxisDrone(drone).run(); });
 }

@@ -1,4 +1,4 @@
-// The four phases of a multipart stream.
+// Parses a multipart stream in four phases.
 #include "multipart.hpp"
 
 #include "trouble.hpp"

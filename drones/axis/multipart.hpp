@@ -1,5 +1,5 @@
-// Takes a stream of pictures (multipart/x-mixed-replace) apart, as cameras really write it: lengths may be missing or
-// wrong, boundaries have too many or too few dashes, and anything may lie between two parts.
+// Splits a stream of pictures (multipart/x-mixed-replace) into its parts, as cameras really write it: lengths may be
+// missing or wrong, boundaries have too many or too few dashes, and anything may lie between two parts.
 #pragma once
 
 #include <cstddef>

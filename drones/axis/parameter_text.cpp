@@ -1,4 +1,4 @@
-// Lines of name=value, and lines that begin with #.
+// Parses lines of name=value, and lines that begin with #.
 #include "parameter_text.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The text of param.cgi: what a camera answers to `list` and `update`, and how a question is written.
+// Reads the text with which param.cgi answers `list` and `update`, and writes the queries.
 #pragma once
 
 #include <map>

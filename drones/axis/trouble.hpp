@@ -1,4 +1,4 @@
-// What can go wrong between the drone and the camera: a kind that decides what to do, and a sentence for people.
+// The kinds of failure between the drone and the camera, each with a sentence for people.
 #pragma once
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// OpenCV's subtractors, then morphology and connected parts.
+// Applies OpenCV's subtractors, then morphology, then looks for connected parts.
 #include "foreground_finder.hpp"
 
 #include <opencv2/core.hpp>

@@ -1,4 +1,4 @@
-// The background drone: pictures in, the mask of what is not background and its boxes out.
+// The background drone receives pictures, and publishes the mask of the foreground and its boxes.
 #include "foreground_finder.hpp"
 
 #include <hive/drone.hpp>
@@ -42,13 +42,15 @@ void background_drone(hive::Drone& drone)
     ForegroundFinder finder;
     drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}),
                     "mixture of gaussians or nearest neighbours, for each pixel");
-    drone.parameter("history", finder.model.history, hive::between(1, 10000), "pictures that the model remembers");
+    drone.parameter("history", finder.model.history, hive::between(1, 10000),
+                    "number of pictures that the model remembers");
     drone.parameter("threshold", finder.model.threshold, hive::between(0, 65025),
                     "squared distance that makes foreground; 0: 16 (mog2), 400 (knn)");
-    drone.parameter("shadows", finder.model.shadows, hive::anything(), "tell shadows from things: 127 in the mask");
+    drone.parameter("shadows", finder.model.shadows, hive::anything(), "mark shadows with 127 in the mask");
     drone.parameter("open", finder.open, hive::between(0, 100).in("px"), "radius: thinner specks are erased; 0: none");
     drone.parameter("close", finder.close, hive::between(0, 100).in("px"), "radius: narrower gaps are filled; 0: none");
-    drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"), "foreground that makes a box");
+    drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"),
+                    "smallest area of foreground that makes a box");
     const hive::Output boxes =
         drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
     const hive::Output mask =
@@ -73,6 +75,6 @@ void background_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"background", "Tells what moves from a background that it learns.", true},
+    return hive::run_drone(argc, argv, {"background", "Separates what moves from a background that it learns.", true},
                            background_drone);
 }

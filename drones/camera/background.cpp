@@ -1,4 +1,5 @@
-// The walls of the synthetic scene; sizes in pixels and intensities were chosen so that detectors find nothing in them.
+// Draws the walls of the synthetic scene. Sizes in pixels and intensities are chosen so that detectors find nothing in
+// them.
 #include "background.hpp"
 
 #include <opencv2/core.hpp>

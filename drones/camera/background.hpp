@@ -1,4 +1,4 @@
-// What stands still behind the synthetic scene.
+// The wall behind the synthetic scene.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// The wiring: parameters to sources, pictures to events.
+// Maps parameters to sources, and pictures to events.
 #include "camera_drone.hpp"
 
 #include <hive/vision/encoder.hpp>
@@ -79,19 +79,20 @@ void CameraDrone::declare()
         "source", source_, hive::anything(),
         "scene, scene:brick|noise|plain, a picture, a folder of pictures, a video, /dev/videoN, http(s):// or rtsp://");
     drone_.parameter("width", width_, hive::between(0, 8192).in("px"),
-                     "0: follows height, or as the source has it (scene and device: 640)");
+                     "width to publish; 0: in proportion to height, or that of the source (scene and device: 640)");
     drone_.parameter("height", height_, hive::between(0, 8192).in("px"),
-                     "0: follows width, or as the source has it (scene and device: 480)");
+                     "height to publish; 0: in proportion to width, or that of the source (scene and device: 480)");
     drone_.parameter("fps", fps_, hive::between(0, 1000).in("fps"),
-                     "with pace=live; 0: as the source has it (scene and pictures: 30)");
-    drone_.parameter("loop", loop_, hive::anything(), "files begin again at their end");
+                     "frame rate with pace=live; 0: that of the source (scene and pictures: 30)");
+    drone_.parameter("loop", loop_, hive::anything(), "start files again at their end");
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}),
-                     "live never waits; demand gives the next picture when all receivers ask");
-    drone_.parameter("faces", faces_, hive::between(0, 3), "in the scene");
-    drone_.parameter("walkers", walkers_, hive::between(0, 4), "in the scene");
-    drone_.parameter("hand", hand_, hive::anything(), "in the scene: a hand that shows changing numbers of fingers");
-    drone_.parameter("noise", noise_, hive::between(0, 50), "of the scene: standard deviation in grey levels");
-    drone_.parameter("seed", seed_, hive::at_least(0), "of the scene: the same seed gives the same pictures");
+                     "live never waits; demand publishes the next picture when all receivers have asked");
+    drone_.parameter("faces", faces_, hive::between(0, 3), "number of faces in the scene");
+    drone_.parameter("walkers", walkers_, hive::between(0, 4), "number of people who walk through the scene");
+    drone_.parameter("hand", hand_, hive::anything(),
+                     "draw a hand that shows changing numbers of fingers in the scene");
+    drone_.parameter("noise", noise_, hive::between(0, 50), "noise of the scene: standard deviation in grey levels");
+    drone_.parameter("seed", seed_, hive::at_least(0), "seed of the scene: the same seed draws the same pictures");
 }
 
 CameraDrone::Wanted CameraDrone::wanted() const

@@ -1,4 +1,4 @@
-// What the capture thread does: opens, reads at the right pace, opens again.
+// Opens the source, reads it at the right pace, and opens it again when it is lost.
 #include "capture.hpp"
 
 #include "pacing.hpp"

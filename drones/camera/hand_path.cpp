@@ -1,4 +1,4 @@
-// Slow swings of place, size and angle, with periods that do not meet.
+// The hand swings slowly in place, size and angle, with periods that have no common multiple.
 #include "hand_path.hpp"
 
 #include <algorithm>

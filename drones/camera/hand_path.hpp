@@ -1,4 +1,4 @@
-// Where the hand of the scene is and what it shows.
+// Computes where the hand of the scene is and how many fingers it shows.
 #pragma once
 
 #include "drawn_hand.hpp"

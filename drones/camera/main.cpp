@@ -1,8 +1,9 @@
-// The camera drone: pictures from a scene, files, devices and network cameras, live or on demand.
+// The camera drone publishes pictures from a scene, files, devices and network cameras, live or on demand.
 #include "camera_drone.hpp"
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"camera", "Gives pictures from a camera, files, or a synthetic scene."},
+    return hive::run_drone(argc, argv,
+                           {"camera", "Publishes pictures from a camera, from files, or of a synthetic scene."},
                            [](hive::Drone& drone) { camera::CameraDrone(drone).run(); });
 }

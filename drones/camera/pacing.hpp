@@ -1,4 +1,4 @@
-// When the next picture is due: an absolute schedule, so that small delays do not add up.
+// Computes when the next picture is due. The schedule is absolute, so that small delays do not add up.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The sources that are files or drawn: scene, image, folder. Opens every kind.
+// Opens every kind of source, and implements those that are files or drawn: scene, image, folder.
 #include "source.hpp"
 
 #include "video_source.hpp"

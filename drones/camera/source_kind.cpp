@@ -1,4 +1,4 @@
-// Tells the kinds of sources apart by their text, and refuses what can never be opened.
+// Tells the kind of a source from its text, and refuses what can never be opened.
 #include "source.hpp"
 
 #include <algorithm>

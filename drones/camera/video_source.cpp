@@ -1,4 +1,4 @@
-// VideoCapture, with deadlines where a network is involved and errors that say what is missing.
+// Uses VideoCapture, with deadlines where a network is involved and errors that say what is missing.
 #include "video_source.hpp"
 
 #include <opencv2/videoio.hpp>

@@ -1,4 +1,4 @@
-// The paths of the walkers, in parts of the picture's size, so that every size shows the same scene.
+// The paths are in parts of the picture's size, so that every size shows the same scene.
 #include "walkers.hpp"
 
 #include <opencv2/core.hpp>

@@ -1,4 +1,4 @@
-// Who walks where in the synthetic scene: people who cross it, one after the other on each of a few lanes.
+// Computes the paths of the people who cross the synthetic scene, one after the other on each of a few lanes.
 #pragma once
 
 #include "drawn_walker.hpp"

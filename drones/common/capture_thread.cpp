@@ -1,4 +1,4 @@
-// The beginning and the end of the thread.
+// Starts the thread and ends it.
 #include "capture_thread.hpp"
 
 namespace capture {

@@ -1,4 +1,4 @@
-// The detect drone: pictures in, boxes of people or of a model's classes out.
+// The detect drone receives pictures and publishes boxes of people, or of the classes of a model.
 #include "network.hpp"
 #include "people_finder.hpp"
 
@@ -69,36 +69,38 @@ private:
     void declare_people(hive::Drone& drone)
     {
         drone.parameter("hit_threshold", people_.hit_threshold, hive::between(-1, 4),
-                        "of people: margin that a window needs; higher finds fewer");
+                        "people: margin that a window needs; a higher one finds fewer");
         drone.parameter("enlarge", people_.enlarge, hive::between(1, 4),
-                        "of people: the picture first, to find smaller ones");
-        drone.parameter("scale", people_.scale, hive::between(1.01, 2), "of people: step between image scales");
+                        "people: enlarge the picture first, to find smaller ones");
+        drone.parameter("scale", people_.scale, hive::between(1.01, 2), "people: step between image scales");
         drone.parameter("stride", people_.stride, hive::between(4, 32).in("px"),
-                        "of people: between windows, a multiple of 4");
-        drone.parameter("padding", people_.padding, hive::between(0, 64).in("px"), "of people: around the picture");
-        drone.parameter("grouping", people_.grouping, hive::between(0, 20), "of people: windows that must agree");
+                        "people: step between windows, a multiple of 4");
+        drone.parameter("padding", people_.padding, hive::between(0, 64).in("px"),
+                        "people: padding around the picture");
+        drone.parameter("grouping", people_.grouping, hive::between(0, 20),
+                        "people: number of windows that must agree");
         drone.parameter("shrink", people_.shrink, hive::anything(),
-                        "of people: boxes that fit, without the margin of the classifier's window");
+                        "people: cut the margin of the classifier's window off the boxes");
     }
 
     void declare_network(hive::Drone& drone)
     {
-        drone.parameter("model", settings_.model, hive::anything(),
-                        "ONNX file of a detector; empty: people are looked for");
+        drone.parameter("model", settings_.model, hive::anything(), "ONNX file of a detector; empty: look for people");
         drone.parameter("classes", settings_.classes, hive::anything(),
                         "file of the model's class names, one a line; empty: numbers");
-        drone.parameter("input_width", settings_.input.width, hive::between(8, 4096).in("px"), "of the model's input");
+        drone.parameter("input_width", settings_.input.width, hive::between(8, 4096).in("px"),
+                        "width of the model's input");
         drone.parameter("input_height", settings_.input.height, hive::between(8, 4096).in("px"),
-                        "of the model's input");
+                        "height of the model's input");
         drone.parameter("fit", settings_.fit, hive::one_of({"letterbox", "stretch"}),
-                        "how a picture becomes the model's input");
+                        "how a picture is fitted into the model's input");
         drone.parameter("input_scale", settings_.scale, hive::between(0, 255),
                         "the model sees (pixel - mean) times this");
         drone.parameter("mean", mean_, hive::anything(), "one number, or three in the model's order of colours");
         drone.parameter("swap", settings_.swap, hive::anything(), "the model takes RGB instead of BGR");
-        drone.parameter("min_score", min_score_, hive::between(0, 1), "of the model's objects");
+        drone.parameter("min_score", min_score_, hive::between(0, 1), "least score of the model's objects");
         drone.parameter("overlap", overlap_, hive::between(0, 1),
-                        "of the model: more of it with a better box of its class, and a box is left out");
+                        "model: a box that overlaps a better one of its class by more than this is left out");
     }
 
     detect::PeopleFinder people_;

@@ -1,4 +1,4 @@
-// Tables of numbers to boxes.
+// Converts tables of numbers to boxes.
 #include "model_output.hpp"
 
 #include <algorithm>

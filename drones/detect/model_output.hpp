@@ -1,4 +1,4 @@
-// What the output of a detector network means: three layouts that its shape tells apart.
+// Interprets the output of a detector network: three layouts, which its shape tells apart.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// Loading with sentences for what is wrong, pictures to inputs, outputs to objects.
+// Loads the model and explains failures, converts pictures to inputs and outputs to objects.
 #include "network.hpp"
 
 #include <opencv2/imgproc.hpp>

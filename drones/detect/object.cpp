@@ -1,4 +1,4 @@
-// The order of objects and their marks in a picture.
+// Sorts objects and draws them into a picture.
 #include "object.hpp"
 
 #include <opencv2/imgproc.hpp>

@@ -1,4 +1,4 @@
-// A detected object, as every detector gives it.
+// A detected object, as every detector returns it.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// OpenCV's detector, and boxes that fit.
+// Calls OpenCV's detector and tightens its boxes.
 #include "people_finder.hpp"
 
 #include <opencv2/imgproc.hpp>

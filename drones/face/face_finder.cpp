@@ -1,4 +1,4 @@
-// Grey picture, cascade, boxes in a fixed order.
+// Converts the picture to grey, applies the cascade, and sorts the boxes.
 #include "face_finder.hpp"
 
 #include <opencv2/imgproc.hpp>

@@ -1,4 +1,4 @@
-// The face drone: pictures in, boxes of frontal faces and annotated pictures out.
+// The face drone receives pictures, and publishes boxes of frontal faces and annotated pictures.
 #include "face_finder.hpp"
 
 #include <hive/drone.hpp>
@@ -33,7 +33,7 @@ void face_drone(hive::Drone& drone)
     drone.parameter("min_size", finder.min_size, hive::between(1, 16384).in("px"), "side of the smallest face");
     drone.parameter("max_size", finder.max_size, hive::between(0, 16384).in("px"),
                     "side of the largest face; 0: no limit");
-    drone.parameter("equalise", finder.equalise, hive::anything(), "spread the grey levels before looking");
+    drone.parameter("equalise", finder.equalise, hive::anything(), "equalise the grey levels first");
     drone.parameter("cascade", cascade, hive::anything(), "file of the Haar or LBP cascade");
     const hive::Output faces = drone.output("faces", "application/json", "the boxes, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,

@@ -1,4 +1,5 @@
-// Contour, hull, convexity defects and the distance transform; lengths are in radii of the palm unless they say px.
+// Uses the contour, its hull, its convexity defects and the distance transform. Lengths are in radii of the palm unless
+// they say px.
 #include "gesture_finder.hpp"
 
 #include <opencv2/imgproc.hpp>

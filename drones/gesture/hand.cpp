@@ -1,4 +1,4 @@
-// Words and marks for hands.
+// Names poses and draws hands.
 #include "hand.hpp"
 
 #include <opencv2/imgproc.hpp>

@@ -1,4 +1,4 @@
-// A hand as its silhouette shows it.
+// A hand, as it is read from its silhouette.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// The gesture drone: silhouettes or pictures in, hands and their fingers out.
+// The gesture drone receives silhouettes or pictures, and publishes hands and their fingers.
 #include "gesture_finder.hpp"
 #include "silhouette.hpp"
 
@@ -51,10 +51,11 @@ void declare(hive::Drone& drone, gesture::Silhouette& silhouette, gesture::Gestu
     drone.parameter("silhouette", silhouette.from, hive::one_of({"mask", "skin"}),
                     "the picture is a mask, or its skin-coloured parts are taken");
     drone.parameter("level", silhouette.level, hive::between(1, 255),
-                    "of a mask: the grey level from which on it is silhouette");
-    drone.parameter("max_hands", finder.max_hands, hive::between(1, 8), "the largest so many silhouettes are read");
+                    "of a mask: the least grey level that belongs to the silhouette");
+    drone.parameter("max_hands", finder.max_hands, hive::between(1, 8),
+                    "how many silhouettes are read, the largest first");
     drone.parameter("min_area", finder.min_area, hive::between(0, 100).in("%"),
-                    "of the picture: smaller silhouettes are left out");
+                    "part of the picture: smaller silhouettes are ignored");
     drone.parameter("smooth", finder.smooth, hive::between(0, 31).in("px"),
                     "narrower specks, hairs and gaps are smoothed away");
     drone.parameter("y_min", silhouette.skin.y_min, byte, "skin in YCrCb: least brightness");

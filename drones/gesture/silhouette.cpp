@@ -1,4 +1,4 @@
-// Thresholds of grey levels and of colours.
+// Applies thresholds to grey levels or to colours.
 #include "silhouette.hpp"
 
 #include <opencv2/imgproc.hpp>

@@ -1,4 +1,4 @@
-// Where the silhouette comes from: a mask as it is, or the skin-coloured parts of a picture.
+// Makes the silhouette: from a mask as it is, or from the skin-coloured parts of a picture.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

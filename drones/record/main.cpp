@@ -1,4 +1,4 @@
-// The record drone: whatever comes in goes into one file.
+// The record drone writes every event that it receives to one file.
 #include "record_drone.hpp"
 
 int main(int argc, char** argv)

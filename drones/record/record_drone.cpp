@@ -1,4 +1,4 @@
-// One file at a time; a disk that fails ends the file, never the drone.
+// Writes one file at a time. When the disk fails the recording ends, but never the drone.
 #include "record_drone.hpp"
 
 #include <hive/recording/event_record.hpp>
@@ -46,14 +46,14 @@ std::int64_t queued(const hive::Status& status)
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
 {
     drone_.parameter("file", file_, hive::anything(),
-                     "where to; a new one ends the recording and begins another; empty: ends it");
-    drone_.parameter("overwrite", overwrite_, hive::anything(), "a file that is there already may be replaced");
+                     "path of the recording; a new path ends it and begins another; empty: ends it");
+    drone_.parameter("overwrite", overwrite_, hive::anything(), "replace a file that exists already");
     drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"),
-                     "ends the recording before the file grows larger; 0: no limit");
+                     "end the recording before the file grows larger than this; 0: no limit");
     drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"),
-                     "ends the recording so long after its first event; 0: no limit");
+                     "end the recording this long after its first event; 0: no limit");
     drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"),
-                     "how often the file is forced to the disk; 0: when the system likes");
+                     "how often the file is flushed to the disk; 0: when the system chooses");
     drone_.on_start(
         [] { std::signal(SIGXFSZ, SIG_IGN); });  // a file over the limit of the process is an error like others
     drone_.on_change([this] { apply(); });

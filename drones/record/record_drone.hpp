@@ -1,4 +1,4 @@
-// The wiring of the record drone: parameters to a writer, events into it, what was lost on the way to its end.
+// Connects the parameters and the input of the record drone to a writer, and notes what was lost on the way.
 #pragma once
 
 #include <hive/drone.hpp>

@@ -1,4 +1,4 @@
-// Ranges, repetition and due times.
+// Applies the range, repeats it, and computes due times.
 #include "playback.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Which event of a recording is next, and when it is due.
+// Chooses the next event of a recording, and computes when it is due.
 #pragma once
 
 #include <hive/recording/reader.hpp>

@@ -1,4 +1,4 @@
-// One event at a time, when it is due and asked for.
+// Sends one event at a time, when it is due and has been asked for.
 #include "replay_drone.hpp"
 
 #include <hive/event_text.hpp>
@@ -47,14 +47,14 @@ ReplayDrone::ReplayDrone(hive::Drone& drone) : drone_(drone)
 
 void ReplayDrone::declare()
 {
-    drone_.parameter("file", file_, hive::anything(), "the recording");
-    drone_.parameter("pace", pace_, hive::one_of({"real", "demand"}),
-                     "real: as the events came; demand: the next one when all receivers ask, nothing skipped");
-    drone_.parameter("speed", speed_, hive::between(0.01, 1000),
-                     "with pace=real: how many times as fast as the events came");
-    drone_.parameter("loop", loop_, hive::anything(), "begins again at the end");
-    drone_.parameter("from", from_, hive::at_least(0).in("s"), "of the recording, where to begin");
-    drone_.parameter("to", to_, hive::at_least(0).in("s"), "of the recording, where to end; 0: at its end");
+    drone_.parameter("file", file_, hive::anything(), "path of the recording");
+    drone_.parameter(
+        "pace", pace_, hive::one_of({"real", "demand"}),
+        "real: at the pace of the recording; demand: the next event when all receivers have asked, nothing skipped");
+    drone_.parameter("speed", speed_, hive::between(0.01, 1000), "with pace=real: how many times as fast as recorded");
+    drone_.parameter("loop", loop_, hive::anything(), "start again at the end");
+    drone_.parameter("from", from_, hive::at_least(0).in("s"), "where to begin in the recording");
+    drone_.parameter("to", to_, hive::at_least(0).in("s"), "where to end in the recording; 0: at its end");
 }
 
 /// A file that cannot be read is complained about when the drone runs.
@@ -189,8 +189,7 @@ try {
     event_ = hive::event_from_text(playback_->reader().text(*playback_->current()));
     auto& identity = event_->identity;
     identity.lossless = identity.lossless || pace_ == "demand";
-    identity.group.clear();  // what was shared work then is nobody's now
-    identity.turn = identity.attempt = 0;
+    identity.shares.clear();  // what was shared work then is not shared now
     // Each round is as if the sources had been started again, so that drones that keep state take it.
     identity.epoch = std::min(identity.epoch + rounds_before_ + playback_->rounds(), hive::max_json_integer);
     return true;

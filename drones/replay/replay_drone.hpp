@@ -1,4 +1,4 @@
-// The wiring of the replay drone: a recording becomes outputs, its events go out as they once were.
+// Declares the outputs of a recording, and sends its events on them as they once were.
 #pragma once
 
 #include "playback.hpp"

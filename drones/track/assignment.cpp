@@ -1,4 +1,4 @@
-// Rows are placed one after the other; each takes the cheapest chain of moves that ends at a free column.
+// Places one row after the other. Each takes the cheapest chain of moves that ends at a free column.
 #include "assignment.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Who goes with whom at the least cost in all: the assignment problem.
+// Solves the assignment problem: pairs rows with columns at the least total cost.
 #pragma once
 
 #include <cstddef>

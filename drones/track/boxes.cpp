@@ -1,4 +1,4 @@
-// Between JSON and boxes; what comes in is checked here.
+// Converts between JSON and boxes, and checks what comes in.
 #include "boxes.hpp"
 
 #include <hive/error.hpp>

@@ -1,4 +1,4 @@
-// Finds the boxes in the header of an event, whoever made it, and writes tracks into one.
+// Finds the boxes in the header of any event, and writes tracks into a header.
 #pragma once
 
 #include "tracker.hpp"

@@ -1,4 +1,4 @@
-// The track drone: boxes in, tracks with lasting numbers out.
+// The track drone receives boxes, and publishes tracks with lasting numbers.
 #include "boxes.hpp"
 #include "order.hpp"
 
@@ -12,7 +12,8 @@ void track_drone(hive::Drone& drone)
     track::Order order;
     std::string boxes;
     double fps = 0, used_fps = 0;
-    drone.parameter("boxes", boxes, hive::anything(), "name of the array of boxes in the header; empty: the only one");
+    drone.parameter("boxes", boxes, hive::anything(),
+                    "name of the array of boxes in the header; empty: the only array");
     drone.parameter("confirm", tracker.confirm, hive::between(1, 1000), "boxes in a row until a track is confirmed");
     drone.parameter("forget", tracker.forget, hive::between(1, 10000),
                     "pictures in a row without a box until a confirmed track ends");
@@ -23,7 +24,7 @@ void track_drone(hive::Drone& drone)
     drone.parameter("max_gap", tracker.max_gap, hive::between(0.01, 3600).in("s"),
                     "all tracks end when pictures are further apart");
     drone.parameter("fps", fps, hive::between(0, 1000).in("fps"),
-                    "of a file read on demand: time is counted in pictures; 0: the time of the capture");
+                    "frame rate of a file that is read on demand, to count time in pictures; 0: use the capture times");
     const hive::Output tracks = drone.output("tracks", "application/json", "the tracks, in the header; no body");
     drone.on_change([&] {
         if (fps != used_fps)

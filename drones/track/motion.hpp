@@ -1,4 +1,4 @@
-// Where a thing is and how fast it goes along one axis: a Kalman filter for constant speed.
+// Estimates place and speed along one axis with a Kalman filter for constant speed.
 #pragma once
 
 namespace track {

@@ -1,4 +1,4 @@
-// What makes events one sequence of pictures: one source, in order, with a time for each.
+// Checks that events are one sequence of pictures: one source, in order, with a time for each.
 #pragma once
 
 #include <hive/error.hpp>

@@ -1,4 +1,4 @@
-// Host first, then the method, then the path: who is not asked by its own address tells nothing.
+// Checks the host, then the method, then the path. A request for another host learns nothing.
 #include "answer.hpp"
 
 #include "page.hpp"

@@ -1,4 +1,4 @@
-// What is answered to a request: the page and its parts, or why not. Nothing here knows of sockets or files.
+// Answers HTTP requests with the page and its parts, or says why not. Knows nothing of sockets or files.
 #pragma once
 
 #include "exchange.hpp"

@@ -1,4 +1,4 @@
-// Xlib alone: its header defines words that others use as names.
+// Uses Xlib alone, because its header defines words that others use as names.
 #include "display.hpp"
 
 #include <X11/Xlib.h>

@@ -1,4 +1,4 @@
-// Is there a display on which a window can be opened?
+// Finds out whether there is a display on which a window can be opened.
 #pragma once
 
 namespace view {

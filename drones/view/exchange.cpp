@@ -1,4 +1,4 @@
-// One slot under a mutex.
+// Keeps one slot under a mutex.
 #include "exchange.hpp"
 
 #include <utility>

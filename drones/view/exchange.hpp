@@ -1,4 +1,4 @@
-// Where whoever looks finds the newest picture; what nobody looked at in time is gone.
+// Holds the newest picture for all viewers. A picture that nobody looked at in time is dropped.
 #pragma once
 
 #include "picture.hpp"

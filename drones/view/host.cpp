@@ -1,4 +1,4 @@
-// inet_pton, and what is special about some addresses.
+// Uses inet_pton, and knows what is special about some addresses.
 #include "host.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Addresses to listen at, and which names a browser may use for them.
+// Parses the addresses to listen at, and checks the names that browsers may use for them.
 #pragma once
 
 #include <string>

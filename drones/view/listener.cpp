@@ -1,4 +1,4 @@
-// socket, bind, listen.
+// Calls socket, bind and listen.
 #include "listener.hpp"
 
 #include <arpa/inet.h>

@@ -1,4 +1,4 @@
-// A strip of text whose size follows the picture.
+// Draws a strip of text whose size follows the picture.
 #include "overlay.hpp"
 
 #include <opencv2/imgproc.hpp>

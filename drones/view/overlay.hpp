@@ -1,4 +1,4 @@
-// What is written on pictures, and what is shown where there is none: plain OpenCV.
+// Writes text on pictures, and makes the notice that is shown where there is none. Plain OpenCV.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// What the browser shows: a page of our own that loads nothing from elsewhere.
+// The page that browsers show. It loads nothing from elsewhere.
 #pragma once
 
 #include <string_view>

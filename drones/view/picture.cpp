@@ -1,4 +1,4 @@
-// Work that is done at the first look, and never again.
+// Does each piece of work when somebody first needs it, and never again.
 #include "picture.hpp"
 
 #include <opencv2/imgcodecs.hpp>

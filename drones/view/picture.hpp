@@ -1,4 +1,4 @@
-// One picture to look at. It is decoded, captioned and encoded when somebody looks, once for all who do.
+// One picture to look at. It is decoded, captioned and encoded when somebody looks, once for all viewers.
 #pragma once
 
 #include "overlay.hpp"

@@ -1,4 +1,4 @@
-// GNU libmicrohttpd in a loop of ours: everything but wake() happens on one thread, so nothing here needs a lock.
+// Runs GNU libmicrohttpd in a loop of ours. Everything but wake() happens on one thread, so nothing here needs a lock.
 #include "server.hpp"
 
 #include "answer.hpp"

@@ -1,5 +1,5 @@
-// The HTTP server: one page, its style and script, one picture, one stream, one status. Nothing else, and nothing from
-// files.
+// The HTTP server: it serves one page with its style and script, one picture, one stream and one status, and nothing
+// from files.
 #pragma once
 
 #include "exchange.hpp"

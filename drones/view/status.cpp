@@ -1,4 +1,4 @@
-// From the newest picture to JSON.
+// Describes the newest picture as JSON.
 #include "status.hpp"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What the page tells beside the picture.
+// The numbers that the page shows beside the picture.
 #pragma once
 
 #include "exchange.hpp"

@@ -1,5 +1,5 @@
-// Parts of a multipart body. The line that ends a part leaves together with it: browsers show a picture when they see
-// it.
+// Writes the parts of a multipart body. The line that ends a part leaves together with it, because browsers show a
+// picture when they see it.
 #include "stream.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The endless body of an MJPEG stream (multipart/x-mixed-replace): for each reader the newest picture when it is ready
-// for one.
+// Writes the endless body of an MJPEG stream (multipart/x-mixed-replace). Each reader gets the newest picture when it
+// is ready for one.
 #pragma once
 
 #include "exchange.hpp"

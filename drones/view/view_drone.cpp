@@ -1,4 +1,4 @@
-// The wiring: events to the exchange, parameters to who looks there.
+// Connects events to the exchange, and parameters to the window and the server.
 #include "view_drone.hpp"
 
 #include "display.hpp"
@@ -49,7 +49,7 @@ void ViewDrone::declare()
                      "address of that page; 0.0.0.0: every address of this machine, for everybody who reaches it");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
     drone_.parameter("overlay", overlay_, hive::anything(), "write names, rate and age on the pictures");
-    drone_.parameter("quality", quality_, hive::between(1, 100), "of the JPEG for browsers");
+    drone_.parameter("quality", quality_, hive::between(1, 100), "quality of the JPEG for browsers");
     drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"),
                      "how long a picture is shown at least before the next is asked for");
 }

@@ -1,4 +1,4 @@
-// OpenCV's window, asked a hundred times a second for what the user does.
+// Shows OpenCV's window, and polls it a hundred times a second for what the user does.
 #include "window.hpp"
 
 #include <opencv2/highgui.hpp>

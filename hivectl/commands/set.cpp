@@ -1,6 +1,7 @@
 // hivectl set: changes parameters of one drone, or of many at once.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
+#include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
@@ -25,32 +26,37 @@ int set_one(const Options& options, const hive::Json& settings, Session& session
     return exit_code::done;
 }
 
-/// Of a set on many that failed: those that only stood back refuse, so the code is that of the cause. When all refuse,
-/// it is certain that nothing has changed.
+/// Of a set that has changed nothing: those that only stood back refuse, so the code is that of the cause.
 int exit_code_of_failure(const std::vector<hive::Answer>& answers)
 {
+    complain("set", "nothing has changed on any of them");
+    if (interrupt::requested())
+        return interrupt::exit_code();
     std::set<int> causes;
     for (const auto& answer : answers)
         if (answer.error && exit_code_of(answer.error->code()) != exit_code::refused)
             causes.insert(exit_code_of(answer.error->code()));
-    if (causes.empty())
-        complain("set", "nothing has changed on any of them");
     return causes.empty() ? exit_code::refused : causes.size() == 1 ? *causes.begin() : exit_code::failure;
 }
 
 int set_many(const Options& options, const hive::Json& settings, Session& session)
 {
+    // Until the very end: a Ctrl-C that comes when all have changed does not say that nothing has.
+    static const auto* const deferred = new interrupt::Deferred;
+    static_cast<void>(deferred);
     auto& application = session.application();
-    const auto answers = application.set(application.find(options.target), settings);
+    const auto result = application.set(application.find(options.target), settings, interrupt::requested);
     Outcome outcome("set");
-    for (const auto& answer : answers)
-        answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
-    if (outcome.exit_code() != exit_code::done)
-        return exit_code_of_failure(answers);
-    for (const auto& answer : answers)
-        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
-                               : settings_text(answer.drone, answer.result));
-    return exit_code::done;
+    for (const auto& answer : result.answers)
+        if (answer.error) {
+            outcome.failed(answer.drone, *answer.error);
+        } else {
+            outcome.done();
+            write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
+                                   : settings_text(answer.drone, answer.result));
+        }
+    return result.changed == hive::SetResult::Changed::none ? exit_code_of_failure(result.answers)
+                                                            : outcome.exit_code();
 }
 
 Run declare(CommandLine& line, Session& session)
@@ -75,9 +81,11 @@ Verb set_verb()
         .summary = "Changes parameters while the drone runs",
         .details =
             "Returns when the drone's own code has applied them, and prints the applied values: bare for one parameter "
-            "of one drone, otherwise as key=value. All of one command are applied together or not at all; "
-            "with a glob that holds for all the drones: one refusal and nothing has changed (exit code 5). With --json "
-            "an object of values; with a glob one {\"drone\", \"values\"} a line.",
+            "of one drone, otherwise as key=value. All of one command are applied together or not at all. With a glob "
+            "that holds for all the drones: their own code tries the values first, and when one refuses, or Ctrl-C "
+            "comes before that, nothing has changed on any of them (exit code 5, or 130). If a drone dies in the very "
+            "moment when the others are told to keep the values, it is reported as unknown (exit code 8, or 4 when no "
+            "drone has confirmed). With --json an object of values; with a glob one {\"drone\", \"values\"} a line.",
         .examples = "hivectl set face scale=1.05 min_size=40\n"
                     "hivectl set 'face-*' scale=1.05",
         .operands = {Operand::drone, Operand::setting},

@@ -16,6 +16,7 @@ constexpr std::array table{
     ErrorInfo{Errc::refused, "refused", "the drone said no", "read the reason", 5},
     ErrorInfo{Errc::type_mismatch, "type_mismatch", "output and input do not fit", "connect other ports", 6},
     ErrorInfo{Errc::halted, "halted", "the drone has halted", "resume it", 7},
+    ErrorInfo{Errc::locked, "locked", "another set is being decided there", "try again in a moment", 5},
     ErrorInfo{Errc::name_taken, "name_taken", "the name is in use", "choose another name, or stop the holder", 1},
     ErrorInfo{Errc::not_permitted, "not_permitted", "that is not allowed", "use the right account", 5},
     ErrorInfo{Errc::too_large, "too_large", "over the limit", "send less, or have the operator raise the limit", 5},

@@ -23,12 +23,31 @@ Connect connect_from_json(const Json& object)
             .options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{}};
 }
 
-Json to_json(const Set& set) { return {{"parameters", set.parameters}, {"check_only", set.check_only}}; }
+Json to_json(const Set& set)
+{
+    if (set.commit)
+        return {{"commit", *set.commit}};
+    if (set.abort)
+        return {{"abort", *set.abort}};
+    Json json{{"parameters", set.parameters}, {"check_only", set.check_only}};
+    if (set.prepare)
+        json["prepare"] = *set.prepare;
+    return json;
+}
 
 Set set_from_json(const Json& object)
 {
     const Fields fields(object, "set");
-    return {.parameters = fields.object("parameters"), .check_only = fields.flag_or("check_only", false)};
+    const auto token = [&](const char* key) {
+        return fields.has(key) ? std::optional(fields.integer(key, 0, max_json_integer)) : std::nullopt;
+    };
+    Set set{.check_only = fields.flag_or("check_only", false),
+            .prepare = token("prepare"),
+            .commit = token("commit"),
+            .abort = token("abort")};
+    if (!set.commit && !set.abort)
+        set.parameters = fields.object("parameters");
+    return set;
 }
 
 Json to_json(const Forget& forget)

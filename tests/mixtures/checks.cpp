@@ -128,7 +128,8 @@ Problems without_reason(const Statuses& statuses)
     for (const auto& [name, status] : statuses)
         for (const auto& output : status.outputs)
             for (const auto& edge : output.edges)
-                if (edge.events.in_flight() != 0 && edge.why == Reason::none && output.why == Reason::none
+                if ((edge.waiting != 0 || statuses.contains(edge.receiver.substr(0, edge.receiver.find('.'))))
+                    && edge.events.in_flight() != 0 && edge.why == Reason::none && output.why == Reason::none
                     && status.why == Reason::none)
                     problems.push_back(name + "." + output.name + " -> " + edge.receiver
                                        + " stands still without a reason: " + to_text(edge));

@@ -17,7 +17,8 @@ Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>&
 bool idle(const Statuses& statuses);
 /// Is there a word for why this source stands still?
 bool says_why(const Status& status);
-/// Edges with events under way for which there is no word. (For statuses in which nothing moves.)
+/// Edges with events under way for which there is no word, when nothing moves. A receiver that does not answer may be
+/// frozen, and its sender need not know yet: that is left out.
 Problems without_reason(const Statuses& statuses);
 /// Are these two connected, at both ends?
 bool connected(const Statuses& statuses, const Edge& edge);

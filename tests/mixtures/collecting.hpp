@@ -22,7 +22,7 @@ public:
 private:
     void run(const std::stop_token& ending);
 
-    Application application_;
+    Application application_, hearing_;  ///< two, since an edge is known by the name of its receiver
     std::unique_ptr<Collector> results_, exceptions_;
     mutable std::mutex mutex_;
     std::vector<Outcome> came_;

@@ -1,7 +1,7 @@
 // An edge has two ends, and what is lost at either is said of the edge.
 #include "taking.hpp"
 
-#include <recording_reader.hpp>
+#include <hive/recording/reader.hpp>
 
 #include <hive/event_text.hpp>
 
@@ -15,7 +15,7 @@ namespace {
 /// Of the events between the first and the last of a recording, those that are not in it.
 std::int64_t gaps_in(const std::filesystem::path& file)
 {
-    recording::Reader reader(file);
+    hive::recording::Reader reader(file);
     std::int64_t first = 0, last = 0, count = 0;
     for (; const auto record = reader.next(); ++count) {
         last = hive::event_from_text(reader.text(*record)).identity.sequence;
@@ -26,7 +26,7 @@ std::int64_t gaps_in(const std::filesystem::path& file)
 
 std::int64_t recorded_in(const std::filesystem::path& file)
 {
-    return std::filesystem::exists(file) ? recording::Reader(file).summary().events() : 0;
+    return std::filesystem::exists(file) ? hive::recording::Reader(file).summary().events() : 0;
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // for none that cannot come.
 #include "taking.hpp"
 
-#include <recording_reader.hpp>
+#include <hive/recording/reader.hpp>
 
 #include <hive/event_text.hpp>
 
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 /// What a recording has, one line for each event in its order: which output, which sequence, which body.
 std::vector<std::string> events_in(const fs::path& file)
 {
-    recording::Reader reader(file);
+    hive::recording::Reader reader(file);
     std::vector<std::string> lines;
     while (const auto record = reader.next()) {
         const auto event = hive::event_from_text(reader.text(*record));

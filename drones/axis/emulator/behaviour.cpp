@@ -1,4 +1,4 @@
-// One table of the words; everything else reads it.
+// Keeps the words in one table, which everything else reads.
 #include "behaviour.hpp"
 
 #include <algorithm>

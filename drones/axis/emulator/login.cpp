@@ -1,4 +1,4 @@
-// Reads what a client claims to be and works the answer out again.
+// Parses the Authorization field of a client and computes the response that is expected.
 #include "login.hpp"
 
 #include "md5.hpp"

@@ -1,4 +1,4 @@
-// Four rounds of sixteen steps over blocks of 64 bytes.
+// Computes four rounds of sixteen steps over blocks of 64 bytes.
 #include "md5.hpp"
 
 #include <array>

@@ -1,4 +1,4 @@
-// MD5 (RFC 1321): what digest authentication is made of, for a server that only tests clients.
+// MD5 (RFC 1321), which digest authentication needs. Only a server that tests clients may still use it.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Scene, brightness, colour, JPEG.
+// Draws the scene, applies brightness and colour, and encodes JPEG.
 #include "painter.hpp"
 
 #include "scene.hpp"

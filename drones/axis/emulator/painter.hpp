@@ -1,4 +1,4 @@
-// The pictures of the emulated camera: the synthetic scene, as its parameters want it.
+// Makes the pictures of the emulated camera: the synthetic scene, with the settings of its parameters.
 #pragma once
 
 #include "parameter_store.hpp"

@@ -1,4 +1,4 @@
-// What parameters there are, and the words that param.cgi answers with.
+// Defines the parameters, and the words with which param.cgi answers.
 #include "parameter_store.hpp"
 
 #include <algorithm>

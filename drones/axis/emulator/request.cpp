@@ -1,4 +1,4 @@
-// The line of the request, its query, and the two fields that matter.
+// Parses the request line, its query, and the two fields that matter.
 #include "request.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A request of HTTP as the emulated camera reads it.
+// An HTTP request, as the emulated camera reads it.
 #pragma once
 
 #include <optional>

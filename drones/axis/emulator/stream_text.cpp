@@ -1,4 +1,4 @@
-// Boundaries and heads of parts.
+// Writes boundaries and the headers of parts.
 #include "stream_text.hpp"
 
 namespace axis::emulator {

@@ -1,4 +1,4 @@
-// What a stream of pictures looks like on the wire, in every variant that cameras and broken cameras have.
+// Writes streams of pictures in every variant that cameras and broken cameras have.
 #pragma once
 
 #include "behaviour.hpp"

@@ -137,7 +137,7 @@ void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
     place_ = place;
     back_.clear();
     asked_ = arrived() + spec_.options.window;
-    told_done_ = told_worked_ = done_;
+    told_done_ = told_worked_ = taken == done_ ? done_ : 0;  // what was told at an end may not have come through
     finished_ = std::max(finished_, done_);
 }
 
@@ -195,7 +195,8 @@ void Intake::try_to_leave()
         self->end_if_done();
     };
     const auto link = std::exchange(link_, nullptr);
-    if (!std::exchange(connected_, false) || !link || !link->open())
+    connected_ = false;
+    if (!link || !link->open())
         return tell();
     link->release_channel(channel_);
     link->request(
@@ -254,7 +255,7 @@ bool Intake::refuses_now() const
 void Intake::note_share(Event& event)
 {
     Delivery& delivery = in_hand_.emplace_back();
-    delivery.lossless = event.identity.lossless;
+    delivery.lossless = lossless_ = event.identity.lossless;
     if (event.identity.shares.empty())
         return;
     Share& share = event.identity.shares.back();
@@ -306,7 +307,8 @@ bool Intake::ask_now(std::int64_t ask, std::int64_t worked) const
         return true;
     const bool waits = worked_ < arrived();  // something is being worked on, and its end will be told
     if (spec_.options.transfer == Transfer::streaming)
-        return (done_ > told_done_ || worked > told_worked_) && (!waits || worked - told_worked_ >= told_at_least);
+        return (done_ > told_done_ || worked > told_worked_)
+               && (!waits || lossless_ || worked - told_worked_ >= told_at_least);
     return ask > asked_ || (worked > told_worked_ && !spec_.options.group.empty()) || (done_ > told_done_ && !waits);
 }
 

@@ -104,8 +104,9 @@ bool Line::lose(Fate how, bool keep, Clock::time_point now)
         return false;
     }
     lost_as_ = how;
-    if (!in_hand_.empty() && how != Fate::lost_connection && credit_.worked_in_hand() <= 0)
-        ++in_hand_.front().failures;  // it may be what the receiver died of
+    const auto head = static_cast<std::size_t>(credit_.worked_in_hand());
+    if (head < in_hand_.size() && how != Fate::lost_connection)
+        ++in_hand_[head].failures;  // it may be what the receiver died of
     std::deque<Item> stay;
     for (auto& item : std::exchange(waiting_, {}))
         if (live(item))

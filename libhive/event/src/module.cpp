@@ -230,6 +230,16 @@ void Module::demand_changed()
     on_demand();
 }
 
+Alarm Module::alarm(Clock::time_point time, Loop::Task task)
+{
+    auto timer = std::make_shared<asio::steady_timer>(context(), time);
+    timer->async_wait([task = std::move(task)](std::error_code problem) {
+        if (!problem)
+            task();
+    });
+    return timer;
+}
+
 void Module::arm()
 {
     if (armed_)

@@ -112,7 +112,8 @@ bool process_ends(std::int64_t pid)
 {
     constexpr unsigned exiting = 4;  // PF_EXITING of the kernel
     std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-    std::string text((std::istreambuf_iterator<char>(file)), {});
+    std::string text;
+    std::getline(file, text);  // an iterator would throw when the process is reaped between opening and reading
     const auto after_name = text.rfind(')');
     if (after_name == std::string::npos)
         return true;

@@ -156,7 +156,11 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
                              .header = header,
                              .body = packet.body,
                              .asked = asked,
-                             .answer = answer});
+                             .answer = answer,
+                             .connected = [weak = link.weak_from_this()] {
+                                 const auto asker = weak.lock();
+                                 return asker && asker->open();
+                             }});
         } catch (const Error& error) {
             answer(error);
         }

@@ -1,5 +1,6 @@
 // The calls of an application: finding, configuring, control.
 #include "application_core.hpp"
+#include "joint_set.hpp"
 
 #include <hive/name.hpp>
 
@@ -50,14 +51,6 @@ Interface Application::describe(const std::string& drone)
 
 namespace {
 
-Json set_header(const Json& parameters, std::chrono::milliseconds deadline, bool check_only)
-{
-    Json header{{"parameters", parameters}, {"deadline_ms", std::max<std::int64_t>(deadline.count(), 1)}};
-    if (check_only)
-        header["check_only"] = true;
-    return header;
-}
-
 /// The parameters in the answer of a drone. One that answers something else is malformed.
 Json parameters_in(const std::string& drone, const Json& result)
 {
@@ -76,48 +69,28 @@ void keep_parameters(std::vector<Answer>& answers)
         }
 }
 
-const Answer* first_error(const std::vector<Answer>& answers)
-{
-    const auto found = std::ranges::find_if(answers, [](const Answer& answer) { return answer.error.has_value(); });
-    return found == answers.end() ? nullptr : &*found;
-}
-
 }  // namespace
 
 Json Application::set(const std::string& drone, const Json& parameters)
 {
-    return parameters_in(drone, core_->ask(drone, PacketType::set, set_header(parameters, core_->timeout, false)));
+    const auto until = core_->deadline();
+    try {
+        return parameters_in(drone,
+                             core_->ask(drone, PacketType::set,
+                                        {{"parameters", parameters}, {"deadline_ms", deadline_ms_before(until)}}));
+    } catch (const Error& error) {
+        if (error.code() != Errc::timeout || event::Clock::now() < until)
+            throw;
+        throw Error(Errc::timeout, drone + ": unknown whether it has the new values: no answer came in time");
+    }
 }
 
-std::vector<Answer> Application::set(const std::vector<std::string>& drones, const Json& parameters)
+SetResult Application::set(const std::vector<std::string>& drones, const Json& parameters,
+                           const std::function<bool()>& cancelled)
 {
-    auto answers = core_->ask_all(drones, PacketType::set, set_header(parameters, core_->timeout, true));
-    if (const auto* refused = first_error(answers)) {
-        for (auto& answer : answers)
-            if (!answer.error)
-                answer.error = Error(Errc::refused, answer.drone + ": left as it was, because " + refused->drone
-                                                        + " could not be set");
-        return answers;
-    }
-    answers = core_->ask_all(drones, PacketType::set, set_header(parameters, core_->timeout, false));
-    if (const auto* refused = first_error(answers)) {
-        const std::string culprit = refused->drone;
-        for (auto& answer : answers) {
-            if (answer.error)
-                continue;
-            const auto undone =
-                core_->ask_all({answer.drone}, PacketType::set,
-                               set_header(answer.result.value("previous", Json::object()), core_->timeout, false));
-            answer.error =
-                undone[0].error
-                    ? Error(Errc::failed,
-                            answer.drone + ": was set and could not be put back: " + undone[0].error->what())
-                    : Error(Errc::refused, answer.drone + ": put back, because " + culprit + " could not be set");
-        }
-        return answers;
-    }
-    keep_parameters(answers);
-    return answers;
+    return JointSet(core_->module, core_->home,
+                    {.drones = drones, .parameters = parameters, .deadline = core_->deadline(), .cancelled = cancelled})
+        .run();
 }
 
 Json Application::get(const std::string& drone, const std::vector<std::string>& names)

@@ -15,14 +15,13 @@ std::string name_of(const Application::Options& options)
     return options.name.empty() ? "app-" + std::to_string(::getpid()) : require_name(options.name, "application");
 }
 
-/// The error of a drone, saying whose it is.
+}  // namespace
+
 Error named(const std::string& drone, const Error& error)
 {
     const std::string text = error.what();
     return error.reworded(text.starts_with(drone) ? text : drone + ": " + text);
 }
-
-}  // namespace
 
 Application::Core::Core(Application::Options options)
     : timeout(options.timeout),

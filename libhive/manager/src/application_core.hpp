@@ -9,6 +9,9 @@
 
 namespace hive {
 
+/// The error of a drone, saying whose it is.
+Error named(const std::string& drone, const Error& error);
+
 class Application::Core {
 public:
     explicit Core(Application::Options options);

@@ -15,6 +15,8 @@ using service::Worker;
 /// Each uses those before it.
 struct DroneCore::Running {
     explicit Running(DroneCore& core);
+    /// Whoever still waits for an answer gets one, and the network side ends.
+    void end();
 
     event::Home home{event::default_home()};
     event::NameClaim claim;
@@ -50,6 +52,13 @@ DroneCore::Running::Running(DroneCore& core)
 {
 }
 
+void DroneCore::Running::end()
+{
+    if (module.loop().started())
+        module.call([this] { requests.end(); });
+    module.end();
+}
+
 DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     : settings_(std::move(settings)),
       self_{.name = settings_.name, .kind = program.kind, .epoch = event::wall_us(), .pid = ::getpid()},
@@ -63,7 +72,7 @@ DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
 DroneCore::~DroneCore()
 {
     if (running_)
-        running_->module.end();
+        running_->end();
 }
 
 void DroneCore::run()
@@ -77,7 +86,7 @@ void DroneCore::run()
     running_->worker.run();
     last_status_ = status();
     mailbox_.discard([](const Event&) { return true; });
-    running_->module.end();  // not reset(): what still runs on the network side uses it
+    running_->end();  // not reset(): what still runs on the network side uses it
     reporter_.log("ended");
 }
 
@@ -115,7 +124,7 @@ void DroneCore::take_values(const Json& state)
                                    : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy"));
     Json values = service::still_taken(state.value("parameters", Json::object()), parameters, reporter_);
     values.update(parameters.checked(settings_.parameters));
-    parameters.apply(values, [] {});
+    parameters.assign(values);
     declaration_.on_start();
     declaration_.on_change();
     parameters.read_back();

@@ -51,6 +51,7 @@ public:
     /// @param body  gives nothing when nobody wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header,
               const std::function<std::optional<Body>()>& body, std::string type);
+    /// Takes the number of an event that cannot be made, and throws CaptureFailed.
     [[noreturn]] void fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error);
     void repeat(std::size_t output, Event event);
 

@@ -1,13 +1,20 @@
-// Reads parameters at once, and sets them between two callbacks.
+// Reads parameters at once; has sets tried between two callbacks, and answers them by their deadline.
 #include "parameter_requests.hpp"
 
 #include <hive/protocol/requests.hpp>
 
+#include <algorithm>
+
 namespace hive::service {
 
+using event::Clock;
 using event::Incoming;
 
 namespace {
+
+constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
+/// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
+constexpr std::chrono::milliseconds last_look(20);
 
 /// What the answer says when the drone's code threw: it understood, and said no.
 Error refusal(const Error& error)
@@ -27,39 +34,172 @@ void ParameterRequests::on_get(const Incoming& incoming) const
                 throw Error(Errc::malformed, "get: \"names\" must be an array of texts");
             names.push_back(name.get<std::string>());
         }
-    incoming.answer(Json{{"parameters", parameters_.values(names)}});
+    incoming.answer(Json{{"parameters", parts_.parameters.values(names)}});
 }
 
 void ParameterRequests::on_set(const Incoming& incoming)
 {
     const auto set = protocol::set_from_json(incoming.header);
-    const Json values = parameters_.checked(set.parameters);
+    incoming.asked->begin();  // from here on the deadline is kept below
+    if (set.commit)
+        return on_commit(incoming, *set.commit);
+    if (set.abort)
+        return on_abort(incoming, *set.abort);
+    Proposal::Terms terms{.values = parts_.parameters.checked(set.parameters),
+                          .deadline = std::min(incoming.asked->deadline(), Clock::now() + most_patience),
+                          .token = set.prepare,
+                          .asker = incoming.peer,
+                          .connected = incoming.connected,
+                          .answer = incoming.answer};
     if (set.check_only)
-        return incoming.answer(Json{{"parameters", values}, {"previous", present_values(values)}});
-    inbox_.command([this, values, asked = incoming.asked, answer = incoming.answer](Worker& worker) {
-        if (!asked->begin())
-            return;  // its deadline has answered, or is about to
-        try {
-            answer(apply(worker, values));
-        } catch (...) {
-            answer(refusal(current_error()));
-        }
-    });
+        return incoming.answer(Json{{"parameters", terms.values}, {"previous", present_values(terms.values)}});
+    propose(std::move(terms));
 }
 
-Json ParameterRequests::apply(Worker& worker, const Json& values)
+void ParameterRequests::propose(Proposal::Terms terms)
 {
-    const Json before = present_values(values);
-    worker.apply(values);
-    module_.post([this] { state_file_.remember(); });
-    return {{"parameters", present_values(values)}, {"previous", before}};
+    if (terms.token)
+        require_free();
+    const auto proposal = std::make_shared<Proposal>(std::move(terms));
+    if (proposal->by_asker())
+        held_ = proposal;
+    under_way_[proposal] =
+        parts_.module.alarm(proposal->deadline(), [this, weak = std::weak_ptr(proposal)] { on_deadline(weak.lock()); });
+    parts_.inbox.command([this, proposal](Worker& worker) { carry_out(worker, proposal); });
+}
+
+/// A second prepare is refused at once instead of waiting: two that wait for each other on two drones would wait for
+/// their deadlines.
+void ParameterRequests::require_free()
+{
+    if (!held_)
+        return;
+    if (held_->wanted() || held_->committed())
+        throw Error(Errc::locked, parts_.module.self().name + " is just being set by " + held_->asker());
+    give_up(held_, Error(Errc::connection_lost, "the asker is gone"));
+}
+
+ProposalPtr ParameterRequests::held(std::int64_t token) const
+{
+    if (held_ && held_->has(token) && held_->undecided())
+        return held_;
+    throw Error(Errc::not_found, parts_.module.self().name
+                                     + " holds no set of this token: it was aborted, or its time is over; the old "
+                                       "values hold");
+}
+
+void ParameterRequests::on_commit(const Incoming& incoming, std::int64_t token)
+{
+    const auto proposal = held(token);
+    if (!proposal->prepared())
+        throw Error(Errc::refused, parts_.module.self().name + " has not prepared this set yet");
+    proposal->commit(incoming.answer);
+}
+
+void ParameterRequests::on_abort(const Incoming& incoming, std::int64_t token)
+{
+    give_up(held(token), Error(Errc::refused, "aborted by " + incoming.peer));
+    incoming.answer(Json::object());
+}
+
+void ParameterRequests::give_up(const ProposalPtr& proposal, const Error& reason)
+{
+    proposal->give_up(reason);
+    forget(proposal);
+}
+
+void ParameterRequests::forget(const ProposalPtr& proposal)
+{
+    if (held_ == proposal)
+        held_.reset();
+    under_way_.erase(proposal);
+}
+
+/// A set that is prepared is held for longer, because its asker may have decided already: see hold().
+void ParameterRequests::on_deadline(const ProposalPtr& proposal)
+{
+    if (proposal && proposal->undecided() && !proposal->prepared())
+        give_up(proposal, too_late());
+}
+
+Error ParameterRequests::too_late() const
+{
+    return {Errc::timeout, parts_.module.self().name + " was busy until the deadline had passed; nothing was set"};
+}
+
+void ParameterRequests::end()
+{
+    for (const auto& [proposal, alarm] : std::exchange(under_way_, {}))
+        proposal->give_up(Error(Errc::stopped, parts_.module.self().name + " is ending; nothing was set"));
+    held_.reset();
+}
+
+void ParameterRequests::carry_out(Worker& worker, const ProposalPtr& proposal)
+{
+    bool wanted = false;
+    parts_.module.call([&] { wanted = begin(proposal); });
+    if (!wanted)
+        return;
+    if (const auto problem = worker.try_out(proposal->values()))
+        return parts_.module.call([&] { give_up(proposal, refusal(*problem)); });
+    if (proposal->by_asker())
+        hold(worker, *proposal);
+    bool kept = false;
+    parts_.module.call([&] { kept = settle(worker, proposal); });
+    if (!kept)
+        worker.put_back();
+}
+
+bool ParameterRequests::begin(const ProposalPtr& proposal)
+{
+    if (Clock::now() >= proposal->deadline())
+        give_up(proposal, too_late());
+    else if (!proposal->wanted())
+        give_up(proposal, Error(Errc::connection_lost, "the asker is gone"));
+    return proposal->undecided();
+}
+
+/// No callback may see values that are not decided, so the user thread waits here and runs the network side: for the
+/// decision, for the end of the asker's connection or of the drone, and at the longest for the end of the grace.
+void ParameterRequests::hold(const Worker& worker, Proposal& proposal)
+{
+    parts_.module.call([&] {
+        proposal.prepare(
+            {{"parameters", worker.tried(proposal.values())}, {"previous", present_values(proposal.values())}});
+    });
+    const auto until = proposal.deadline() + Proposal::grace;
+    auto& loop = parts_.module.loop();
+    const auto over = [&] { return !proposal.wanted() || parts_.board.stopping(); };
+    loop.wait(until, over);
+    if (Clock::now() >= until)
+        loop.wait(Clock::now() + last_look, over);
+}
+
+/// What is kept is in the state file before anybody is told.
+bool ParameterRequests::settle(Worker& worker, const ProposalPtr& proposal)
+{
+    if (!proposal->by_asker() && Clock::now() < proposal->deadline() && proposal->undecided())
+        proposal->commit();
+    if (!proposal->committed()) {
+        if (proposal->prepared())
+            parts_.module.log(proposal->asker()
+                              + " has not decided on the set that it had prepared; the old values hold");
+        give_up(proposal, too_late());
+        return false;
+    }
+    const Json before = present_values(proposal->values());
+    worker.keep();
+    parts_.state_file.remember();
+    proposal->confirm({{"parameters", present_values(proposal->values())}, {"previous", before}});
+    forget(proposal);
+    return true;
 }
 
 Json ParameterRequests::present_values(const Json& wanted) const
 {
     Json values = Json::object();
     for (const auto& [name, value] : wanted.items())
-        values.update(parameters_.values({name}));
+        values.update(parts_.parameters.values({name}));
     return values;
 }
 

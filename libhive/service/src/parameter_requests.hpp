@@ -1,32 +1,56 @@
-// Answers get and set.
+// Answers get and set: each set is tried by the drone's own code, and kept or put back as it is decided.
 #pragma once
 
 #include "inbox.hpp"
+#include "proposal.hpp"
 #include "state_file.hpp"
+
+#include <map>
 
 namespace hive::service {
 
-/// The network side; values are assigned by a command to the user thread.
+/// The network side, but for what carries out a set on the user thread.
 class ParameterRequests {
 public:
-    ParameterRequests(const ParameterSet& parameters, event::Module& module, Inbox& inbox, StateFile& state_file)
-        : parameters_(parameters), module_(module), inbox_(inbox), state_file_(state_file)
-    {
-    }
+    /// What it uses, which outlives it.
+    struct Parts {
+        const ParameterSet& parameters;
+        const StatusBoard& board;
+        event::Module& module;
+        Inbox& inbox;
+        StateFile& state_file;
+    };
+    explicit ParameterRequests(const Parts& parts) : parts_(parts) {}
 
     void on_get(const event::Incoming& incoming) const;
     void on_set(const event::Incoming& incoming);
+    /// Answers the sets that still wait: the drone ends.
+    void end();
 
 private:
+    void on_commit(const event::Incoming& incoming, std::int64_t token);
+    void on_abort(const event::Incoming& incoming, std::int64_t token);
+    void propose(Proposal::Terms terms);
+    void require_free();
+    [[nodiscard]] ProposalPtr held(std::int64_t token) const;
+    void give_up(const ProposalPtr& proposal, const Error& reason);
+    void on_deadline(const ProposalPtr& proposal);
+    void forget(const ProposalPtr& proposal);
+    [[nodiscard]] Error too_late() const;
+
+    // --- the user thread ---
+    void carry_out(Worker& worker, const ProposalPtr& proposal);
+    void hold(const Worker& worker, Proposal& proposal);
+    /// With the turn.
+    [[nodiscard]] bool begin(const ProposalPtr& proposal);
+    [[nodiscard]] bool settle(Worker& worker, const ProposalPtr& proposal);
+
     /// Any thread. Of the parameters that `wanted` names.
     [[nodiscard]] Json present_values(const Json& wanted) const;
-    /// The user thread. Throws when the drone's code does not take the values.
-    [[nodiscard]] Json apply(Worker& worker, const Json& values);
 
-    const ParameterSet& parameters_;
-    event::Module& module_;
-    Inbox& inbox_;
-    StateFile& state_file_;
+    Parts parts_;
+    std::map<ProposalPtr, event::Alarm> under_way_;  ///< each with the alarm of its deadline
+    ProposalPtr held_;                               ///< the one prepare that locks the others out
 };
 
 }  // namespace hive::service

@@ -1,4 +1,4 @@
-// Checking and applying groups of parameters.
+// Checking, assigning and telling groups of parameters.
 #include "parameter_set.hpp"
 
 #include <hive/error.hpp>
@@ -27,24 +27,18 @@ Json ParameterSet::checked(const Json& wanted) const
     return values;
 }
 
-void ParameterSet::assign(const Json& values)
+void ParameterSet::assign(const Json& checked_values)
 {
-    for (const auto& [name, value] : values.items())
+    for (const auto& [name, value] : checked_values.items())
         assign_.at(name)(value);
 }
 
-void ParameterSet::apply(const Json& checked_values, const std::function<void()>& accept)
+Json ParameterSet::assigned(const Json& wanted) const
 {
-    const Json before = values();
-    assign(checked_values);
-    try {
-        accept();
-    } catch (...) {
-        assign(before);
-        accept();
-        throw;
-    }
-    read_back();
+    Json values = Json::object();
+    for (const auto& [name, value] : wanted.items())
+        values[name] = read_.at(name)();
+    return values;
 }
 
 void ParameterSet::read_back()

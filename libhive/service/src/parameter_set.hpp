@@ -1,4 +1,4 @@
-// The parameters of one drone: bound to the author's variables, checked, applied together or not at all.
+// The parameters of one drone: bound to the author's variables, checked, and told to whoever asks.
 #pragma once
 
 #include <hive/interface.hpp>
@@ -9,7 +9,7 @@
 
 namespace hive {
 
-/// Declared before the drone runs; then apply() is for the user thread, the rest for any.
+/// Declared before the drone runs. The variables belong to the user thread; what is told of them is for any.
 class ParameterSet {
 public:
     template <class Value>
@@ -27,18 +27,20 @@ public:
     [[nodiscard]] const std::vector<ParameterInfo>& declared() const noexcept { return declared_; }
     /// The values that `wanted` stands for. Throws Errc::not_found (with the nearest name) or Errc::refused.
     [[nodiscard]] Json checked(const Json& wanted) const;
-    /// Assigns checked values, calls `accept`, and takes what the variables hold then for what was applied. If `accept`
-    /// throws, the old values are back, it was called again, and it throws on.
-    void apply(const Json& checked_values, const std::function<void()>& accept);
-    /// What the variables hold now is what is told from now on.
+    /// The user thread. Gives checked values to the variables; what is told stays as it was until read_back().
+    void assign(const Json& checked_values);
+    /// The user thread. What the variables hold now is what is told from now on.
     void read_back();
+    /// The user thread. The variables hold again what is told.
+    void put_back() { assign(values()); }
+    /// The user thread. What the variables hold of the parameters that `wanted` names.
+    [[nodiscard]] Json assigned(const Json& wanted) const;
     /// All, or those named. Throws Errc::not_found.
     [[nodiscard]] Json values(const std::vector<std::string>& names = {}) const;
     /// The values that differ from the defaults.
     [[nodiscard]] Json changed() const;
 
 private:
-    void assign(const Json& values);
     [[nodiscard]] const ParameterInfo& find(const std::string& name) const;
 
     std::vector<ParameterInfo> declared_;

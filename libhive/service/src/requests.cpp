@@ -13,7 +13,11 @@ Requests::Requests(Parts parts)
       inbox_(parts_.mailbox, parts_.worker),
       state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.reporter),
       wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
-      parameters_(parts_.declaration.parameters, parts_.module, inbox_, state_file_),
+      parameters_({.parameters = parts_.declaration.parameters,
+                   .board = parts_.board,
+                   .module = parts_.module,
+                   .inbox = inbox_,
+                   .state_file = state_file_}),
       status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module)
 {
     add_handlers();
@@ -32,7 +36,6 @@ void Requests::add_handlers()
     handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });
     handle(PacketType::connect, [this](const Incoming& incoming) { wiring_.on_connect(incoming); });
     handle(PacketType::disconnect, [this](const Incoming& incoming) { wiring_.on_disconnect(incoming); });
-    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
@@ -43,15 +46,6 @@ void Requests::restore(const Json& state)
 {
     wiring_.restore(state.value("connections", Json::array()));
     state_file_.remember();
-}
-
-void Requests::on_forget(const Incoming& incoming)
-{
-    const auto forget = protocol::forget_from_json(incoming.header);
-    const auto removed = parts_.module.forget(forget.receiver, forget.output);
-    if (removed == 0)
-        throw Error(Errc::not_found, parts_.module.self().name + " waits for nothing of " + forget.receiver);
-    incoming.answer(Json{{"removed", removed}});
 }
 
 void Requests::on_put(const Incoming& incoming)
@@ -83,6 +77,18 @@ void Requests::on_put(const Incoming& incoming)
     event.received = event::Clock::now();
     inbox_.arrived(std::move(event));
     incoming.answer(Json::object());
+}
+
+/// Nobody waits any longer for a receiver that is gone.
+void Requests::on_forget(const Incoming& incoming)
+{
+    const auto forget = protocol::forget_from_json(incoming.header);
+    if (!forget.output.empty())
+        port_named(parts_.declaration.interface.outputs, parts_.module.self().name, "output", forget.output);
+    const auto removed = parts_.module.forget(forget.receiver, forget.output);
+    if (removed == 0)
+        throw Error(Errc::not_found, parts_.module.self().name + " keeps nothing for " + forget.receiver);
+    incoming.answer(Json{{"removed", removed}});
 }
 
 /// A halt or resume that names a policy sets it, and does nothing else.

@@ -26,13 +26,15 @@ public:
 
     /// Connects again what was connected before a crash.
     void restore(const Json& state);
+    /// Answers whoever still waits: the drone ends.
+    void end() { parameters_.end(); }
     [[nodiscard]] Status status() const { return status_.now(); }
 
 private:
     void add_handlers();
-    void on_forget(const event::Incoming& incoming);
     void on_put(const event::Incoming& incoming);
     bool set_policy(const event::Incoming& incoming);
+    void on_forget(const event::Incoming& incoming);
     void on_halt(const event::Incoming& incoming);
     void on_resume(const event::Incoming& incoming);
     void on_stop(const event::Incoming& incoming);

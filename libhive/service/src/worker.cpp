@@ -57,10 +57,25 @@ void Worker::step()
     parts_.board.end_work();
 }
 
-void Worker::apply(const Json& values)
-{
+std::optional<Error> Worker::try_out(const Json& values)
+try {
     next_step_ = Clock::now();
-    parts_.declaration.parameters.apply(values, parts_.declaration.on_change);
+    parts_.declaration.parameters.assign(values);
+    parts_.declaration.on_change();
+    return std::nullopt;
+} catch (...) {
+    const Error error = current_error();
+    put_back();
+    return error;
+}
+
+void Worker::put_back()
+try {
+    next_step_ = Clock::now();
+    parts_.declaration.parameters.put_back();
+    parts_.declaration.on_change();
+} catch (...) {
+    parts_.reporter.report(current_error());
 }
 
 void Worker::deliver(Event&& event)

@@ -24,8 +24,14 @@ public:
 
     /// Works until the drone is told to stop.
     void run();
-    /// Assigns checked values and calls on_change. What that throws is thrown here, when the old values are back.
-    void apply(const Json& values);
+    /// Assigns checked values and calls on_change. What that throws is returned, and the old values are back.
+    [[nodiscard]] std::optional<Error> try_out(const Json& values);
+    /// What the parameters that `wanted` names are while they are tried out.
+    [[nodiscard]] Json tried(const Json& wanted) const { return parts_.declaration.parameters.assigned(wanted); }
+    /// What was tried out is told from now on.
+    void keep() { parts_.declaration.parameters.read_back(); }
+    /// The values from before are back, and on_change is called again.
+    void put_back();
     void resume() { parts_.halting.resume(); }
 
 private:

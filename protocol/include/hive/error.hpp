@@ -19,6 +19,7 @@ enum class Errc {
     refused,           ///< the drone understood and said no; the text gives its reason
     type_mismatch,     ///< output and input speak different types; the text names both
     halted,            ///< the drone has halted and takes nothing until it is resumed
+    locked,            ///< another set is being decided there; it takes moments
     name_taken,        ///< a living module has that name already
     not_permitted,     ///< the peer or the user may not do this
     too_large,         ///< over a limit of this end (SPEC.md, section 3)

@@ -158,6 +158,134 @@ TEST_CASE("drone: a set whose deadline has passed is not applied; a deadline of 
     }
 }
 
+namespace {
+
+/// A drone that has prepared a set of one parameter.
+struct Prepared {
+    explicit Prepared(const subject::Home& home) : asker(home.meet()), other(home.meet()), before(get_all(other))
+    {
+        for (const auto& parameter : subject::description().at("parameters"))
+            if (const Json value = other_value(parameter); wanted.empty() && !value.is_null())
+                wanted[parameter.at("name")] = value;
+    }
+    Json prepare(raw::Peer& peer, int token, int deadline_ms = 5000) const
+    {
+        return peer.ask(raw::set, {{"parameters", wanted}, {"prepare", token}, {"deadline_ms", deadline_ms}});
+    }
+    [[nodiscard]] Json after() const
+    {
+        Json values = before;
+        values.update(wanted);
+        return values;
+    }
+
+    raw::Peer asker, other;
+    Json before, wanted = Json::object();
+};
+
+}  // namespace
+
+TEST_CASE("drone: a prepared set is tried and told to nobody until it is committed")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    Prepared drone(home);
+    if (drone.wanted.empty())
+        return;  // this drone has no parameter with another value that is known to be taken
+    const Json prepared = drone.prepare(drone.asker, 7);
+    REQUIRE(raw::text_of(prepared) == "");
+    CHECK(prepared.at("result").at("parameters") == drone.wanted);
+    CHECK(get_all(drone.other) == drone.before);
+    CHECK(raw::error_of(drone.other.ask(raw::describe)) == "");
+    CHECK(raw::error_of(drone.other.ask(raw::status)) == "");
+    CHECK(raw::error_of(drone.asker.ask(raw::set, {{"commit", 8}})) == "not_found");
+    const Json committed = drone.asker.ask(raw::set, {{"commit", 7}});
+    CHECK(raw::text_of(committed) == "");
+    CHECK(committed.at("result").at("parameters") == drone.wanted);
+    CHECK(get_all(drone.other) == drone.after());
+    CHECK(raw::error_of(drone.asker.ask(raw::set, {{"commit", 7}})) == "not_found");
+}
+
+TEST_CASE("drone: a prepared set that is aborted, whose asker ends, or whose time is over leaves the old values")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    Prepared drone(home);
+    if (drone.wanted.empty())
+        return;
+    SUBCASE("aborted")
+    {
+        REQUIRE(raw::text_of(drone.prepare(drone.asker, 7)) == "");
+        CHECK(raw::error_of(drone.asker.ask(raw::set, {{"abort", 7}})) == "");
+    }
+    SUBCASE("its asker ends")
+    {
+        REQUIRE(raw::text_of(drone.prepare(drone.asker, 7)) == "");
+        drone.asker.close();
+    }
+    SUBCASE("its time is over") { REQUIRE(raw::text_of(drone.prepare(drone.asker, 7, 1000)) == ""); }
+    // Waits until the first one is decided; within its deadline of 5 s.
+    const Json set = drone.other.ask(raw::set, {{"parameters", Json::object()}});
+    CHECK(raw::text_of(set) == "");
+    CHECK(get_all(drone.other) == drone.before);
+    CHECK(raw::error_of(drone.other.ask(raw::set, {{"commit", 7}})) == "not_found");
+    CHECK(raw::text_of(drone.prepare(drone.other, 9)) == "");
+    CHECK(raw::text_of(drone.other.ask(raw::set, {{"commit", 9}})) == "");
+    CHECK(get_all(drone.other) == drone.after());
+}
+
+TEST_CASE("drone: while one set is prepared a second prepare is refused at once, and a plain set waits for its end")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    Prepared drone(home);
+    if (drone.wanted.empty())
+        return;
+    REQUIRE(raw::text_of(drone.prepare(drone.asker, 7)) == "");
+    CHECK(raw::error_of(drone.prepare(drone.other, 8)) == "locked");
+    const Json plain = drone.other.ask(raw::set, {{"parameters", drone.wanted}, {"deadline_ms", 100}});
+    CHECK(raw::error_of(plain) == "timeout");
+    CHECK(raw::error_of(drone.asker.ask(raw::set, {{"abort", 7}})) == "");
+    CHECK(raw::text_of(drone.prepare(drone.other, 8)) == "");
+    CHECK(raw::error_of(drone.other.ask(raw::set, {{"abort", 8}})) == "");
+    CHECK(get_all(drone.other) == drone.before);
+}
+
+TEST_CASE(
+    "drone: a drone that is killed with a prepared set comes back with the old values, after a commit with the new")
+{
+    const subject::Home home;
+    auto process = home.start();
+    Prepared drone(home);
+    if (drone.wanted.empty())
+        return;
+    Json expected = drone.before;
+    REQUIRE(raw::text_of(drone.prepare(drone.asker, 7)) == "");
+    SUBCASE("prepared") {}
+    SUBCASE("committed")
+    {
+        REQUIRE(raw::text_of(drone.asker.ask(raw::set, {{"commit", 7}})) == "");
+        expected = drone.after();
+    }
+    process.kill();
+    const auto again = home.start();
+    auto peer = home.meet();
+    CHECK(get_all(peer) == expected);
+}
+
+TEST_CASE("drone: a value that a drone refuses is refused by prepare as well, and locks nobody out")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    Prepared drone(home);
+    for (const auto& parameter : subject::description().at("parameters")) {
+        const Json wrong{{parameter.at("name"), Json::array()}};
+        CHECK(raw::error_of(drone.asker.ask(raw::set, {{"parameters", wrong}, {"prepare", 7}})) == "refused");
+    }
+    CHECK(raw::text_of(drone.prepare(drone.other, 8)) == "");
+    CHECK(raw::error_of(drone.other.ask(raw::set, {{"abort", 8}})) == "");
+}
+
 TEST_CASE("drone: requests with a wrong field are malformed, and the connection goes on")
 {
     const subject::Home home;
@@ -168,6 +296,9 @@ TEST_CASE("drone: requests with a wrong field are malformed, and the connection 
                                             {raw::set, {{"parameters", Json::array()}}},
                                             {raw::set, {{"parameters", Json::object()}, {"check_only", "yes"}}},
                                             {raw::set, {{"parameters", Json::object()}, {"deadline_ms", -1}}},
+                                            {raw::set, {{"parameters", Json::object()}, {"prepare", true}}},
+                                            {raw::set, {{"commit", -1}}},
+                                            {raw::set, {{"abort", "7"}}},
                                             {raw::get, {{"names", "all"}}},
                                             {raw::get, {{"names", {1}}}},
                                             {raw::connect, Json::object()},

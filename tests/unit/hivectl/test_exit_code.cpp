@@ -10,13 +10,25 @@ using hive::Error;
 
 TEST_CASE("exit codes: every error has the code that the documentation gives it")
 {
-    const std::pair<Errc, int> expected[] = {
-        {Errc::invalid_argument, 2}, {Errc::not_found, 3},   {Errc::unreachable, 4},
-        {Errc::connection_lost, 4},  {Errc::timeout, 124},   {Errc::refused, 5},
-        {Errc::type_mismatch, 6},    {Errc::halted, 7},      {Errc::name_taken, 1},
-        {Errc::not_permitted, 5},    {Errc::too_large, 5},   {Errc::malformed, 1},
-        {Errc::version_mismatch, 1}, {Errc::unsupported, 5}, {Errc::failed, 1},
-        {Errc::abandoned, 1},        {Errc::stopped, 4},     {Errc::io, 1}};
+    const std::pair<Errc, int> expected[] = {{Errc::invalid_argument, 2},
+                                             {Errc::not_found, 3},
+                                             {Errc::unreachable, 4},
+                                             {Errc::connection_lost, 4},
+                                             {Errc::timeout, 124},
+                                             {Errc::refused, 5},
+                                             {Errc::type_mismatch, 6},
+                                             {Errc::halted, 7},
+                                             {Errc::locked, 5},
+                                             {Errc::name_taken, 1},
+                                             {Errc::not_permitted, 5},
+                                             {Errc::too_large, 5},
+                                             {Errc::malformed, 1},
+                                             {Errc::version_mismatch, 1},
+                                             {Errc::unsupported, 5},
+                                             {Errc::failed, 1},
+                                             {Errc::abandoned, 1},
+                                             {Errc::stopped, 4},
+                                             {Errc::io, 1}};
     for (const auto& [code, exit] : expected) {
         CAPTURE(hive::info(code).token);
         CHECK(exit_code_of(code) == exit);

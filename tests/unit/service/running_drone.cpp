@@ -104,6 +104,8 @@ Json status_when(hive::Application& application, Condition condition)
     return {};
 }
 
+bool idle(const Json& status) { return status["state"] == "idle"; }
+
 }  // namespace
 
 TEST_CASE("running drone: what main throws is reported, even if it is not an exception, and main is called again")
@@ -135,10 +137,90 @@ TEST_CASE("running drone: a set that on_change answers by throwing something is 
         });
     });
     hive::Application application;
-    status_when(application, [](const Json& now) { return now["state"] == "idle"; });
+    status_when(application, idle);
     CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 10}}), doctest::Contains(not_an_exception), hive::Error);
     CHECK(application.get("subject").at("value") == 1);
     CHECK(application.set("subject", {{"value", 9}}).at("value") == 9);
+}
+
+TEST_CASE("running drone: on_change that throws at the old values as well is reported, and the set is refused with the "
+          "first reason")
+{
+    const Home home;
+    int value = 1;
+    const Running drone([&](Drone& subject) {
+        subject.parameter("value", value, hive::anything(), "");
+        subject.on_change([&, calls = 0]() mutable {
+            if (++calls > 1)
+                throw std::runtime_error(value == 2 ? "the first reason" : "the second reason");
+        });
+    });
+    hive::Application application;
+    status_when(application, idle);
+    CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 2}}), doctest::Contains("the first reason"),
+                         hive::Error);
+    CHECK(application.get("subject").at("value") == 1);
+    const auto status = status_when(application, [](const Json& now) { return now.contains("last_exception"); });
+    CHECK(status.at("last_exception").at("text") == "the second reason");
+}
+
+TEST_CASE("running drone: a set is answered at its deadline while on_change still works, and is put back then")
+{
+    const Home home;
+    int value = 1;
+    std::atomic<bool> busy{false}, go_on{false};
+    std::atomic<int> seen{0};
+    const Running drone([&](Drone& subject) {
+        subject.parameter("value", value, hive::anything(), "");
+        subject.on_change([&] {
+            seen = value;
+            if (value == 2) {
+                busy = true;
+                go_on.wait(false);
+            }
+        });
+    });
+    hive::Application application({.name = {}, .home = {}, .timeout = 1s});
+    status_when(application, idle);
+    CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 2}}), doctest::Contains("nothing was set"), hive::Error);
+    CHECK(busy);
+    CHECK(application.get("subject").at("value") == 1);
+    go_on = true;
+    go_on.notify_all();
+    application.timeout(10s);
+    CHECK(application.set("subject", {{"value", 3}}).at("value") == 3);  // after what was put back
+    CHECK(application.set("subject", Json::object()).empty());
+    CHECK(seen == 3);
+}
+
+TEST_CASE("running drone: a set whose deadline has passed before its turn came does nothing then")
+{
+    const Home home;
+    int value = 1;
+    std::atomic<bool> busy{false}, go_on{false};
+    std::atomic<int> changes{0};
+    const Running drone([&](Drone& subject) {
+        subject.parameter("value", value, hive::anything(), "");
+        subject.on_change([&] { ++changes; });
+        subject.main([&]() -> std::chrono::microseconds {
+            busy = true;
+            go_on.wait(false);
+            return 1h;
+        });
+    });
+    while (!busy)
+        std::this_thread::yield();
+    const int before = changes;
+    hive::Application application({.name = {}, .home = {}, .timeout = 200ms});
+    const auto begin = std::chrono::steady_clock::now();
+    CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 2}}), doctest::Contains("nothing was set"), hive::Error);
+    CHECK(std::chrono::steady_clock::now() - begin < 5s);
+    go_on = true;
+    go_on.notify_all();
+    application.timeout(10s);
+    CHECK(application.set("subject", Json::object()).empty());
+    CHECK(application.get("subject").at("value") == 1);
+    CHECK(changes == before + 1);  // of the empty set alone
 }
 
 TEST_CASE("running drone: whatever on_start throws, the drone ends and says why")

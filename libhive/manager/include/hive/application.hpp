@@ -33,6 +33,17 @@ struct StatusAnswer {
     std::optional<Error> error;
 };
 
+/// What a set on several drones came to.
+struct SetResult {
+    enum class Changed {
+        all,
+        none,    ///< each has its old values
+        unclear  ///< some may have the new values and others the old ones: the answers say which, or that it is unknown
+    };
+    std::vector<Answer> answers;  ///< in the order of the drones; what has changed has no error
+    Changed changed = Changed::none;
+};
+
 /// One end of a connection: "camera" or "camera.image".
 struct Endpoint {
     std::string drone;
@@ -136,8 +147,11 @@ public:
 
     /// Sets parameters of one drone, all together or none; returns the applied values.
     Json set(const std::string& drone, const Json& parameters);
-    /// Sets the same on many: checked on all, then applied on all; if one refuses, none has changed.
-    std::vector<Answer> set(const std::vector<std::string>& drones, const Json& parameters);
+    /// Sets the same on many: prepared on all, where the drones' own code tries it, then committed on all. If one
+    /// refuses, or `cancelled` becomes true before that, none has changed.
+    SetResult set(
+        const std::vector<std::string>& drones, const Json& parameters,
+        const std::function<bool()>& cancelled = [] { return false; });
     /// The present values: of all parameters, or of those named.
     Json get(const std::string& drone, const std::vector<std::string>& names = {});
     std::vector<Answer> get(const std::vector<std::string>& drones, const std::vector<std::string>& names = {});

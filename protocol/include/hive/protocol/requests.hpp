@@ -21,7 +21,9 @@ Connect connect_from_json(const Json& object);
 /// Asks a drone for new values of some parameters.
 struct Set {
     Json parameters = Json::object();
-    bool check_only = false;  ///< the answer is wanted, not the change
+    bool check_only = false;                   ///< the answer is wanted, not the change
+    std::optional<std::int64_t> prepare = {};  ///< hold them until the set of this token is committed or aborted
+    std::optional<std::int64_t> commit = {}, abort = {};  ///< decide about the set of this token, without parameters
 };
 Json to_json(const Set& set);
 Set set_from_json(const Json& object);

@@ -105,6 +105,7 @@ private:
     std::deque<Delivery> in_hand_;  ///< those behind done_
     std::vector<std::int64_t> back_;
     std::int64_t asked_ = 0, told_done_ = 0, told_worked_ = 0;
+    bool lossless_ = false;  ///< the last event was
 
     std::optional<Share> group_;  ///< its standing
     std::int64_t received_ = 0, age_us_ = 0;

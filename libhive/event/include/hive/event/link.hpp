@@ -28,6 +28,7 @@ public:
     }
     [[nodiscard]] protocol::PacketType type() const noexcept { return type_; }
     [[nodiscard]] std::int64_t id() const noexcept { return id_; }
+    [[nodiscard]] Clock::time_point deadline() const noexcept { return deadline_; }
     /// Takes it up: from now on it does not expire. False: it is too late, and nothing may be done.
     bool begin() { return Clock::now() < deadline_ && moved(State::open, State::begun); }
     /// True once, when its deadline has passed and nobody has taken it up.

@@ -32,7 +32,11 @@ struct Incoming {
     Body body;
     std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
     std::function<void(Outcome)> answer;
+    std::function<bool()> connected;  ///< network side: does the connection last on which the answer goes?
 };
+
+/// Holds a task for later; it is not run any more when this is gone.
+using Alarm = std::shared_ptr<void>;
 
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
 class Module final : public IntakeHost {
@@ -104,6 +108,8 @@ public:
     {
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
     }
+    /// Runs a task at a time. The alarm must be gone before the end of the module, which would wait for it.
+    [[nodiscard]] Alarm alarm(Clock::time_point time, Loop::Task task);
     /// Ticks while something has a deadline.
     void arm() override;
 

@@ -1,0 +1,238 @@
+// Many who set the same drones at once, some of them interrupted or killed: what is confirmed holds on all drones.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+#include <raw_peer.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// Of HIVE_SEED, or another one each time.
+std::uint64_t seed()
+{
+    const char* told = std::getenv("HIVE_SEED");
+    return told ? std::stoull(told) : std::random_device{}();
+}
+
+std::string number(int value) { return std::to_string(value); }
+
+std::vector<Process> sleepers(const Swarm& swarm, int count)
+{
+    std::vector<Process> drones;
+    for (int i = 1; i <= count; ++i)
+        drones.push_back(swarm.drone("sleeper", "s" + number(i)));
+    return drones;
+}
+
+void make_busy(hive::Application& application, const std::string& drone, int work_ms)
+{
+    application.set(drone, {{"work_ms", work_ms}});
+    application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
+    REQUIRE(eventually([&] { return application.status(drone).at("state") == "busy"; }));
+}
+
+/// The value of each drone, s1 first. A set that is being put back does not show.
+std::vector<int> values(hive::Application& application, const std::string& parameter)
+{
+    std::vector<int> found;
+    for (const auto& answer : application.get(application.find("s*"), {parameter})) {
+        REQUIRE_FALSE(answer.error.has_value());
+        found.push_back(answer.result.at(parameter));
+    }
+    return found;
+}
+
+/// Does another set hold the drone, so that it can be prepared by nobody else?
+bool is_locked(const Swarm& swarm, const std::string& drone)
+{
+    auto other = swarm.application(50ms);
+    const auto result = other.set(std::vector{drone}, Json::object());
+    return result.answers.at(0).error && result.answers[0].error->code() == hive::Errc::locked;
+}
+
+/// One hivectl that sets all of them.
+struct Setter {
+    int value;
+    Process process;
+    std::optional<int> exit_code;
+};
+
+}  // namespace
+
+TEST_CASE("joint set: a Ctrl-C before all drones are prepared leaves them all as they were")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 3);
+    auto application = swarm.application();
+    make_busy(application, "s3", 1500);
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    setter.signal(SIGINT);
+    CHECK(setter.wait(patient(5000ms)) == 130);
+    REQUIRE(eventually([&] { return application.status("s3").at("state") == "idle"; }));
+    CHECK(application.set("s3", {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
+    CHECK(values(application, "most_ms") == std::vector{600'000, 600'000, 600'000});
+}
+
+TEST_CASE("joint set: a set on one drone that a set on many has prepared comes after it, and is what holds then")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 2);
+    auto application = swarm.application();
+    make_busy(application, "s2", 1000);
+    auto many = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "many");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    CHECK(swarm.hivectl_done({"set", "s1", "most_ms=8000"}) == "8000\n");
+    REQUIRE(many.wait(patient(10'000ms)).has_value());
+    const auto after = values(application, "most_ms");
+    CHECK((after == std::vector{8000, 7000} || after == std::vector{7000, 7000}));
+}
+
+TEST_CASE("joint set: a drone that ends after it has prepared is the reason why nothing changes")
+{
+    const Swarm swarm;
+    auto drones = sleepers(swarm, 3);
+    auto application = swarm.application();
+    make_busy(application, "s3", 1500);
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    drones[0].kill();
+    const auto exit_code = setter.wait(patient(10'000ms));
+    REQUIRE(exit_code.has_value());
+    CHECK(*exit_code != 0);
+    CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
+    CHECK(application.get("s2", {"most_ms"}).at("most_ms") != 7000);
+    CHECK(application.get("s3", {"most_ms"}).at("most_ms") != 7000);
+}
+
+TEST_CASE("joint set: a drone that is stopped before it is prepared leaves all as they were, also when it goes on")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 2);
+    auto application = swarm.application();
+    make_busy(application, "s2", 1000);
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
+    drones[1].signal(SIGSTOP);
+    const auto exit_code = setter.wait(patient(10'000ms));
+    drones[1].signal(SIGCONT);
+    CHECK(exit_code == 4);
+    CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
+    for (const std::string drone : {"s1", "s2"})
+        CHECK(application.set(drone, {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
+    CHECK(values(application, "most_ms") == std::vector{600'000, 600'000});
+}
+
+TEST_CASE("joint set: a commit that came in time counts, even if the drone was stopped until its time was over")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 1);
+    auto asker = raw::Peer::meet(swarm.home() / "s1.sock");
+    const Json prepared =
+        asker.ask(raw::set, {{"parameters", {{"most_ms", 7000}}}, {"prepare", 7}, {"deadline_ms", 200}});
+    REQUIRE(raw::text_of(prepared) == "");
+    drones[0].signal(SIGSTOP);
+    asker.send(raw::packet(raw::set, 0, R"({"id":70,"commit":7})"));
+    std::this_thread::sleep_for(1300ms);  // the deadline, and the second for which the drone holds it
+    drones[0].signal(SIGCONT);
+    const auto answer = asker.next_of(raw::confirmation);
+    REQUIRE(answer.has_value());
+    CHECK(raw::text_of(Json::parse(answer->header)) == "");
+    CHECK(swarm.hivectl_done({"get", "s1", "most_ms"}) == "7000\n");
+}
+
+TEST_CASE("joint set: a drone that goes away when it is told to keep the values is unknown, and the others are told")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 1);
+    raw::Listener listener(swarm.home() / "s2.sock");
+    std::thread s2([&] {
+        auto asker = listener.accept();
+        asker->send(raw::hello_packet("s2", "sleeper"));
+        const auto prepare = asker->next_of(raw::set);
+        const Json answer{{"id", prepare->json().at("id")}, {"result", Json::object()}};
+        asker->send(raw::packet(raw::confirmation, 0, answer.dump()));
+        static_cast<void>(asker->next_of(raw::set));  // the commit
+    });
+    auto application = swarm.application();
+    const auto result = application.set(std::vector<std::string>{"s1", "s2"}, {{"most_ms", 7000}});
+    s2.join();
+    CHECK(result.changed == hive::SetResult::Changed::unclear);
+    CHECK_FALSE(result.answers.at(0).error.has_value());
+    CHECK(result.answers.at(0).result == Json{{"most_ms", 7000}});
+    REQUIRE(result.answers.at(1).error.has_value());
+    CHECK(result.answers.at(1).error->code() == hive::Errc::connection_lost);
+    CHECK(std::string(result.answers.at(1).error->what()).find("s2: unknown") == 0);
+}
+
+TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in one value, which one of them confirmed")
+{
+    const auto used = seed();
+    MESSAGE("again with HIVE_SEED=", used);
+    CAPTURE(used);
+    std::mt19937_64 random(used);
+    const auto pick = [&](int least, int most) { return std::uniform_int_distribution(least, most)(random); };
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 4);
+    auto application = swarm.application();
+    int next = 1000, confirmed_sets = 0, interrupted = 0, killed = 0, torn = 0;
+    std::vector<int> last{600'000, 600'000, 600'000, 600'000};
+    for (int round = 0; round < 12; ++round) {
+        CAPTURE(round);
+        std::vector<Setter> setters;
+        for (int i = pick(2, 5); i > 0; --i) {
+            const int value = ++next;
+            setters.push_back(
+                {value, swarm.hivectl_running({"set", "s*", "most_ms=" + number(value)}, "set-" + number(value)), {}});
+        }
+        for (auto& setter : setters) {
+            const int fate = pick(0, 5);
+            if (fate > 1)
+                continue;
+            std::this_thread::sleep_for(std::chrono::microseconds(pick(0, 40'000)));  // anywhere in its life
+            setter.process.signal(fate == 0 ? SIGINT : SIGKILL);
+            ++(fate == 0 ? interrupted : killed);
+        }
+        for (auto& setter : setters)
+            setter.exit_code = setter.process.wait(patient(20'000ms));
+        // Behind all that a killed one may have left: a plain set of nothing.
+        for (const auto& name : application.find("s*"))
+            application.set(name, Json::object());
+        const auto now = values(application, "most_ms");
+        CAPTURE(now);
+        if (std::ranges::any_of(now, [&](int value) { return value != now.front(); })) {
+            // Only a SIGKILL between the first byte of a decision and the last one can do that.
+            CHECK(std::ranges::any_of(setters, [](const Setter& setter) { return setter.exit_code == 128 + SIGKILL; }));
+            CHECK(++torn == 1);
+            for (const auto& answer : application.set(application.find("s*"), {{"most_ms", ++next}}).answers)
+                CHECK_FALSE(answer.error.has_value());
+            last = values(application, "most_ms");
+            continue;
+        }
+        bool possible = now == last;
+        for (const auto& setter : setters) {
+            REQUIRE(setter.exit_code.has_value());
+            CAPTURE(*setter.exit_code);
+            // Killed ones may have got as far as the decision; what was refused or interrupted has changed nothing.
+            if (*setter.exit_code == 0 || *setter.exit_code == 128 + SIGKILL)
+                possible = possible || now.front() == setter.value;
+            else
+                CHECK(now.front() != setter.value);
+            confirmed_sets += *setter.exit_code == 0;
+        }
+        CHECK(possible);
+        if (std::ranges::any_of(setters, [](const Setter& setter) { return setter.exit_code == 0; }))
+            CHECK(now != last);
+        last = now;
+    }
+    MESSAGE(confirmed_sets, " sets confirmed, ", interrupted, " interrupted, ", killed, " killed");
+    CHECK(confirmed_sets > 0);
+}
