@@ -36,11 +36,15 @@ bool quiet(const hive::Status& status, const hive::OutputStatus& output)
     return status.epoch + status.uptime_us - std::max(status.epoch, output.last_emitted_us) >= a_second;
 }
 
-/// A drone that works on what it receives may well have outputs that nobody needs.
+/// Exceptions are for whoever is interested, and a drone that works on what it receives may well have outputs that
+/// nobody needs.
 bool may_be_left_alone(const hive::Status& status, const hive::OutputStatus& output)
 {
-    const auto unreceived = [](const hive::OutputStatus& other) { return other.why == Reason::no_receiver; };
-    return unreceived(output) && (!status.inputs.empty() || !std::ranges::all_of(status.outputs, unreceived));
+    const auto left_alone = [](const hive::OutputStatus& other) {
+        return other.name == "exceptions" || other.why == Reason::no_receiver;
+    };
+    return output.name == "exceptions"
+           || (left_alone(output) && (!status.inputs.empty() || !std::ranges::all_of(status.outputs, left_alone)));
 }
 
 std::string of_drone(const hive::Status& status)

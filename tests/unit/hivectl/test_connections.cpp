@@ -255,6 +255,7 @@ TEST_CASE("standstill: a detector may have an output that nobody receives, a cam
     CHECK(standstill(detector).empty());
     auto source = camera(1, 5'000'000, 0, 0).status;
     source.outputs[0].why = Reason::no_receiver;
+    source.outputs.push_back({.name = "exceptions", .type = "application/json", .why = Reason::no_receiver});
     CHECK(standstill(source) == "image: nobody receives it");
 }
 
