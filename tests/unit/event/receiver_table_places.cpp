@@ -138,6 +138,23 @@ TEST_CASE("kept place: its account is not forgotten before it, however many rece
     CHECK(world.row("results").events.of(Fate::acknowledged) == 1);
 }
 
+TEST_CASE("awaited group: its account stays as long as the group does, however many receivers are lost")
+{
+    World world;
+    world.add(1, "face-1", sharing());
+    auto watching = window(1);
+    watching.delivery = Delivery::notification;
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::most_old_accounts; ++i) {
+        world.add(i, "watcher-" + std::to_string(i), watching);
+        world.lose(i, Fate::lost_connection);
+    }
+    CHECK(world.has_row("group workers"));
+    CHECK(world.has_row("face-1"));
+    world.offer(1, true);
+    world.ask(1, {2, 1, 1});
+    CHECK(world.row("group workers").events.of(Fate::acknowledged) == 1);
+}
+
 TEST_CASE("awaited group: forgetting one of the drones that were lost lets it go, and what waited is given up")
 {
     World world;
