@@ -47,6 +47,7 @@ public:
         hold(group_.standing().turn == turns_ && group_.standing().closed == closed(),
              "the turns are told as they are");
         check_members();
+        check_pace();
     }
 
 private:
@@ -81,10 +82,6 @@ private:
         for (const auto& [id, member] : members_) {
             for (const auto& hand : member.hands)
                 in_hand[member.name] += hand.passed_on ? 0 : 1;
-            if (member.suspect || member.sent >= member.known.asked)
-                continue;
-            hold(fresh_.empty() || !member.lane.free(fresh_.front()->size()) || blocked_by_older(member),
-                 "nothing new stands still");
         }
         for (const auto& [name, account] : accounts_) {
             hold(balanced(account), "the ledgers of the members balance");
@@ -92,21 +89,27 @@ private:
             hold(account.in_flight() == (found == in_hand.end() ? 0 : found->second),
                  "in flight to a member is what is in its hand and nobody else's");
         }
+    }
+
+    /// In their order, older turns first; only those whom everybody with credit has in hand wait for somebody else.
+    void check_pace() const
+    {
+        std::vector<std::pair<EmissionPtr, std::set<ReceiverId>>> waiting;
         for (const auto& [turn, job] : open_)
             if (job.waits)
-                for (const auto& [id, member] : members_)
-                    hold(job.holders.contains(id) || !can_take(member, job.event),
-                         "nothing given up by one stands still");
-    }
-    [[nodiscard]] static bool can_take(const Member& member, const EmissionPtr& event)
-    {
-        return !member.suspect && member.sent < member.known.asked && member.lane.free(event->size());
-    }
-    /// Does what waits to be given out again, and is too large for its lane now, come first?
-    [[nodiscard]] bool blocked_by_older(const Member& member) const
-    {
-        return std::ranges::any_of(
-            open_, [&](const auto& row) { return row.second.waits && !member.lane.free(row.second.event->size()); });
+                waiting.emplace_back(job.event, job.holders);
+        if (!fresh_.empty())
+            waiting.emplace_back(fresh_.front(), std::set<ReceiverId>{});
+        for (const auto& [event, holders] : waiting) {
+            bool somebody = false;
+            for (const auto& [id, member] : members_)
+                if (!member.suspect && member.sent < member.known.asked && !holders.contains(id)) {
+                    hold(!member.lane.free(event->size()), "nothing stands still");
+                    somebody = true;
+                }
+            if (somebody)
+                return;  // it goes when a lane is free, before what is behind it
+        }
     }
 
     void offer()

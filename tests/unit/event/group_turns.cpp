@@ -112,6 +112,24 @@ TEST_CASE("turn: one that three members died of is given up at once")
     CHECK(workers.failed == Sequences{1});
 }
 
+TEST_CASE("turn: a member that is at work again is not given once more what it has in hand, others are")
+{
+    for (const bool another : {true, false}) {
+        Workers workers(1, sharing(500ms, 2));
+        workers.offer(1);
+        workers.offer(2);
+        workers.pass(500ms);
+        CHECK(workers.ask(1, {3, 1, 1}).empty());
+        CHECK(workers.offer(3) == Got{{1, {3}}});
+        if (another)
+            CHECK(workers.join(2) == Got{{2, {2}}});
+        workers.ask(1, {5, 3, 3});
+        CHECK(workers.went(Fate::acknowledged) == 3);
+        CHECK(workers.ledger.in_flight() == 0);
+        CHECK(workers.all_balanced());
+    }
+}
+
 TEST_CASE("turn: a connection that breaks, a member that leaves and one that hands back are no failures of the work")
 {
     Workers workers(2);
