@@ -118,6 +118,19 @@ TEST_CASE("line: a stream whose transport stands still keeps the newest and coun
     CHECK(sequences(decided([&](Decisions& to) { line.written(picture, to); })) == Sequences{20});
 }
 
+TEST_CASE("line: what waited behind an event that was dropped goes at once")
+{
+    Ledger ledger;
+    Line line(1, "slow", epoch, streaming(), ledger);
+    const auto offer = [&](std::int64_t sequence, std::size_t bytes) {
+        return sequences(decided([&](Decisions& to) { line.offer(emission(sequence, false, bytes), to); }));
+    };
+    CHECK(offer(1, 10) == Sequences{1});
+    CHECK(offer(2, Line::most_queued_bytes).empty());
+    CHECK(offer(3, 10) == Sequences{3});
+    CHECK(ledger.of(Fate::dropped) == 1);
+}
+
 TEST_CASE("line: a stream of small events queues a thousand, not more")
 {
     Ledger ledger;

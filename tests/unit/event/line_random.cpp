@@ -224,6 +224,8 @@ private:
     void sent(const Send& send)
     {
         hold(!line_->kept(), "who is away is sent nothing");
+        if (options_.transfer == Transfer::streaming && waiting_.size() > 1 && waiting_.front().event != send.event)
+            drop_oldest();
         hold(!waiting_.empty() && waiting_.front().event == send.event, "events go out in their order, each once");
         hold(open(waiting_.front()), "nobody is sent more than was asked for");
         Item item = std::move(waiting_.front());
