@@ -2,6 +2,7 @@
 #include <hive/event/group.hpp>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace hive::event {
@@ -24,6 +25,11 @@ Clock::duration WorkTimes::lease() const
 Group::Hand* Group::Member::head()
 {
     return unworked() == 0 ? nullptr : &hands[static_cast<std::size_t>(credit.worked_in_hand())];
+}
+
+bool Group::Member::holds(std::int64_t turn) const
+{
+    return turn != 0 && std::ranges::find(hands, turn, &Hand::turn) != hands.end();
 }
 
 Clock::duration Group::lease_of(const Member& member) const
@@ -75,14 +81,17 @@ EmissionPtr Group::next_event() const
     return fresh_.empty() ? nullptr : fresh_.front();
 }
 
-/// The receiver of the next job: of those with credit that has the fewest in hand, then the one that asked first.
-Group::Members::iterator Group::choose(std::size_t bytes)
+/// Who is to have a job: of those with credit that do not have it in hand, the one that has the fewest in hand, then
+/// the one that asked first. Who cannot be sent it right now comes last.
+Group::Members::iterator Group::choose(std::int64_t turn, std::size_t bytes)
 {
     auto best = members_.end();
-    const auto rank = [](const Member& member) { return std::pair(member.hands.size(), member.asked_at); };
+    const auto rank = [&](const Member& member) {
+        return std::tuple(!member.credit.lane_free(bytes), member.hands.size(), member.asked_at);
+    };
     for (auto it = members_.begin(); it != members_.end(); ++it) {
         const Member& member = it->second;
-        if (member.suspect || !member.credit.open(true) || !member.credit.lane_free(bytes))
+        if (member.suspect || !member.credit.open(true) || member.holds(turn))
             continue;
         if (best == members_.end() || rank(member) < rank(best->second))
             best = it;
@@ -90,21 +99,30 @@ Group::Members::iterator Group::choose(std::size_t bytes)
     return best;
 }
 
+/// Older turns go first. One that everybody with credit has in hand waits for somebody else, or for its answer.
 void Group::pump(Clock::time_point now, Decisions& decisions)
 {
-    while (const auto event = next_event()) {
-        const auto member = choose(event->size());
-        if (member == members_.end())
-            return;
-        std::int64_t turn = 0;
-        if (again_.empty()) {
-            turn = ++turns_;
-            open_[turn].event = std::move(fresh_.front());
-            fresh_.pop_front();
-        } else {
-            turn = again_.extract(again_.begin()).value();
+    for (auto waiting = again_.begin(); waiting != again_.end();) {
+        const auto turn = *waiting;
+        const auto bytes = open_.at(turn).event->size();
+        const auto member = choose(turn, bytes);
+        if (member == members_.end()) {
+            ++waiting;
+            continue;
         }
+        if (!member->second.credit.lane_free(bytes))
+            return;
+        waiting = again_.erase(waiting);
         give(member->first, member->second, turn, now, decisions);
+    }
+    while (!fresh_.empty()) {
+        const auto bytes = fresh_.front()->size();
+        const auto member = choose(0, bytes);
+        if (member == members_.end() || !member->second.credit.lane_free(bytes))
+            return;
+        open_[++turns_].event = std::move(fresh_.front());
+        fresh_.pop_front();
+        give(member->first, member->second, turns_, now, decisions);
     }
 }
 

@@ -40,20 +40,23 @@ void Line::offer(const EmissionPtr& event, Decisions& decisions)
         ledger_->went(Fate::skipped);
     }
     wait({event}, false);
-    pump(decisions);
-    if (credit_.streaming())
-        drop_oldest();
+    do
+        pump(decisions);
+    while (credit_.streaming() && drop_oldest());  // what was too large for the lane held up what is not
 }
 
-void Line::drop_oldest()
+bool Line::drop_oldest()
 {
+    bool dropped = false;
     const auto over = [&] {
         return waiting_.size() > most_queued_events || (waiting_.size() > 1 && waiting_bytes_ > most_queued_bytes);
     };
     while (over() && !must_stay(waiting_.front().event)) {
         next();
         ledger_->went(Fate::dropped);
+        dropped = true;
     }
+    return dropped;
 }
 
 void Line::pump(Decisions& decisions)

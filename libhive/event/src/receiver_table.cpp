@@ -27,16 +27,21 @@ void ReceiverTable::close_account(const Key& key, bool left)
         return;
     }
     found->second.lost = ++order_;
-    const auto is_old = [](const auto& row) { return row.second.registrations == 0; };
-    if (static_cast<std::size_t>(std::ranges::count_if(accounts_, is_old)) <= most_old_accounts)
-        return;
-    const auto age = [&](const auto& row) { return std::pair(!is_old(row), row.second.lost); };
-    const auto oldest = std::ranges::min_element(accounts_, {}, age);
-    const bool kept = std::ranges::any_of(kept_, [&](const auto& row) {
-        return Key(row.second.receiver(), row.second.options().group) == oldest->first;
-    });
-    if (!kept)
-        accounts_.erase(oldest);
+    forget_old_accounts();
+}
+
+/// A kept place still writes into its account.
+void ReceiverTable::forget_old_accounts()
+{
+    std::set<Key> used;
+    for (const auto& [place, line] : kept_)
+        used.insert({line.receiver(), line.options().group});
+    std::map<std::uint64_t, Key> old;  // the oldest first
+    for (const auto& [key, account] : accounts_)
+        if (account.lost != 0 && account.registrations == 0 && !used.contains(key))
+            old.emplace(account.lost, key);
+    for (auto oldest = old.begin(); old.size() > most_old_accounts; oldest = old.erase(oldest))
+        accounts_.erase(oldest->second);
 }
 
 Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)

@@ -26,7 +26,7 @@ public:
     Dispatch dispatch{
         encoder,
         {.transmit =
-             [this](const ReceiverTable::Send& send, const Emission& form) {
+             [this](const Send& send, const Emission& form) {
                  transmitted.push_back(number(form.event()) + " to " + std::to_string(send.receiver) + " as "
                                        + form.event().type);
              },
@@ -34,7 +34,7 @@ public:
          .on_encoder_thread = [this](std::function<void()> job) { jobs.push_back(std::move(job)); },
          .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
 
-    void send(ReceiverTable::Id receiver, const EmissionPtr& event, const std::string& encoding)
+    void send(ReceiverId receiver, const EmissionPtr& event, const std::string& encoding)
     {
         dispatch.send({receiver, event, Delivery::data, {}}, encoding);
     }
@@ -82,7 +82,7 @@ TEST_CASE(
 {
     Workshop shop;
     const auto event = emission(1);
-    for (const ReceiverTable::Id receiver : {1, 2, 3})
+    for (const ReceiverId receiver : {1, 2, 3})
         shop.send(receiver, event, "loud");
     shop.send(4, event, "loud:2");
     CHECK(shop.transmitted.empty());
@@ -168,21 +168,23 @@ TEST_CASE("dispatch: when the encoder throws, that is told once and the event go
     CHECK(shop.encoded.size() == 1);
 }
 
-TEST_CASE("dispatch: the receipt is held while the event waits for its encoding, and not by what is kept of it")
+TEST_CASE("dispatch: custody is held while the event waits for its encoding, and not by what is kept of it")
 {
     Workshop shop;
-    const auto receipt = std::make_shared<const int>(0);
+    const auto receipt = std::make_shared<const int>(0), custody = std::make_shared<const int>(0);
     Event event = emission(1, true)->event();
     event.receipt = receipt;
+    event.custody = custody;
     std::shared_ptr<const Emission> kept;
     {
         const auto sent = std::make_shared<const Emission>(event);
         event = {};
-        kept = sent->without_receipt();
+        kept = sent->without_custody();
         shop.send(1, sent, "loud");
     }
-    CHECK(receipt.use_count() > 1);
+    CHECK(custody.use_count() > 1);
     shop.run_all();
+    CHECK(custody.use_count() == 1);
     CHECK(receipt.use_count() == 1);
     CHECK(kept->rendition("loud"));  // what is kept finds it, too
 }
@@ -194,7 +196,7 @@ TEST_CASE("dispatch: a job that ends after the module's end does nothing")
         .encodings = {"loud"}, .type = {}, .encode = [](const Event& event, const std::string&) { return event; }};
     int transmitted = 0;
     {
-        Dispatch dispatch(encoder, {.transmit = [&](const ReceiverTable::Send&, const Emission&) { ++transmitted; },
+        Dispatch dispatch(encoder, {.transmit = [&](const Send&, const Emission&) { ++transmitted; },
                                     .not_encoded = {},
                                     .on_encoder_thread = [&](std::function<void()> given) { job = std::move(given); },
                                     .on_network_side = [&](std::function<void()> given) { task = std::move(given); }});
@@ -206,26 +208,25 @@ TEST_CASE("dispatch: a job that ends after the module's end does nothing")
     CHECK(transmitted == 0);
 }
 
-TEST_CASE("dispatch: what the receiver table skips is never encoded")
+TEST_CASE("dispatch: what a receiver's line skips is never encoded")
 {
     Workshop shop;
-    ReceiverTable table;
-    const auto carry_out = [&](const ReceiverTable::Decisions& decisions) {
-        for (const auto& send : decisions.sends)
+    Ledger ledger;
+    Line line(1, "slow", epoch, window(1), ledger);
+    const auto carry_out = [&](auto call) {
+        for (const auto& send : decided(call).sends)
             shop.dispatch.send(send, "loud");
     };
-    carry_out(table.add(1, "slow", epoch, window(1), start));
     for (std::int64_t sequence = 1; sequence <= 5; ++sequence)
-        carry_out(table.offer(emission(sequence), false, start));
+        carry_out([&](Decisions& to) { line.offer(emission(sequence), to); });
     shop.run_all();
-    carry_out(table.written(1, 10, start));
-    carry_out(table.request(1, epoch, 2, 1, start));
+    carry_out([&](Decisions& to) { line.written(10, to); });
+    carry_out([&](Decisions& to) { line.request(epoch, {2, 1, 1}, to); });
     shop.run_all();
     CHECK(shop.encoded == Words{"loud of 1", "loud of 5"});
-    carry_out(table.written(1, 10, start));
-    CHECK(balanced(table.rows().at(0).counts));
-    CHECK(table.rows().at(0).counts.skipped == 3);
-    CHECK(table.rows().at(0).counts.in_flight == 0);
+    CHECK(ledger.of(Fate::skipped) == 3);
+    CHECK(ledger.in_flight() == 1);
+    CHECK(balanced(ledger));
 }
 
 }  // namespace hive::event

@@ -44,15 +44,50 @@ TEST_CASE("emission: a notification has the size of the body and no body")
     CHECK(event_from_packet(packet).size == 10);
 }
 
-TEST_CASE("emission: group, turn and attempt of shared work travel in the header, and on to the results")
+TEST_CASE("emission: the share of the receiver travels in the header, and on to the results")
 {
-    const Event shared = event_from_packet(emission(1)->packet(PacketType::event, 1, {"workers", 17, 3}));
-    CHECK(shared.identity.group == "workers");
-    CHECK(shared.identity.turn == 17);
-    CHECK(shared.identity.attempt == 3);
+    const Share given{.of = "camera.image#workers", .epoch = 1, .turn = 17, .attempt = 3, .closed = 12};
+    const Event shared = event_from_packet(emission(1)->packet(PacketType::event, 1, given));
+    REQUIRE(shared.identity.shares.size() == 1);
+    CHECK(shared.identity.shares[0] == given);
     const Event result = event_from_packet(Emission(shared).packet(PacketType::event, 1));
-    CHECK(result.identity.turn == 17);
-    CHECK(event_from_packet(emission(1)->packet(PacketType::event, 1)).identity.attempt == 0);
+    CHECK(result.identity.shares == shared.identity.shares);
+    CHECK(event_from_packet(emission(1)->packet(PacketType::event, 1)).identity.shares.empty());
+}
+
+TEST_CASE("emission: stages nest, outermost first, and the outermost group is whose work it is")
+{
+    const Share outer{.of = "camera.image#faces", .epoch = 1, .turn = 4, .part = 2, .to = "image"};
+    const Share middle{.of = "face.crops", .epoch = 2, .turn = 9},
+        inner{.of = "face.crops#ages", .epoch = 2, .turn = 1};
+    Event event = emission(1)->event();
+    event.identity.shares = {middle, outer};
+    const Event nested = event_from_packet(Emission(event).packet(PacketType::event, 1, inner));
+    CHECK(nested.identity.shares == std::vector<Share>{middle, outer, inner});
+    REQUIRE(nested.identity.shared_work());
+    CHECK(*nested.identity.shared_work() == outer);
+    event.identity.shares = {middle};
+    CHECK_FALSE(event.identity.shared_work());
+}
+
+TEST_CASE("emission: plain receivers of a lossless event are told its own share, others the one they are given")
+{
+    const auto sent = emission(6, true);
+    const auto told = [&](const std::optional<Share>& share) {
+        return event_from_packet(sent->packet(PacketType::event, 1, share)).identity.shares;
+    };
+    CHECK(told({}) == std::vector<Share>{{.of = "camera.image", .epoch = 1, .turn = 6}});
+    const Share again{.of = "camera.image", .epoch = 1, .turn = 6, .attempt = 2};
+    CHECK(told(again) == std::vector<Share>{again});
+}
+
+TEST_CASE("emission: an event that has gone through 16 shared stages goes no further")
+{
+    Event event = emission(1)->event();
+    event.identity.shares.assign(15, {.of = "camera.image#workers", .epoch = 1, .turn = 1});
+    CHECK_NOTHROW(Emission{event});
+    event.identity.shares.push_back(event.identity.shares.front());
+    CHECK_THROWS_AS(Emission{event}, Error);
 }
 
 TEST_CASE("emission: a header over the limit is refused where it is made")
@@ -127,7 +162,16 @@ std::string full_header()
     event.identity.part = 3;
     event.identity.hops = {{"face", 10, 20}, {"blur", 0, 7}};
     event.header = {{"faces", {1, -2.5, "a \"quoted\" {"}}, {"more", {{"deep", {{}, nullptr, true}}}}};
-    return std::string(Emission(event).packet(PacketType::event, 1, {"workers", 17, 3}).header_text());
+    return std::string(Emission(event)
+                           .packet(PacketType::event, 1,
+                                   Share{.of = "camera.image#workers",
+                                         .epoch = 5,
+                                         .turn = 17,
+                                         .attempt = 3,
+                                         .closed = 9,
+                                         .part = 1,
+                                         .to = "image"})
+                           .header_text());
 }
 
 std::string repeated(const std::string& text, std::size_t times)
@@ -163,11 +207,19 @@ TEST_CASE("emission: the limits of a header are the same, directly and as JSON")
 {
     const std::string hop = R"({"drone":"face","wait_us":1,"work_us":2})";
     const std::string header = R"({"sender":"a","kind":"a","output":"a","type":"a/b","source":"a","epoch":1,"seq":1)";
+    const std::string share = R"({"of":"camera.image#workers","epoch":1,)";
+    const auto shares = [](const std::string& list) { return R"(,"shares":[)" + list + "]}"; };
     const std::pair<std::string, std::string> expected[]{
-        {header + R"(,"turn":9007199254740992})", ""},
-        {header + R"(,"turn":9007199254740993})", "malformed"},
-        {header + R"(,"turn":01})", "malformed"},
-        {header + R"(,"attempt":1001})", "malformed"},
+        {header + shares(share + R"("turn":9007199254740992})"), ""},
+        {header + shares(share + R"("turn":9007199254740993})"), "malformed"},
+        {header + shares(share + R"("turn":01})"), "malformed"},
+        {header + shares(share + R"("turn":1,"attempt":1048576})"), ""},
+        {header + shares(share + R"("turn":1,"attempt":1048577})"), "malformed"},
+        {header + shares(R"({"of":"camera","epoch":1,"turn":1})"), "malformed"},
+        {header + shares(R"({"of":"camera.image#","epoch":1,"turn":1})"), "malformed"},
+        {header + shares(R"({"of":"camera.image","turn":1})"), "malformed"},
+        {header + shares(repeated(share + R"("turn":1},)", 15) + share + R"("turn":1})"), "refused"},
+        {header + shares(repeated(share + R"("turn":1},)", 16) + share + R"("turn":1})"), "malformed"},
         {header + R"(,"seq":1})", "malformed"},
         {header + R"(,"unknown":{"a":[1]}})", ""},
         {header + R"(,"hops":[]})", ""},

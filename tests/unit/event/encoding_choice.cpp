@@ -23,8 +23,13 @@ const Encoder pictures{.encodings = {"jpeg", "png", "raw"},
 
 protocol::Registration registration(const std::string& encoding = {}, const std::string& accepts = "image/*")
 {
-    protocol::Registration result{
-        .id = 1, .epoch = 1, .output = "image", .receiver = "face.image", .accepts = accepts, .options = {}};
+    protocol::Registration result{.id = 1,
+                                  .epoch = 1,
+                                  .output = "image",
+                                  .receiver = "face.image",
+                                  .accepts = accepts,
+                                  .options = {},
+                                  .taken = {}};
     result.options.encoding = encoding;
     return result;
 }

@@ -51,10 +51,9 @@ TEST_CASE("mailbox: over its bounds the oldest event that may be lost goes")
 {
     Mailbox mailbox;
     mailbox.push(numbered(0, true));
-    std::size_t lost = 0;
     for (std::size_t i = 1; i <= Mailbox::most_events + 4; ++i)
-        lost += mailbox.push(numbered(static_cast<std::int64_t>(i)));
-    CHECK(lost == 5);
+        mailbox.push(numbered(static_cast<std::int64_t>(i)));
+    CHECK(mailbox.events() == Mailbox::most_events);
     CHECK(next_sequence(mailbox) == 0);
     CHECK(next_sequence(mailbox) == 6);
 }
@@ -62,20 +61,47 @@ TEST_CASE("mailbox: over its bounds the oldest event that may be lost goes")
 TEST_CASE("mailbox: large events are bounded by their bytes")
 {
     Mailbox mailbox;
-    std::size_t lost = 0;
     for (int i = 0; i < 6; ++i)
-        lost += mailbox.push(numbered(i, false, Mailbox::most_bytes / 3));
-    CHECK(lost == 3);
+        mailbox.push(numbered(i, false, Mailbox::most_bytes / 3));
+    CHECK(mailbox.events() == 3);
+    CHECK(next_sequence(mailbox) == 3);
 }
 
-TEST_CASE("mailbox: what may be lost is discarded at once, what may not stays")
+TEST_CASE("mailbox: lossless events are bounded by what their sender may have in hand, and none is dropped")
 {
     Mailbox mailbox;
-    mailbox.push(numbered(1));
-    mailbox.push(numbered(2, true));
-    mailbox.push(numbered(3));
-    CHECK(mailbox.discard_live() == 2);
+    for (std::size_t i = 0; i < Mailbox::most_events + 4; ++i)
+        mailbox.push(numbered(static_cast<std::int64_t>(i), true));
+    CHECK(mailbox.events() == Mailbox::most_events + 4);
+    CHECK(next_sequence(mailbox) == 0);
+}
+
+TEST_CASE("mailbox: what was dropped or discarded gives back its receipt at once")
+{
+    Mailbox mailbox;
+    auto event = numbered(1);
+    const auto receipt = std::make_shared<const int>(0);
+    event.receipt = receipt;
+    mailbox.push(std::move(event));
+    for (std::size_t i = 2; i <= Mailbox::most_events; ++i)
+        mailbox.push(numbered(static_cast<std::int64_t>(i)));
+    CHECK(receipt.use_count() == 2);
+    mailbox.push(numbered(0));
+    CHECK(receipt.use_count() == 1);
+}
+
+TEST_CASE("mailbox: what fits is discarded or counted, the others stay in their order")
+{
+    Mailbox mailbox;
+    const auto live = [](const Event& event) { return !event.identity.lossless; };
+    for (std::int64_t i = 1; i <= 4; ++i)
+        mailbox.push(numbered(i, i % 2 == 0));
+    CHECK(mailbox.count(live) == 2);
+    mailbox.discard(live);
+    CHECK(mailbox.count(live) == 0);
+    CHECK(mailbox.events() == 2);
     CHECK(next_sequence(mailbox) == 2);
+    CHECK(next_sequence(mailbox) == 4);
 }
 
 TEST_CASE("mailbox: a nudge makes it ready without an item, once")

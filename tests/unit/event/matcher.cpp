@@ -150,26 +150,37 @@ TEST_CASE("sets: what comes of one has the identity of its first event, and each
     std::vector<Event> set{event("image", 5), event("marks", 5)};
     set[0].identity.hops = {{"resize", 1, 2}};
     set[1].identity.hops = {{"resize", 1, 2}, {"face", 3, 4}};
-    set[1].identity.group = "faces";
+    set[1].identity.shares = {{.of = "camera.image#faces", .epoch = 1, .turn = 5}};
     const auto identity = identity_of(set);
     CHECK(identity.sequence == 5);
-    CHECK(identity.group.empty());
+    CHECK(identity.shares.empty());
     REQUIRE(identity.hops.size() == 2);
     CHECK(identity.hops[0].drone == "resize");
     CHECK(identity.hops[1].drone == "face");
 }
 
-TEST_CASE("sets: the receipts of all are held together")
+TEST_CASE("sets: all are in custody until what was made of them is dealt with")
 {
     std::vector<Event> set{event("image", 5), event("marks", 5)};
-    const std::weak_ptr<const void> first = set[0].receipt, second = set[1].receipt;
-    auto both = receipt_of(set);
+    const std::weak_ptr<const void> first = set[0].custody, second = set[1].custody;
+    auto both = custody_of(set);
     set.clear();
     CHECK_FALSE(first.expired());
     CHECK_FALSE(second.expired());
     both.reset();
     CHECK(first.expired());
     CHECK(second.expired());
+}
+
+TEST_CASE("sets: one event has its own custody, and what nobody must acknowledge has none")
+{
+    std::vector<Event> set{event("image", 5)};
+    CHECK(custody_of(set) == set[0].custody);
+    set.push_back(event("marks", 5));
+    set[1].custody.reset();
+    CHECK(custody_of(set) == set[0].custody);
+    set[0].custody.reset();
+    CHECK_FALSE(custody_of(set));
 }
 
 }  // namespace hive::event

@@ -1,7 +1,9 @@
 // What the tests of the matcher stand on: events to give it, and what becomes of them.
 #pragma once
 
+#include <hive/event/door.hpp>
 #include <hive/event/matcher.hpp>
+#include <hive/event/receipt.hpp>
 
 #include <hive/error.hpp>
 
@@ -27,22 +29,37 @@ struct Made {
     std::int64_t captured_us = -1;  ///< -1: 10 ms after the one before
 };
 
+/// What is told of an event leads nowhere.
+inline std::shared_ptr<Door> shut_door()
+{
+    static const auto door = [] {
+        Loop loop;
+        auto made = std::make_shared<Door>(loop);
+        made->shut();
+        return made;
+    }();
+    return door;
+}
+
 inline Event event(const std::string& input, std::int64_t sequence, const Made& made = {})
 {
+    std::vector<Share> shares;
+    if (!made.group.empty())
+        shares.push_back({.of = "camera.image#" + made.group, .epoch = 1, .turn = sequence});
     Event event;
     event.identity = {.source = "camera",
                       .epoch = made.epoch,
                       .sequence = sequence,
                       .captured_us = made.captured_us < 0 ? 10'000 * sequence : made.captured_us,
                       .lossless = made.lossless,
-                      .group = made.group,
                       .part = made.part,
-                      .hops = {}};
+                      .shares = std::move(shares)};
     event.sender = made.sender.empty() ? "sender of " + input : made.sender;
     event.output = "out";
     event.input = input;
     event.body = Body(std::vector<unsigned char>(made.bytes, 7));
     event.receipt = std::make_shared<int>(0);
+    event.custody = std::make_shared<const Custody>(Delivered{.door = shut_door(), .intake = {}}, false);
     return event;
 }
 

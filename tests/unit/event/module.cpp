@@ -22,7 +22,7 @@ TEST_CASE("module: a lossless result without any receiver holds up the intakes u
     Alone alone;
     Outlet& results = alone.module.add_outlet({"result", "application/json", ""});
     alone.module.emit(results, emission(1, true));
-    CHECK(alone.module.paused());
+    CHECK(alone.module.paused() == Reason::backlog);
 }
 
 TEST_CASE("module: an exception that a lossless event has caused holds up nothing, whether there are results or not")
@@ -31,10 +31,10 @@ TEST_CASE("module: an exception that a lossless event has caused holds up nothin
     Outlet& exceptions =
         alone.module.add_outlet({"exceptions", "application/x-hive-exception", ""}, PacketType::exception);
     alone.module.emit(exceptions, emission(1, true));
-    CHECK_FALSE(alone.module.paused());
+    CHECK(alone.module.paused() == Reason::none);
     alone.module.add_outlet({"result", "application/json", ""});
     alone.module.emit(exceptions, emission(2, true));
-    CHECK_FALSE(alone.module.paused());
+    CHECK(alone.module.paused() == Reason::none);
 }
 
 }  // namespace hive::event

@@ -1,4 +1,4 @@
-// Results back in the order of the captures.
+// Results of shared work back in the order of the turns.
 #include "reorder.hpp"
 
 #include <doctest/doctest.h>
@@ -7,171 +7,273 @@ namespace hive {
 namespace {
 
 using namespace std::chrono_literals;
-using Sequences = std::vector<std::int64_t>;
+using Turns = std::vector<std::int64_t>;
 
 const Reorder::TimePoint start{};
 
-Identity identity(std::int64_t sequence, bool lossless = true, std::int64_t epoch = 1)
+struct Made {
+    std::int64_t closed = 0;  ///< what the share says
+    bool lossless = true;
+    std::int64_t epoch = 1;
+    std::string of = "camera.image#workers";
+    int part = 0;
+};
+
+Identity identity(std::int64_t turn, const Made& made = {})
 {
-    // Live shared work: the source skips two of three, the turns are without gaps.
+    // A live source skips two of three; the turns are without gaps.
     return {.source = "camera",
-            .epoch = epoch,
-            .sequence = lossless ? sequence : 3 * sequence,
-            .lossless = lossless,
-            .group = lossless ? "" : "workers",
-            .turn = lossless ? 0 : sequence,
-            .attempt = lossless ? 0 : 1};
+            .epoch = made.epoch,
+            .sequence = 3 * turn,
+            .lossless = made.lossless,
+            .part = made.part,
+            .shares = {{.of = made.of, .epoch = made.epoch, .turn = turn, .closed = made.closed}}};
 }
 
-void push(Reorder& reorder, std::initializer_list<std::int64_t> sequences, bool lossless = true,
+/// Whether all were taken.
+bool push(Reorder& reorder, std::initializer_list<std::int64_t> turns, const Made& made = {},
           Reorder::TimePoint now = start)
 {
-    for (const auto sequence : sequences) {
+    bool all = true;
+    for (const auto turn : turns) {
         Event event;
-        event.identity = identity(sequence, lossless);
-        reorder.push(std::move(event), now);
+        event.identity = identity(turn, made);
+        all = reorder.push(std::move(event), now) && all;
     }
+    return all;
 }
 
-Sequences drain(Reorder& reorder)
+Turns drain(Reorder& reorder)
 {
-    Sequences result;
+    Turns result;
     while (auto event = reorder.pop())
-        result.push_back(event->identity.group.empty() ? event->identity.sequence : event->identity.turn);
+        result.push_back(event->identity.shared_work() ? event->identity.shared_work()->turn
+                                                       : event->identity.sequence);
     return result;
+}
+
+Share standing(std::int64_t turn, std::int64_t closed)
+{
+    return {.of = "camera.image#workers", .epoch = 1, .turn = turn, .closed = closed};
 }
 
 }  // namespace
 
-TEST_CASE("reorder: results come out in the order of the captures")
+TEST_CASE("reorder: results come out in the order of the turns, whatever the source skips between them")
 {
-    Reorder reorder(30s);
-    push(reorder, {2, 1, 4, 3});
-    CHECK(drain(reorder) == Sequences{1, 2, 3, 4});
+    for (const bool lossless : {true, false}) {
+        Reorder reorder(30s);
+        push(reorder, {2, 1, 4, 3}, {.lossless = lossless});
+        CHECK(drain(reorder) == Turns{1, 2, 3, 4});
+    }
 }
 
-TEST_CASE("reorder: a missing result holds up those after it until the patience is over")
+TEST_CASE("reorder: the first turn may be the slowest")
+{
+    Reorder reorder(30s);
+    reorder.expect(standing(0, 0), {});
+    push(reorder, {3, 2, 4});
+    reorder.expire(start + 29s);
+    CHECK(drain(reorder).empty());
+    push(reorder, {1}, {}, start + 29s);
+    CHECK(drain(reorder) == Turns{1, 2, 3, 4});
+    CHECK(reorder.missing() == 0);
+}
+
+TEST_CASE("reorder: a missing result holds up those after it until the patience is over, and is named")
 {
     Reorder reorder(30s);
     push(reorder, {1, 3, 4});
-    CHECK(drain(reorder) == Sequences{1});
-    reorder.expire(start + 29s);
+    CHECK(drain(reorder) == Turns{1});
+    CHECK(reorder.deadline() == start + 30s);
+    reorder.expire(start + 30s - 1ns);
     CHECK(drain(reorder).empty());
-    reorder.expire(start + 31s);
-    CHECK(drain(reorder) == Sequences{3, 4});
+    reorder.expire(start + 30s);
+    CHECK(drain(reorder) == Turns{3, 4});
     CHECK(reorder.missing() == 1);
+    CHECK(reorder.missing_turns().at("camera.image#workers") == Turns{2});
+    CHECK_FALSE(reorder.deadline());
 }
 
-TEST_CASE("reorder: a reported failure takes the place of its result")
+TEST_CASE("reorder: a turn that is closed and of which no result comes is given up quickly")
+{
+    Reorder reorder(30s);
+    push(reorder, {1});
+    push(reorder, {3}, {.closed = 2});
+    reorder.expire(start + Reorder::closed_patience - 1ns);
+    CHECK(drain(reorder) == Turns{1});
+    reorder.expire(start + Reorder::closed_patience);
+    CHECK(drain(reorder) == Turns{3});
+    CHECK(reorder.missing_turns().at("camera.image#workers") == Turns{2});
+}
+
+TEST_CASE("reorder: closed turns that have no result hold up the next one together, not each for itself")
+{
+    Reorder reorder(30s);
+    push(reorder, {1});
+    push(reorder, {20}, {.closed = 19});
+    reorder.expire(start + Reorder::closed_patience);
+    CHECK(drain(reorder) == Turns{1, 20});
+    CHECK(reorder.missing() == 18);
+}
+
+TEST_CASE("reorder: a reported failure takes the place of its result, early or late")
 {
     Reorder reorder(30s);
     push(reorder, {1, 3});
     reorder.fail(identity(2), start);
-    CHECK(drain(reorder) == Sequences{1, 3});
-    CHECK(reorder.failed() == 1);
+    CHECK(drain(reorder) == Turns{1, 3});
+    reorder.fail(identity(5), start);
+    push(reorder, {6, 4});
+    CHECK(drain(reorder) == Turns{4, 6});
+    CHECK(reorder.failed() == 2);
     CHECK(reorder.missing() == 0);
 }
 
-TEST_CASE("reorder: a failure reported early is remembered until its turn")
+TEST_CASE("reorder: a turn fails once, whichever stages report it, and never after its result")
 {
     Reorder reorder(30s);
     push(reorder, {1});
-    reorder.fail(identity(3), start);
-    push(reorder, {4, 2});
-    CHECK(drain(reorder) == Sequences{1, 2, 4});
+    auto by_a_later_stage = identity(2);
+    by_a_later_stage.shares.push_back({.of = "face.crops#ages", .epoch = 4, .turn = 77});
+    reorder.fail(by_a_later_stage, start);
+    reorder.fail(identity(2), start);
+    reorder.fail(identity(1), start);
+    push(reorder, {4});
+    reorder.fail(identity(4), start);
+    CHECK(reorder.failed() == 1);
+    push(reorder, {3});
+    CHECK(drain(reorder) == Turns{1, 3, 4});
 }
 
-TEST_CASE("reorder: live results wait a second at most, and 64 of them at most")
+TEST_CASE("reorder: a result of a turn that had failed or was given up comes too late and is left out")
 {
     Reorder reorder(30s);
-    push(reorder, {10, 12}, false);
-    CHECK(drain(reorder) == Sequences{10});
-    reorder.expire(start + 1001ms);
-    CHECK(drain(reorder) == Sequences{12});
-    for (std::int64_t i = 14; i < 14 + 65; ++i)
-        push(reorder, {i}, false, start + 2s);
-    reorder.expire(start + 2s);
-    CHECK(drain(reorder).size() == 65);
-    CHECK(reorder.missing() == 2);
+    push(reorder, {1, 4});
+    reorder.fail(identity(2), start);
+    reorder.expire(start + 30s);
+    CHECK(drain(reorder) == Turns{1, 4});
+    CHECK_FALSE(push(reorder, {2}, {}, start + 31s));
+    CHECK_FALSE(push(reorder, {3}, {}, start + 31s));
+    CHECK(push(reorder, {5}, {}, start + 31s));
+    CHECK(drain(reorder) == Turns{5});
+    CHECK(reorder.missing() == 1);
+    CHECK(reorder.failed() == 1);
 }
 
-TEST_CASE("reorder: live results that nobody shares are not held up by what the source skipped")
+TEST_CASE("reorder: of live results 64 wait at most")
 {
     Reorder reorder(30s);
-    for (const auto sequence : {5, 9, 14}) {
+    push(reorder, {1}, {.lossless = false});
+    for (std::int64_t turn = 3; turn < 3 + static_cast<std::int64_t>(Reorder::live_window); ++turn)
+        push(reorder, {turn}, {.lossless = false});
+    reorder.expire(start);
+    CHECK(drain(reorder) == Turns{1});
+    push(reorder, {3 + static_cast<std::int64_t>(Reorder::live_window)}, {.lossless = false});
+    reorder.expire(start);
+    CHECK(drain(reorder).size() == Reorder::live_window + 1);
+    CHECK(reorder.missing() == 1);
+}
+
+TEST_CASE("reorder: what nobody shares comes as it came")
+{
+    Reorder reorder(30s);
+    for (const auto sequence : {5, 14, 9}) {
         Event event;
-        event.identity = {.source = "camera", .epoch = 1, .sequence = sequence};
-        reorder.push(std::move(event), start);
+        event.identity = {.source = "camera", .epoch = 1, .sequence = sequence, .lossless = sequence == 14};
+        CHECK(reorder.push(std::move(event), start));
     }
-    CHECK(drain(reorder) == Sequences{5, 9, 14});
+    CHECK(drain(reorder) == Turns{5, 14, 9});
+    reorder.fail({.source = "camera", .epoch = 1, .sequence = 15}, start);
+    CHECK(reorder.failed() == 1);
+    CHECK_FALSE(reorder.deadline());
 }
 
-TEST_CASE("reorder: a collector that comes late begins with what comes first")
+TEST_CASE("reorder: who joins in the middle waits for what a worker has in hand, as for any other turn")
 {
     Reorder reorder(30s);
-    push(reorder, {1001});
-    push(reorder, {1000});
+    reorder.expect(standing(12, 9), {10, 12});
+    push(reorder, {13, 12}, {.closed = 9});
+    reorder.expire(start + 29s);
     CHECK(drain(reorder).empty());
-    reorder.expire(start + 2001ms);
-    CHECK(drain(reorder) == Sequences{1000, 1001});
+    push(reorder, {10}, {.closed = 9}, start + 29s);
+    CHECK(drain(reorder) == Turns{10});
+    // Turn 11 was given out before this began to receive, and no worker has it: its result went elsewhere.
+    reorder.expire(start + 29s + Reorder::join_patience - 1ns);
+    CHECK(drain(reorder).empty());
+    reorder.expire(start + 29s + Reorder::join_patience);
+    CHECK(drain(reorder) == Turns{12, 13});
     CHECK(reorder.missing() == 0);
 }
 
-TEST_CASE("reorder: what comes too late for its place is left out, and was counted")
+TEST_CASE("reorder: a turn that a worker had in hand when this joined is missing when it never comes")
 {
-    Reorder reorder(30s);
-    push(reorder, {10, 12, 15}, false);
-    reorder.expire(start + 1001ms);
-    reorder.expire(start + 2002ms);
-    CHECK(drain(reorder) == Sequences{10, 12, 15});
-    CHECK(reorder.missing() == 3);
-    push(reorder, {11, 13, 9, 16, 14}, false, start + 3s);
-    CHECK(drain(reorder) == Sequences{16});
-    CHECK(reorder.missing() == 3);
+    Reorder reorder(1s);
+    reorder.expect(standing(3, 1), {2});
+    push(reorder, {4}, {.closed = 1});
+    reorder.expire(start + 1s - 1ns);
+    CHECK(drain(reorder).empty());
+    reorder.expire(start + 1s);
+    CHECK(drain(reorder) == Turns{4});
+    CHECK(reorder.missing() == 1);  // turn 3 nobody had, so its result went elsewhere
+    CHECK(reorder.missing_turns().at("camera.image#workers") == Turns{2});
 }
 
-TEST_CASE("reorder: two outputs of one capture both come, also when they had to wait")
+TEST_CASE("reorder: what several workers tell is put together")
+{
+    Reorder reorder(30s);
+    reorder.expect(standing(11, 8), {9});
+    reorder.expect(standing(12, 8), {10, 12});
+    push(reorder, {13, 12, 10}, {.closed = 8});
+    CHECK(drain(reorder).empty());
+    push(reorder, {9}, {.closed = 8});
+    CHECK(drain(reorder) == Turns{9, 10});
+    push(reorder, {11}, {.closed = 8});
+    CHECK(drain(reorder) == Turns{11, 12, 13});
+}
+
+TEST_CASE("reorder: without a word from the workers the first result says what may still come")
+{
+    Reorder reorder(30s);
+    push(reorder, {1001}, {.closed = 999});
+    CHECK(drain(reorder).empty());
+    push(reorder, {1000}, {.closed = 999});
+    CHECK(drain(reorder) == Turns{1000, 1001});
+    CHECK(reorder.missing() == 0);
+}
+
+TEST_CASE("reorder: two outputs of one turn both come, also when they had to wait, and further parts as they come")
 {
     Reorder reorder(30s);
     push(reorder, {1, 3, 3});
-    CHECK(drain(reorder) == Sequences{1});
+    CHECK(drain(reorder) == Turns{1});
     push(reorder, {2});
-    CHECK(drain(reorder) == Sequences{2, 3, 3});
+    CHECK(drain(reorder) == Turns{2, 3, 3});
+    push(reorder, {3}, {.part = 1});
+    CHECK(drain(reorder) == Turns{3});
 }
 
-TEST_CASE("reorder: at the beginning earlier results are waited for a short while")
-{
-    Reorder reorder(30s);
-    push(reorder, {3});
-    CHECK(drain(reorder).empty());
-    push(reorder, {1});
-    CHECK(drain(reorder) == Sequences{1});
-    Reorder other(30s);
-    push(other, {11});
-    other.expire(start + 2001ms);
-    CHECK(drain(other) == Sequences{11});
-    CHECK(other.missing() == 0);
-}
-
-TEST_CASE("reorder: sources and their epochs are apart")
+TEST_CASE("reorder: groups and the epochs of their senders are apart")
 {
     Reorder reorder(30s);
     push(reorder, {1, 2});
-    Event restarted;
-    restarted.identity = identity(1, true, 2);
-    reorder.push(std::move(restarted), start);
-    CHECK(drain(reorder) == Sequences{1, 2, 1});
+    push(reorder, {1}, {.epoch = 2});
+    push(reorder, {2}, {.of = "camera.edges#workers"});
+    CHECK(drain(reorder) == Turns{1, 2, 1});
+    push(reorder, {1}, {.of = "camera.edges#workers"});
+    CHECK(drain(reorder) == Turns{1, 2});
 }
 
-TEST_CASE("reorder: further parts of a result follow as they come")
+TEST_CASE("reorder: of nested stages the outermost group gives the order")
 {
     Reorder reorder(30s);
-    push(reorder, {1, 2});
-    Event part;
-    part.identity = identity(2);
-    part.identity.part = 1;
-    reorder.push(std::move(part), start);
-    CHECK(drain(reorder) == Sequences{1, 2, 2});
+    for (const std::int64_t turn : {2, 1}) {
+        Event event;
+        event.identity = identity(turn);
+        event.identity.shares.push_back({.of = "face.crops#ages", .epoch = 4, .turn = 3 - turn});
+        reorder.push(std::move(event), start);
+    }
+    CHECK(drain(reorder) == Turns{1, 2});
 }
 
 }  // namespace hive

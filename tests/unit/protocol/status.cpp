@@ -1,79 +1,209 @@
-// Tests of the status as values: to JSON and back, the ledger, and pages of many edges.
+// The account of an edge, and the status of a drone through text.
+#include <hive/error.hpp>
 #include <hive/status.hpp>
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
 
 using namespace hive;
 
 namespace {
 
-EdgeStatus edge(const std::string& receiver)
+Status through_text(const Status& status) { return status_from_json(parse_json(to_text(to_json(status)))); }
+
+Status small()
 {
-    EdgeStatus edge{.receiver = receiver, .connected = true, .registration = 5, .encoding = "jpeg:80"};
-    edge.events.came(7);
-    edge.events.went(Fate::lost_killed, 2);
-    edge.why = Reason::place_kept;
-    return edge;
+    Status status;
+    status.name = status.kind = "face";
+    return status;
 }
 
-Status with_edges(int first, int second)
+InputStatus full_input()
 {
-    Status status{.name = "camera", .kind = "camera"};
-    for (const auto& [name, count] : {std::pair{"image", first}, {"small", second}}) {
-        OutputStatus output{.name = name, .type = "image/jpeg"};
-        for (int i = 0; i < count; ++i)
-            output.edges.push_back(edge(std::string(name) + std::to_string(i)));
-        status.outputs.push_back(output);
-    }
-    return status;
+    return {.input = "image",
+            .from = "camera.image",
+            .connected = true,
+            .registration = 12,
+            .options = {.window = 3, .group = "workers"},
+            .received = 36,
+            .processed = 1,
+            .abandoned = 2,
+            .duplicates = 3,
+            .discarded = 4,
+            .dropped = 5,
+            .unmatched = 6,
+            .queued = 7,
+            .in_hand = 8,
+            .last_age_us = 9,
+            .error = "connection lost",
+            .why = Reason::dialing};
+}
+
+EdgeStatus full_edge()
+{
+    EdgeStatus edge{.receiver = "group workers",
+                    .group = true,
+                    .connected = true,
+                    .registration = 4,
+                    .options = {.window = 2, .group = "workers"},
+                    .encoding = "jpeg:80",
+                    .events = {},
+                    .waiting = 2,
+                    .shared = 5,
+                    .fallback = 6,
+                    .why = Reason::group_awaited};
+    edge.events.came(100);
+    for (std::size_t fate = 0; fate < fates; ++fate)
+        edge.events.went(static_cast<Fate>(fate), static_cast<std::int64_t>(fate) + 1);
+    return edge;
 }
 
 }  // namespace
 
-TEST_CASE("status: what was written as JSON reads as the same JSON")
+TEST_CASE("ledger: what came is what went and what is in flight")
 {
-    auto status = with_edges(2, 1);
+    Ledger ledger;
+    ledger.came();
+    ledger.came(9);
+    CHECK(ledger.in_flight() == 10);
+    ledger.went(Fate::acknowledged, 4);
+    ledger.went(Fate::lost_killed);
+    ledger.went(Fate::lost_left, 2);
+    CHECK(ledger.total() == 10);
+    CHECK(ledger.of(Fate::acknowledged) == 4);
+    CHECK(ledger.of(Fate::skipped) == 0);
+    CHECK(ledger.lost() == 3);
+    CHECK(ledger.in_flight() == 3);
+}
+
+TEST_CASE("status: an edge comes back with each fate and what is in flight")
+{
+    Status status = small();
+    status.outputs.push_back({.name = "image",
+                              .type = "image/jpeg",
+                              .produced = 7,
+                              .unreceived = 1,
+                              .last_emitted_us = 5,
+                              .edges = {full_edge()},
+                              .edges_left_out = 3,
+                              .why = Reason::held});
+    const auto output = through_text(status).outputs.at(0);
+    CHECK(output.name == "image");
+    CHECK(output.type == "image/jpeg");
+    CHECK(output.produced == 7);
+    CHECK(output.unreceived == 1);
+    CHECK(output.last_emitted_us == 5);
+    CHECK(output.edges_left_out == 3);
+    CHECK(output.why == Reason::held);
+    const auto edge = output.edges.at(0), sent = full_edge();
+    CHECK(edge.receiver == sent.receiver);
+    CHECK(edge.group);
+    CHECK(edge.connected);
+    CHECK(edge.registration == 4);
+    CHECK(edge.options == sent.options);
+    CHECK(edge.encoding == "jpeg:80");
+    CHECK(edge.events == sent.events);
+    CHECK(edge.events.in_flight() == 100 - 45);
+    CHECK(edge.waiting == 2);
+    CHECK(edge.shared == 5);
+    CHECK(edge.fallback == 6);
+    CHECK(edge.why == Reason::group_awaited);
+}
+
+TEST_CASE("status: an input comes back with each count")
+{
+    Status status = small();
+    status.inputs.push_back(full_input());
+    const auto input = through_text(status).inputs.at(0);
+    CHECK(input.from == "camera.image");
+    CHECK(input.connected);
+    CHECK(input.registration == 12);
+    CHECK(input.options.group == "workers");
+    CHECK(input.received
+          == input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped + input.unmatched
+                 + input.queued + input.in_hand);
+    CHECK(input.received == 36);
+    CHECK(input.in_hand == 8);
+    CHECK(input.last_age_us == 9);
+    CHECK(input.error == "connection lost");
+    CHECK(input.why == Reason::dialing);
+}
+
+TEST_CASE("status: the drone's own fields, its matching and its last exception come back")
+{
+    Status status = small();
+    status.pid = 42;
+    status.epoch = 43;
     status.state = State::halted;
+    status.policy = ExceptionPolicy::halt;
+    status.condition = "no light";
+    status.uptime_us = 1;
+    status.busy_us = 2;
+    status.busy_for_us = 3;
+    status.callback = "image";
     status.why = Reason::halted;
-    status.last_exception = ExceptionStatus{.code = "failed", .text = "x", .sequence = 3};
-    status.inputs.push_back({.input = "image", .from = "a.b", .received = 9, .queued = 2, .why = Reason::refused});
-    status.left.push_back({.input = "image", .processed = 4});
-    status.matching.push_back({.inputs = {"a", "b"}, .sets = 1, .missing = {{"a", 2}}});
-    const auto again = status_from_json(to_json(status));
-    CHECK(to_json(again) == to_json(status));
-    CHECK(again.outputs[0].edges[1].events == status.outputs[0].edges[1].events);
+    status.matching.push_back({.inputs = {"image", "marks"},
+                               .sets = 1,
+                               .waiting = 2,
+                               .unmatched = 3,
+                               .duplicates = 4,
+                               .missing = {{"marks", 3}}});
+    status.last_exception = ExceptionStatus{.code = "failed",
+                                            .text = "no face",
+                                            .policy = "halt",
+                                            .input = "image",
+                                            .time_us = 5,
+                                            .source = "camera",
+                                            .sequence = 6};
+    CHECK(to_json(through_text(status)) == to_json(status));
+    const auto back = through_text(status);
+    CHECK(back.pid == 42);
+    CHECK(back.state == State::halted);
+    CHECK(back.policy == ExceptionPolicy::halt);
+    CHECK(back.condition == "no light");
+    CHECK(back.callback == "image");
+    CHECK(back.why == Reason::halted);
+    CHECK(back.matching.at(0).missing.at("marks") == 3);
+    REQUIRE(back.last_exception);
+    CHECK(back.last_exception->text == "no face");
+    CHECK(back.last_exception->sequence == 6);
 }
 
-TEST_CASE("ledger: what came and has not gone is in flight")
+TEST_CASE("status: the totals are of all inputs, those that were left too")
 {
-    const auto events = edge("x").events;
-    CHECK(events.in_flight() == 5);
-    CHECK(events.lost() == 2);
+    Status status = small();
+    status.inputs.push_back(full_input());
+    status.left.push_back(full_input());
+    const auto json = to_json(status);
+    CHECK(json.at("events").at("received") == 72);
+    CHECK(json.at("events").at("duplicates") == 6);
+    CHECK(through_text(status).left.at(0).received == 36);
 }
 
-TEST_CASE("status pages: all edges are told, each once, in answers that fit into a header")
+TEST_CASE("status: each reason and each fate has a word of its own")
 {
-    for (const auto& [first, second] : {std::pair{0, 0}, {3, 2}, {128, 0}, {100, 100}, {300, 17}}) {
-        CAPTURE(first);
-        const auto whole = with_edges(first, second);
-        auto read = page_of(whole, 0);
-        int pages = 1;
-        for (; edges_left_out(read) > 0; ++pages) {
-            REQUIRE(pages < 20);
-            auto page = page_of(whole, edges_listed(read));
-            REQUIRE(edges_listed(page) > 0);
-            CHECK(edges_listed(page) <= 128);
-            CHECK(to_text(to_json(page)).size() < 60'000);
-            add_page(read, std::move(page));
-        }
-        CHECK(to_json(read) == to_json(whole));
-        CHECK((pages == 1) == (first + second <= 128));
+    std::vector<std::string_view> words;
+    for (int reason = 1; reason <= static_cast<int>(Reason::source_ended); ++reason) {
+        Status status = small();
+        status.why = static_cast<Reason>(reason);
+        CHECK(through_text(status).why == status.why);
+        words.push_back(token(status.why));
     }
+    for (std::size_t fate = 0; fate < fates; ++fate)
+        words.push_back(token(static_cast<Fate>(fate)));
+    std::ranges::sort(words);
+    CHECK(std::ranges::adjacent_find(words) == words.end());
+    CHECK_FALSE(words.front().empty());
+    CHECK(token(Reason::none).empty());
 }
 
-TEST_CASE("status pages: one that begins after the last edge has none")
+TEST_CASE("status: a reason of a newer drone is no reason to refuse the rest, a wrong number is")
 {
-    const auto page = page_of(with_edges(3, 2), 5);
-    CHECK(edges_listed(page) == 0);
-    CHECK(edges_left_out(page) == 0);
+    auto json = to_json(small());
+    json["why"] = "moon_phase";
+    CHECK(status_from_json(json).why == Reason::none);
+    json["pid"] = "many";
+    CHECK_THROWS_AS(status_from_json(json), Error);
+    CHECK_THROWS_AS(status_from_json(Json::object()), Error);
 }

@@ -67,11 +67,28 @@ TEST_CASE("registration: every field survives the way")
                                         .receiver = "face.image",
                                         .accepts = "image/*",
                                         .stateful = true,
-                                        .options = {}};
+                                        .options = {},
+                                        .place = 17,
+                                        .taken = 0};
     registration.options.window = 4;
     const auto read = protocol::registration_from_json(parse_json(to_text(to_json(registration))));
     CHECK_EQ(to_json(read), to_json(registration));
     CHECK_EQ(read.options.window, 4);
+    CHECK_EQ(read.place, 17);
+    CHECK_EQ(read.taken, 0);
+    registration.taken.reset();
+    CHECK_FALSE(protocol::registration_from_json(to_json(registration)).taken);
+}
+
+TEST_CASE("request: every field survives the way")
+{
+    const protocol::Request request{.epoch = 1, .id = 9, .done = 3, .worked = 5, .back = {7, 8}};
+    const auto read = protocol::request_from_json(parse_json(protocol::to_text(request)));
+    CHECK_EQ(read.epoch, 1);
+    CHECK_EQ(read.id, 9);
+    CHECK_EQ(read.done, 3);
+    CHECK_EQ(read.worked, 5);
+    CHECK(read.back == request.back);
 }
 
 TEST_CASE("confirmation: every error code survives the way")

@@ -89,6 +89,7 @@ private:
 
         /// What it works on, if anything.
         [[nodiscard]] Hand* head();
+        [[nodiscard]] bool holds(std::int64_t turn) const;
         [[nodiscard]] std::size_t unworked() const
         {
             return hands.size() - static_cast<std::size_t>(credit.worked_in_hand());
@@ -97,7 +98,7 @@ private:
     using Members = std::map<ReceiverId, Member>;
 
     void pump(Clock::time_point now, Decisions& decisions);
-    Members::iterator choose(std::size_t bytes);
+    Members::iterator choose(std::int64_t turn, std::size_t bytes);
     void give(ReceiverId id, Member& member, std::int64_t turn, Clock::time_point now, Decisions& decisions);
     void acknowledge(Member& member, std::int64_t done);
     void close(std::int64_t turn);

@@ -77,7 +77,7 @@ private:
         int failures = 0;
     };
     [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && takes_bodies(); }
-    void drop_oldest();
+    bool drop_oldest();
     void wait(Item item, bool first);
     Item next();
     void put_back(std::int64_t taken);

@@ -96,6 +96,7 @@ private:
 
     Account& account(const std::string& receiver, std::int64_t epoch, const ConnectionOptions& options);
     void close_account(const Key& key, bool left);
+    void forget_old_accounts();
     Welcome seat(const Newcomer& newcomer, Account& account, Decisions& decisions);
     Welcome join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
     std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);

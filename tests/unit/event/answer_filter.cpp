@@ -1,0 +1,124 @@
+// Second answers to work that was given out twice are refused.
+#include <hive/event/answer_filter.hpp>
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+namespace {
+
+const Share turn_1{.of = "camera.image#workers", .epoch = 1, .turn = 1, .attempt = 1, .to = "image"};
+
+Share with(Share share, std::int64_t turn, int attempt)
+{
+    share.turn = turn;
+    share.attempt = attempt;
+    return share;
+}
+
+/// What the drone `sender`, a face detector, made of the work that the shares name.
+Event answer(std::vector<Share> shares, const std::string& sender = "face-1", const char* output = "faces",
+             int part = 0)
+{
+    Event event;
+    event.identity = {.source = "camera", .epoch = 1, .sequence = 1, .part = part, .shares = std::move(shares)};
+    event.sender = sender;
+    event.kind = "face";
+    event.output = output;
+    return event;
+}
+
+/// By which the sender of the answer itself gave it out.
+Share own(const std::string& of, int attempt = 1) { return {.of = of, .epoch = 9, .turn = 1, .attempt = attempt}; }
+
+}  // namespace
+
+TEST_CASE("answer filter: the answer of another attempt at the same work is refused")
+{
+    AnswerFilter filter;
+    CHECK(filter.first(answer({turn_1})));
+    CHECK_FALSE(filter.first(answer({with(turn_1, 1, 2)}, "face-2")));
+    CHECK(filter.first(answer({with(turn_1, 2, 2)}, "face-2")));
+    CHECK_FALSE(filter.first(answer({with(turn_1, 2, 1)})));
+}
+
+TEST_CASE("answer filter: other outputs and parts are other answers, and so is the work of a restarted sender")
+{
+    AnswerFilter filter;
+    CHECK(filter.first(answer({turn_1})));
+    CHECK(filter.first(answer({with(turn_1, 1, 2)}, "face-2", "annotated")));
+    CHECK(filter.first(answer({with(turn_1, 1, 2)}, "face-2", "faces", 1)));
+    auto restarted = with(turn_1, 1, 2);
+    restarted.epoch = 2;
+    CHECK(filter.first(answer({restarted}, "face-2")));
+}
+
+TEST_CASE("answer filter: an identity that a replay gives again is another job, in a turn of its own")
+{
+    AnswerFilter filter;
+    CHECK(filter.first(answer({turn_1})));
+    CHECK(filter.first(answer({with(turn_1, 11, 1)})));
+    CHECK_FALSE(filter.first(answer({with(turn_1, 11, 2)}, "face-2")));
+}
+
+TEST_CASE("answer filter: two groups of one name at two outputs are two works")
+{
+    AnswerFilter filter;
+    auto other = with(turn_1, 1, 2);
+    other.of = "camera.edges#workers";
+    CHECK(filter.first(answer({turn_1})));
+    CHECK(filter.first(answer({other})));
+}
+
+TEST_CASE("answer filter: of nested stages each attempt counts, however the inner one was shared")
+{
+    AnswerFilter filter;
+    const auto inner = [](const std::string& by, int attempt) {
+        return Share{.of = by + ".faces#crops", .epoch = 3, .turn = 7, .attempt = attempt, .to = "crop"};
+    };
+    CHECK(filter.first(answer({turn_1, inner("face-1", 1)}, "age-1")));
+    CHECK_FALSE(filter.first(answer({turn_1, inner("face-1", 2)}, "age-2")));
+    CHECK_FALSE(filter.first(answer({with(turn_1, 1, 2), inner("face-2", 1)}, "age-1")));
+    CHECK(filter.first(answer({with(turn_1, 2, 1), inner("face-2", 1)}, "age-1")));
+}
+
+TEST_CASE("answer filter: events that nobody shares pass as often as they come")
+{
+    AnswerFilter filter;
+    CHECK(filter.first(answer({})));
+    CHECK(filter.first(answer({})));
+}
+
+TEST_CASE("answer filter: what its sender itself gives out once more may come again")
+{
+    AnswerFilter filter;
+    for (const char* of : {"face-1.faces", "face-1.faces#workers"}) {
+        CHECK(shares_behind(answer({own(of)})) == 0);
+        CHECK(filter.first(answer({own(of, 1)})));
+        CHECK(filter.first(answer({own(of, 2)})));
+    }
+    // The share before it still names the work.
+    CHECK(shares_behind(answer({turn_1, own("face-1.faces")})) == 1);
+    CHECK(filter.first(answer({turn_1, own("face-1.faces")})));
+    CHECK(filter.first(answer({turn_1, own("face-1.faces", 2)})));
+    CHECK_FALSE(filter.first(answer({with(turn_1, 1, 2), own("face-2.faces")}, "face-2")));
+}
+
+TEST_CASE("answer filter: an input knows whether its sender gave it the event as a member of a group")
+{
+    CHECK(given_by_group(answer({own("face-1.faces#workers")})));
+    CHECK_FALSE(given_by_group(answer({own("face-1.faces")})));
+    CHECK_FALSE(given_by_group(answer({turn_1})));  // a group before the sender is not the sender's
+    CHECK_FALSE(given_by_group(answer({})));
+}
+
+TEST_CASE("answer filter: its memory is bounded")
+{
+    AnswerFilter filter;
+    const auto most = static_cast<std::int64_t>(AnswerFilter::remembered);
+    for (std::int64_t turn = 1; turn <= most + 1; ++turn)
+        filter.first(answer({with(turn_1, turn, 1)}));
+    CHECK(filter.first(answer({with(turn_1, 1, 2)})));
+    CHECK_FALSE(filter.first(answer({with(turn_1, most, 2)})));
+}
+
+}  // namespace hive::event

@@ -1,0 +1,242 @@
+// Who gets a job: one member each, in turns without gaps, and what becomes of the work of members that go.
+#include "group_fixtures.hpp"
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+
+using namespace std::chrono_literals;
+
+TEST_CASE("group: each event goes to exactly one member, the one that has waited longest")
+{
+    Workers workers(3);
+    CHECK(workers.offer(1) == Got{{1, {1}}});
+    CHECK(workers.offer(2) == Got{{2, {2}}});
+    CHECK(workers.offer(3) == Got{{3, {3}}});
+    CHECK(workers.offer(4).empty());
+    CHECK(workers.done(2, 1) == Got{{2, {4}}});
+    workers.done(3, 1);
+    workers.done(1, 1);
+    CHECK(workers.offer(5) == Got{{3, {5}}});
+    CHECK(workers.offer(6) == Got{{1, {6}}});
+}
+
+TEST_CASE("group: with a window, an idle member comes before one that has work")
+{
+    Workers workers(2, sharing(2));
+    CHECK(workers.offer(1) == Got{{1, {1}}});
+    CHECK(workers.offer(2) == Got{{2, {2}}});
+    CHECK(workers.offer(3) == Got{{1, {3}}});
+    CHECK(workers.offer(4) == Got{{2, {4}}});
+    CHECK(workers.offer(5).empty());
+    CHECK(workers.group.why() == Reason::not_asked);
+    CHECK(workers.group.why(1) == Reason::not_asked);
+}
+
+TEST_CASE("group: among live events one that is lossless is not replaced")
+{
+    Workers workers(1);
+    CHECK(workers.offer(1, false) == Got{{1, {1}}});
+    workers.offer(2, true);
+    workers.offer(3, false);
+    workers.offer(4, false);
+    CHECK(workers.done(1, 1) == Got{{1, {2}}});
+    CHECK(workers.done(1, 2) == Got{{1, {4}}});
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: a live source keeps the newest for the next free member, and turns have no gap where it skips")
+{
+    Workers workers(1);
+    workers.offer(1, false);
+    workers.offer(2, false);
+    workers.offer(3, false);
+    CHECK(workers.done(1, 1) == Got{{1, {3}}});
+    CHECK(workers.last_share->turn == 2);
+    CHECK(workers.went(Fate::skipped) == 1);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: a member is told whose work it is, and how far the turns are closed")
+{
+    Workers workers(2);
+    workers.offer(1);
+    CHECK(*workers.last_share == Share{.of = "camera.image#workers", .epoch = 1, .turn = 1, .attempt = 1});
+    workers.offer(2);
+    workers.done(2, 1);
+    workers.offer(3);
+    CHECK(workers.last_share->closed == 0);  // the first is still being worked on
+    workers.done(1, 1);
+    workers.offer(4);
+    CHECK(workers.last_share->turn == 4);
+    CHECK(workers.last_share->closed == 2);
+    CHECK(workers.group.standing() == Share{.of = "camera.image#workers", .epoch = 1, .turn = 4, .closed = 2});
+}
+
+TEST_CASE("group: the work of a member that is gone goes to another as the next attempt")
+{
+    Workers workers(2);
+    workers.offer(1);
+    workers.offer(2);
+    workers.done(2, 1);
+    CHECK(workers.lose(1) == Got{{2, {1}}});
+    CHECK(workers.last_share->attempt == 2);
+    CHECK(workers.last_share->turn == 1);
+    CHECK(workers.ledgers["face-1"].of(Fate::passed_on) == 1);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: without leases the work of a member that is gone is lost")
+{
+    Workers workers(2, sharing(), false);
+    workers.offer(1);
+    workers.offer(2);
+    workers.done(2, 1);
+    CHECK(workers.lose(1).empty());
+    CHECK(workers.went(Fate::abandoned) == 1);
+    CHECK(workers.failed.empty());
+}
+
+TEST_CASE("group: what was taken back goes out before newer events, in its order")
+{
+    Workers workers(2, sharing(2));
+    for (int i = 1; i <= 4; ++i)
+        workers.offer(i);  // 1, 3 to the first; 2, 4 to the second
+    workers.offer(5);
+    CHECK(workers.lose(1).empty());
+    CHECK(workers.done(2, 1, 2) == Got{{2, {1}}});
+    CHECK(workers.done(2, 2, 2) == Got{{2, {3}}});
+    CHECK(workers.done(2, 3, 2) == Got{{2, {5}}});
+}
+
+TEST_CASE("group: what a member hands back goes to others, and it answers for the rest as before")
+{
+    Workers workers(2, sharing(3));
+    for (int i = 1; i <= 6; ++i)
+        workers.offer(i);  // 1, 3, 5 to the first; 2, 4, 6 to the second
+    workers.done(2, 3, 3);
+    // It halts: of three deliveries it has begun one.
+    CHECK(workers.ask(1, {3, 0, 0}, {2, 3}) == Got{{2, {3, 5}}});
+    CHECK(workers.last_share->attempt == 2);
+    CHECK(workers.ledgers["face-1"].of(Fate::passed_on) == 2);
+    // What it handed back counts in its numbers and closes no turn.
+    workers.ask(1, {3, 3, 3});
+    CHECK(workers.ledgers["face-1"].of(Fate::acknowledged) == 1);
+    CHECK(workers.group.standing().closed == 2);
+    workers.done(2, 5, 3);
+    CHECK(workers.group.standing().closed == 6);
+    CHECK(workers.went(Fate::acknowledged) == 6);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: numbers handed back that a member was never sent, or has done, change nothing")
+{
+    Workers workers(2, sharing(2));
+    workers.offer(1);
+    workers.offer(2);
+    workers.done(1, 1, 2);
+    CHECK(workers.ask(1, {3, 1, 1}, {1, 2, 99, -7, 0}).empty());
+    CHECK(workers.went(Fate::acknowledged) == 1);
+    CHECK(workers.ask(2, {2, 0, 0}, {1, 1, 1}) == Got{{1, {2}}});
+    CHECK(workers.ledgers["face-2"].of(Fate::passed_on) == 1);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: members join and leave while it runs, and leases of others stay where they are")
+{
+    Workers workers(1);
+    workers.offer(1);
+    CHECK(workers.offer(2).empty());
+    CHECK(workers.join(2) == Got{{2, {2}}});
+    workers.leave(2);
+    CHECK(workers.done(1, 1) == Got{{1, {2}}});
+}
+
+TEST_CASE("group: work of a source on demand waits for a crashed last member to come back")
+{
+    Workers workers(1);
+    workers.offer(1);
+    workers.lose(1);
+    CHECK(workers.group.awaited());
+    CHECK(workers.group.why() == Reason::group_awaited);
+    CHECK_FALSE(workers.group.asks());
+    CHECK(workers.group.lost("face-1"));
+    CHECK(workers.join(7, "face-1") == Got{{7, {1}}});
+    CHECK_FALSE(workers.group.awaited());
+}
+
+TEST_CASE("group: a source on demand also waits when the crashed member had nothing left to do")
+{
+    Workers workers(1);
+    workers.offer(1);
+    workers.done(1, 1);
+    workers.lose(1);
+    CHECK(workers.group.awaited());
+}
+
+TEST_CASE("group: who need not be waited for is forgotten, and what waited for it is given up")
+{
+    Workers workers(1);
+    workers.offer(1);
+    workers.offer(2);
+    workers.lose(1);
+    workers.forget();
+    CHECK_FALSE(workers.group.active());
+    CHECK(workers.failed == Sequences{1, 2});
+    CHECK(workers.went(Fate::abandoned) == 2);
+    CHECK(workers.join(7, "face-1").empty());
+    CHECK(workers.offer(3) == Got{{7, {3}}});
+    CHECK(workers.last_share->turn == 2);
+    CHECK(workers.last_share->closed == 1);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: work of a live source waits for a crashed last member too, without costing the source anything")
+{
+    Workers workers(1);
+    workers.offer(1, false);
+    workers.done(1, 1);
+    workers.offer(2, false);
+    workers.offer(3, false);
+    workers.lose(1);
+    CHECK_FALSE(workers.group.active());
+    CHECK_FALSE(workers.group.backlogged());
+    CHECK(workers.went(Fate::skipped) == 1);  // event 3
+    CHECK(workers.ledger.in_flight() == 1);
+    CHECK(workers.join(7, "face-1") == Got{{7, {2}}});
+    CHECK(workers.last_share->attempt == 2);
+    CHECK(workers.done(7, 1).empty());
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: turns go on after the group was without members, so that results can still be put in order")
+{
+    for (const bool left : {true, false}) {
+        Workers workers(1);
+        workers.offer(1, false);
+        workers.done(1, 1);
+        workers.offer(2, false);
+        workers.done(1, 2);
+        left ? workers.leave(1) : workers.lose(1);
+        workers.join(7, "face-1");
+        CHECK(workers.offer(3, false) == Got{{7, {3}}});
+        CHECK(workers.last_share->turn == 3);
+    }
+}
+
+TEST_CASE("group: the last member that leaves on purpose ends the work: what is left of it is given up and said so")
+{
+    Workers workers(1, sharing(2));
+    workers.offer(1);
+    workers.offer(2);
+    workers.offer(3);
+    workers.leave(1);
+    CHECK_FALSE(workers.group.active());
+    CHECK_FALSE(workers.group.backlogged());
+    CHECK(workers.failed == Sequences{1, 2, 3});
+    CHECK(workers.join(2).empty());
+    CHECK(workers.went(Fate::abandoned) == 3);
+    CHECK(workers.all_balanced());
+}
+
+}  // namespace hive::event

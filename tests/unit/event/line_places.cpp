@@ -1,0 +1,186 @@
+// What becomes of a plain receiver's events when its connection ends, and when it comes back.
+#include "line_fixtures.hpp"
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+
+using namespace std::chrono_literals;
+
+TEST_CASE("place: live events are lost with their receiver, and no place is kept")
+{
+    OneLine one(window(1));
+    one.offer(1);
+    one.offer(2);
+    CHECK_FALSE(one.line.lose(Fate::lost_killed, true, start));
+    CHECK(one.ledger.of(Fate::lost_killed) == 2);
+    CHECK(one.ledger.in_flight() == 0);
+    CHECK(balanced(one.ledger));
+}
+
+TEST_CASE("place: none is kept for a receiver that does not come back, or that gets no bodies")
+{
+    OneLine leaver(window(1));
+    leaver.offer(1, true);
+    CHECK_FALSE(leaver.line.lose(Fate::lost_connection, false, start));
+    CHECK(leaver.ledger.of(Fate::lost_connection) == 1);
+    OneLine watcher(streaming(Delivery::notification));
+    watcher.offer(1, true);
+    CHECK_FALSE(watcher.line.lose(Fate::lost_connection, true, start));
+    CHECK(watcher.ledger.in_flight() == 0);
+}
+
+TEST_CASE("place: one is kept although everything is done, because the source waits for its receivers")
+{
+    OneLine one(window(1));
+    one.offer(1, true);
+    one.ask(2, 1);
+    CHECK(one.line.lose(Fate::lost_connection, true, start));
+    CHECK(one.line.kept());
+    CHECK(one.line.why() == Reason::place_kept);
+    CHECK_FALSE(one.line.asks());
+    CHECK(one.offer(2, true).empty());
+    CHECK(one.resume(1) == Sequences{2});
+}
+
+TEST_CASE("place: a receiver that was cut off goes on where it was, and gets nothing twice that it has")
+{
+    OneLine one(window(4));
+    for (int i = 1; i <= 5; ++i)
+        one.offer(i, true);
+    one.ask({.asked = 5, .worked = 1, .done = 1});
+    one.line.lose(Fate::lost_cut_off, true, start);
+    one.told.clear();
+    // It was sent five, took three of them and asks for four more: it gets the fourth and fifth again.
+    CHECK(one.resume(3) == Sequences{4, 5});
+    CHECK(one.behind == 3);
+    REQUIRE(one.told.front());
+    CHECK(one.told.front()->attempt == 2);
+    CHECK(one.told.front()->turn == 4);
+    CHECK(one.ledger.of(Fate::acknowledged) == 1);
+    one.ask({.asked = 8, .worked = 5, .done = 5});
+    CHECK(one.ledger.of(Fate::acknowledged) == 5);
+    CHECK(one.ledger.in_flight() == 0);
+    CHECK(one.offer(6, true) == Sequences{6});
+    CHECK(balanced(one.ledger));
+}
+
+TEST_CASE("place: a receiver that began anew gets all it did not acknowledge, as the second attempt")
+{
+    OneLine one(window(3));
+    for (int i = 1; i <= 4; ++i)
+        one.offer(i, true);
+    one.ask({.asked = 3, .worked = 2, .done = 1});
+    one.line.lose(Fate::lost_killed, true, start);
+    one.told.clear();
+    CHECK(one.resume(std::nullopt) == Sequences{2, 3, 4});
+    CHECK(one.behind == 1);
+    REQUIRE(one.told.size() == 3);
+    REQUIRE(one.told[0]);
+    CHECK(*one.told[0] == Share{.of = "camera.image", .epoch = 1, .turn = 2, .attempt = 2});
+    CHECK(one.told[1]->attempt == 2);
+    CHECK_FALSE(one.told[2]);  // for the first time: it is told what all are told
+    one.ask({.asked = 4, .worked = 4, .done = 4});
+    CHECK(one.ledger.of(Fate::acknowledged) == 4);
+    CHECK(balanced(one.ledger));
+}
+
+TEST_CASE("place: a receiver that claims to have taken more than it was sent, or less than it did, is not believed")
+{
+    OneLine more(window(2));
+    more.offer(1, true);
+    more.line.lose(Fate::lost_cut_off, true, start);
+    CHECK(more.resume(1000).empty());
+    CHECK(more.behind == 1);
+    OneLine less(window(2));
+    less.offer(1, true);
+    less.offer(2, true);
+    less.ask(3, 1);
+    less.line.lose(Fate::lost_cut_off, true, start);
+    CHECK(less.resume(0) == Sequences{2});
+    CHECK(less.behind == 1);
+}
+
+TEST_CASE("place: while it is kept, lossless events wait for it and live ones are not for it")
+{
+    OneLine one(window(2));
+    one.offer(1);
+    one.offer(2, true);
+    one.line.lose(Fate::lost_cut_off, true, start);
+    CHECK(one.offer(3).empty());
+    CHECK(one.offer(4, true).empty());
+    CHECK(one.ledger.total() == 3);
+    CHECK(one.resume(std::nullopt) == Sequences{2, 4});
+    CHECK(one.ledger.of(Fate::lost_cut_off) == 1);  // the live one was with it
+    CHECK(balanced(one.ledger));
+}
+
+TEST_CASE("place: after 30 s it is not kept any longer, and what was in it is lost in the way its receiver was")
+{
+    OneLine one(window(1));
+    one.offer(1, true);
+    one.offer(2, true);
+    one.line.lose(Fate::lost_cut_off, true, start);
+    CHECK_FALSE(one.line.overdue(start + 30s - 1ns));
+    CHECK(one.line.overdue(start + 30s));
+    one.line.expire();
+    CHECK(one.ledger.of(Fate::lost_cut_off) == 2);
+    CHECK(one.ledger.in_flight() == 0);
+    CHECK(balanced(one.ledger));
+}
+
+TEST_CASE("place: an event that its receiver died of three times is given up and said so")
+{
+    OneLine one(window(2));
+    one.offer(1, true);
+    one.offer(2, true);
+    for (int death = 1; death <= 3; ++death) {
+        CHECK(one.failed.empty());
+        one.line.lose(Fate::lost_killed, true, start);
+        CHECK(one.resume(std::nullopt) == (death < 3 ? Sequences{1, 2} : Sequences{2}));
+    }
+    REQUIRE(one.failed.size() == 1);
+    CHECK(sequence_of(one.failed.front()) == 1);
+    REQUIRE(one.failed.front()->own());
+    CHECK(one.failed.front()->own()->attempt == 3);
+    CHECK(one.ledger.of(Fate::abandoned) == 1);
+    CHECK(balanced(one.ledger));
+}
+
+TEST_CASE("place: a connection that breaks is no failure of the work, however often it does")
+{
+    OneLine one(window(1));
+    one.offer(1, true);
+    for (int loss = 1; loss <= 20; ++loss) {
+        one.line.lose(Fate::lost_connection, true, start);
+        CHECK(one.resume(std::nullopt) == Sequences{1});
+    }
+    CHECK(one.failed.empty());
+    CHECK(one.ledger.in_flight() == 1);
+}
+
+TEST_CASE("place: a receiver that dies after it has worked did not die of the work")
+{
+    OneLine one(window(1));
+    one.offer(1, true);
+    one.ask({.asked = 1, .worked = 1, .done = 0});  // the result of the first is on its way
+    for (int death = 1; death <= 5; ++death) {
+        one.line.lose(Fate::lost_killed, true, start);
+        CHECK(one.resume(std::nullopt) == Sequences{1});
+        one.ask({.asked = 1, .worked = 1, .done = 0});
+    }
+    CHECK(one.failed.empty());
+}
+
+TEST_CASE("place: who leaves has no use for what waits for it")
+{
+    OneLine one(window(1));
+    one.offer(1, true);
+    one.offer(2, true);
+    one.line.clear(Fate::lost_left);
+    CHECK(one.ledger.of(Fate::lost_left) == 2);
+    CHECK(one.ledger.in_flight() == 0);
+    CHECK_FALSE(one.line.backlogged());
+}
+
+}  // namespace hive::event

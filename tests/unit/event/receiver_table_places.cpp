@@ -1,0 +1,218 @@
+// Places and groups that the table keeps for receivers that were lost: who may take them up, and what lets them go.
+#include "table_fixtures.hpp"
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+
+using namespace std::chrono_literals;
+
+TEST_CASE("kept place: a receiver of lossless events that comes back with its place goes on where it was")
+{
+    World world;
+    world.add(1, "results", window(2));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.offer(2, true);
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.table.wanted());
+    CHECK_FALSE(world.table.asked());
+    CHECK(world.table.why() == Reason::place_kept);
+    CHECK(world.row("results").why == Reason::place_kept);
+    CHECK_FALSE(world.row("results").connected);
+    CHECK(world.offer(3, true).empty());
+    CHECK(world.table.backlogged());
+    CHECK(world.table.unreceived() == 0);
+    CHECK(world.add({.id = 2, .receiver = "results", .options = window(2), .place = place, .taken = 1})
+          == Got{{2, {2, 3}}});
+    CHECK(world.welcome.place == place);
+    CHECK(world.welcome.taken == 1);
+    world.ask(2, {5, 3, 3});
+    CHECK(world.row("results").events.of(Fate::acknowledged) == 3);
+    CHECK(world.row("results").events.in_flight() == 0);
+    CHECK(world.table.holder(place) == ReceiverId{2});
+}
+
+TEST_CASE("kept place: a restarted receiver takes up the place of its name if nobody else has that name")
+{
+    World world;
+    world.add(1, "results", window(2));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_killed);
+    CHECK(world.add({.id = 2, .receiver = "results", .options = window(2), .unique = false}).empty());
+    CHECK(world.welcome.place != place);
+    CHECK(world.table.why() == Reason::place_kept);
+    CHECK(world.add({.id = 3, .receiver = "results", .options = window(2), .unique = true}) == Got{{3, {1}}});
+    CHECK(world.welcome.place == place);
+    REQUIRE(world.last_share);
+    CHECK(world.last_share->attempt == 2);
+}
+
+TEST_CASE("kept place: nobody takes up the place of another")
+{
+    World world;
+    world.add(1, "results", window(2));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.add({.id = 2, .receiver = "thief", .options = window(2), .place = place, .taken = 0}).empty());
+    CHECK(world.welcome.place != place);
+    CHECK(world.welcome.taken == 0);
+    CHECK_FALSE(world.table.holder(place));
+}
+
+TEST_CASE("kept place: none for live events, for a receiver that will not return, or without that defence")
+{
+    World live;
+    live.add(1, "view", window(1));
+    live.offer(1);
+    live.lose(1, Fate::lost_cut_off);
+    CHECK_FALSE(live.table.wanted());
+    World leaving;
+    leaving.add(1, "results", window(1));
+    leaving.offer(1, true);
+    leaving.lose(1, Fate::lost_connection, false);
+    CHECK_FALSE(leaving.table.wanted());
+    CHECK(leaving.row("results").events.of(Fate::lost_connection) == 1);
+    World without({.leases = true, .places = false});
+    without.add(1, "results", window(1));
+    without.offer(1, true);
+    without.lose(1, Fate::lost_cut_off);
+    CHECK_FALSE(without.table.wanted());
+}
+
+TEST_CASE("kept place: after 30 s it is let go, and the source goes on without it")
+{
+    World world;
+    world.add(1, "results", window(1));
+    world.add(2, "other", window(1));
+    world.offer(1, true);
+    world.ask(2, {2, 1, 1});
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.table.timed());
+    CHECK_FALSE(world.table.asked());
+    world.pass(30s - 1ns);
+    CHECK_FALSE(world.table.asked());
+    world.pass(1ns);
+    CHECK_FALSE(world.table.timed());
+    CHECK(world.table.asked());
+    CHECK(world.row("results").events.of(Fate::lost_cut_off) == 1);
+    CHECK(world.row("results").events.in_flight() == 0);
+}
+
+TEST_CASE("kept place: forgetting a drone lets go all places of its inputs, and nobody else's")
+{
+    World world;
+    world.add(1, "face.image", window(1));
+    world.add(2, "face.marks", window(1));
+    world.add(3, "face-2.image", window(1));
+    world.offer(1, true);
+    for (const ReceiverId id : {1, 2, 3})
+        world.lose(id, Fate::lost_cut_off);
+    CHECK(world.forget("face") == 2);
+    CHECK(world.table.wanted());
+    CHECK(world.row("face.image").events.of(Fate::lost_left) == 1);
+    CHECK(world.forget("face-2") == 1);
+    CHECK_FALSE(world.table.wanted());
+    CHECK(world.forget("face-2") == 0);
+}
+
+TEST_CASE("kept place: its account is not forgotten before it, however many receivers are lost")
+{
+    World world;
+    world.add(1, "results", window(1));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_cut_off);
+    auto watching = window(1);
+    watching.delivery = Delivery::notification;
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::most_old_accounts; ++i) {
+        world.add(i, "watcher-" + std::to_string(i), watching);
+        world.lose(i, Fate::lost_connection);
+    }
+    CHECK(world.rows().size() <= ReceiverTable::most_old_accounts + 1);
+    CHECK(world.row("results").events.in_flight() == 1);
+    CHECK(world.add({.id = 999, .receiver = "results", .options = window(1), .place = place, .taken = 1}).empty());
+    world.ask(999, {2, 1, 1});
+    CHECK(world.row("results").events.of(Fate::acknowledged) == 1);
+}
+
+TEST_CASE("awaited group: its account stays as long as the group does, however many receivers are lost")
+{
+    World world;
+    world.add(1, "face-1", sharing());
+    auto watching = window(1);
+    watching.delivery = Delivery::notification;
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::most_old_accounts; ++i) {
+        world.add(i, "watcher-" + std::to_string(i), watching);
+        world.lose(i, Fate::lost_connection);
+    }
+    CHECK(world.has_row("group workers"));
+    CHECK(world.has_row("face-1"));
+    world.offer(1, true);
+    world.ask(1, {2, 1, 1});
+    CHECK(world.row("group workers").events.of(Fate::acknowledged) == 1);
+}
+
+TEST_CASE("awaited group: forgetting one of the drones that were lost lets it go, and what waited is given up")
+{
+    World world;
+    world.add(1, "face-1.image", sharing());
+    world.offer(1, true);
+    world.lose(1, Fate::lost_killed);
+    CHECK(world.table.wanted());
+    CHECK(world.table.why() == Reason::group_awaited);
+    CHECK(world.forget("face-2") == 0);
+    CHECK(world.forget("face-1") == 1);
+    CHECK_FALSE(world.table.wanted());
+    CHECK(world.failed == Sequences{1});
+}
+
+TEST_CASE("awaited group: work of a source on demand holds the source up until a member is there again")
+{
+    World world;
+    world.add(1, "face-1", sharing());
+    world.offer(1, true);
+    world.lose(1, Fate::lost_killed);
+    CHECK_FALSE(world.table.asked());
+    CHECK(world.add(2, "face-1", sharing()) == Got{{2, {1}}});
+    REQUIRE(world.welcome.group);
+    CHECK(*world.welcome.group == Share{.of = "camera.image#workers", .epoch = 1, .turn = 1, .closed = 0});
+    world.ask(2, {2, 1, 1});
+    CHECK(world.table.asked());
+}
+
+TEST_CASE("awaited group: a live source that somebody else receives keeps nothing new for a group without members")
+{
+    World world;
+    world.add(1, "face-1", sharing());
+    world.add(9, "view", window(64));
+    world.lose(1, Fate::lost_killed);
+    CHECK(world.offer(1) == Got{{9, {1}}});
+    CHECK(world.table.asked());
+    CHECK(world.add(7, "face-1", sharing()).empty());
+}
+
+TEST_CASE("awaited group: of those without members only the last are remembered, what waited in others is given up")
+{
+    World world;
+    const auto member_of = [&](std::size_t number) {
+        auto options = sharing();
+        options.group = "group-" + std::to_string(number);
+        return options;
+    };
+    for (std::size_t i = 0; i <= ReceiverTable::most_empty_groups; ++i) {
+        world.add(i, "face", member_of(i));
+        world.offer(static_cast<std::int64_t>(i));
+        CHECK(world.failed.empty());
+        world.lose(i, Fate::lost_killed);
+    }
+    CHECK(world.failed == Sequences{0});
+    CHECK_FALSE(world.has_row("group group-0"));
+    CHECK(world.has_row("group group-1"));
+    CHECK(world.add(100, "face", member_of(0)).empty());
+    CHECK(world.add(101, "face", member_of(1)) == Got{{101, {1}}});
+}
+
+}  // namespace hive::event
