@@ -37,6 +37,7 @@ void Requests::add_handlers()
     handle(PacketType::connect, [this](const Incoming& incoming) { wiring_.on_connect(incoming); });
     handle(PacketType::disconnect, [this](const Incoming& incoming) { wiring_.on_disconnect(incoming); });
     handle(PacketType::put, [this](const Incoming& incoming) { on_put(incoming); });
+    handle(PacketType::forget, [this](const Incoming& incoming) { on_forget(incoming); });
     handle(PacketType::halt, [this](const Incoming& incoming) { on_halt(incoming); });
     handle(PacketType::resume, [this](const Incoming& incoming) { on_resume(incoming); });
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });

@@ -34,6 +34,7 @@ private:
     void add_handlers();
     void on_put(const event::Incoming& incoming);
     bool set_policy(const event::Incoming& incoming);
+    void on_forget(const event::Incoming& incoming);
     void on_halt(const event::Incoming& incoming);
     void on_resume(const event::Incoming& incoming);
     void on_stop(const event::Incoming& incoming);
