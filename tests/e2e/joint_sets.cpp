@@ -36,7 +36,7 @@ void make_busy(hive::Application& application, const std::string& drone, int wor
 {
     application.set(drone, {{"work_ms", work_ms}});
     application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
-    REQUIRE(eventually([&] { return application.status(drone).at("state") == "busy"; }));
+    REQUIRE(eventually([&] { return application.status(drone).state == hive::State::busy; }));
 }
 
 /// The value of each drone, s1 first. A set that is being put back does not show.
@@ -77,7 +77,7 @@ TEST_CASE("joint set: a Ctrl-C before all drones are prepared leaves them all as
     REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
     setter.signal(SIGINT);
     CHECK(setter.wait(patient(5000ms)) == 130);
-    REQUIRE(eventually([&] { return application.status("s3").at("state") == "idle"; }));
+    REQUIRE(eventually([&] { return application.status("s3").state == hive::State::idle; }));
     CHECK(application.set("s3", {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
     CHECK(values(application, "most_ms") == std::vector{600'000, 600'000, 600'000});
 }

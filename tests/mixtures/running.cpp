@@ -106,7 +106,7 @@ Told Running::set(const Change& change)
         parameters["most_ms"] = *change.most_ms;
     try {
         auto result = Told::applied;
-        for (const auto& answer : asking.set(change.drones, parameters))
+        for (const auto& answer : asking.set(change.drones, parameters).answers)
             if (answer.error && result != Told::unknown)
                 result = told(*answer.error);
         return result;

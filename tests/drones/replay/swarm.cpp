@@ -13,7 +13,10 @@ namespace {
 
 std::int64_t refused_by_track(hive::Application& application)
 {
-    return application.status("track").at("events").at("abandoned").get<std::int64_t>();
+    std::int64_t refused = 0;
+    for (const auto& input : application.status("track").inputs)
+        refused += input.abandoned;
+    return refused;
 }
 
 /// A file of the faces in five pictures.

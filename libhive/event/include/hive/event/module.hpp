@@ -39,7 +39,7 @@ struct Incoming {
 using Alarm = std::shared_ptr<void>;
 
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
-class Module final : public IntakeHost {
+class Module : public IntakeHost {
 public:
     struct Options {
         protocol::Hello self;
@@ -51,7 +51,7 @@ public:
     using IntakeHost::OnLink;
 
     explicit Module(Options options);
-    ~Module();  ///< calls end()
+    virtual ~Module();  ///< calls end()
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
