@@ -56,7 +56,9 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
 
 std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
 {
-    if (const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place)) {
+    const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place);
+    if (before && seats_.at(*before).line.receiver() == newcomer.receiver
+        && newcomer.options.delivery == Delivery::data) {
         auto seat = seats_.extract(*before);
         close_account({seat.mapped().line.receiver(), ""}, false);
         kept_.emplace(newcomer.place, std::move(seat.mapped().line));
