@@ -16,13 +16,15 @@ ReceiverTable::Account& ReceiverTable::account(const std::string& receiver, std:
     return account;
 }
 
-/// Who left has no account any longer; of those that were lost the oldest goes when there are too many.
+/// Who left has no account any longer, unless a place is kept that writes into it; of those that were lost the oldest
+/// goes when there are too many.
 void ReceiverTable::close_account(const Key& key, bool left)
 {
     const auto found = accounts_.find(key);
     if (found == accounts_.end() || --found->second.registrations > 0)
         return;
-    if (left) {
+    const auto writes = [&](const auto& row) { return Key(row.second.receiver(), row.second.options().group) == key; };
+    if (left && std::ranges::none_of(kept_, writes)) {
         accounts_.erase(found);
         return;
     }

@@ -149,6 +149,22 @@ TEST_CASE("kept place: forgetting a drone lets go all places of its inputs, and 
     CHECK(world.forget("face-2") == 0);
 }
 
+TEST_CASE("kept place: its account stays when another receiver of the same name leaves")
+{
+    World world;
+    world.add(1, "results", window(1));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_cut_off);
+    world.add(2, "results", window(1));
+    world.leave(2);
+    CHECK(world.row("results").events.in_flight() == 1);
+    world.add({.id = 3, .receiver = "results", .options = window(1), .place = place, .taken = 1});
+    world.ask(3, {2, 1, 1});
+    CHECK(world.row("results").events.of(Fate::acknowledged) == 1);
+    CHECK(world.row("results").events.in_flight() == 0);
+}
+
 TEST_CASE("kept place: its account is not forgotten before it, however many receivers are lost")
 {
     World world;
