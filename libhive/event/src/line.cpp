@@ -138,8 +138,14 @@ std::int64_t Line::resume(ReceiverId id, std::int64_t epoch, const ConnectionOpt
         return count;
     }
     put_back(credit_.done());
-    while (!waiting_.empty() && waiting_.front().failures >= most_failures)
-        abandon(next(), decisions);
+    std::deque<Item> again;
+    while (!waiting_.empty())
+        if (Item item = next(); item.failures >= most_failures)
+            abandon(item, decisions);
+        else
+            again.push_back(std::move(item));
+    for (auto& item : again)
+        wait(std::move(item), false);
     credit_.begin(options, credit_.done());
     return credit_.done();
 }

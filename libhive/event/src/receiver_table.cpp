@@ -16,13 +16,15 @@ ReceiverTable::Account& ReceiverTable::account(const std::string& receiver, std:
     return account;
 }
 
-/// Who left has no account any longer; of those that were lost the oldest goes when there are too many.
+/// Who left has no account any longer, unless a place is kept that writes into it; of those that were lost the oldest
+/// goes when there are too many.
 void ReceiverTable::close_account(const Key& key, bool left)
 {
     const auto found = accounts_.find(key);
     if (found == accounts_.end() || --found->second.registrations > 0)
         return;
-    if (left) {
+    const auto writes = [&](const auto& row) { return Key(row.second.receiver(), row.second.options().group) == key; };
+    if (left && std::ranges::none_of(kept_, writes)) {
         accounts_.erase(found);
         return;
     }
@@ -56,7 +58,9 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
 
 std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
 {
-    if (const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place)) {
+    const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place);
+    if (before && seats_.at(*before).line.receiver() == newcomer.receiver
+        && newcomer.options.delivery == Delivery::data) {
         auto seat = seats_.extract(*before);
         close_account({seat.mapped().line.receiver(), ""}, false);
         kept_.emplace(newcomer.place, std::move(seat.mapped().line));

@@ -147,6 +147,22 @@ TEST_CASE("place: an event that its receiver died of three times is given up and
     CHECK(balanced(one.ledger));
 }
 
+TEST_CASE("place: what kills its receiver is given up also behind an event whose result is not acknowledged in time")
+{
+    OneLine one(window(2));
+    one.offer(1, true);
+    one.offer(2, true);
+    for (int death = 1; death <= 3; ++death) {
+        CHECK(one.failed.empty());
+        one.ask({.asked = 2, .worked = 1, .done = 0});
+        one.line.lose(Fate::lost_killed, true, start);
+        CHECK(one.resume(std::nullopt) == (death < 3 ? Sequences{1, 2} : Sequences{1}));
+    }
+    REQUIRE(one.failed.size() == 1);
+    CHECK(sequence_of(one.failed.front()) == 2);
+    CHECK(balanced(one.ledger));
+}
+
 TEST_CASE("place: a connection that breaks is no failure of the work, however often it does")
 {
     OneLine one(window(1));

@@ -123,8 +123,9 @@ private:
                           && (last_was_lossless_ || (!waiting_.empty() && lossless(waiting_.front()))
                               || std::ranges::any_of(in_hand_, lossless));
         lost_as_ = how;
-        if (kept && how != Fate::lost_connection && !in_hand_.empty() && known_.worked == known_.done)
-            ++in_hand_.front().failures;
+        const auto head = known_.worked - known_.done;
+        if (kept && how != Fate::lost_connection && head < std::ssize(in_hand_))
+            ++in_hand_[static_cast<std::size_t>(head)].failures;
         if (kept)
             books_.went(how, static_cast<std::int64_t>(
                                  std::erase_if(waiting_, [&](const Item& item) { return !lossless(item); })));
@@ -165,10 +166,14 @@ private:
 
     void give_up()
     {
-        for (; !waiting_.empty() && waiting_.front().failures >= Line::most_failures; waiting_.pop_front()) {
-            books_.went(Fate::abandoned);
-            expected_failures_.push_back(sequence_of(waiting_.front().event));
-        }
+        std::erase_if(waiting_, [&](const Item& item) {
+            const bool over = item.failures >= Line::most_failures;
+            if (over) {
+                books_.went(Fate::abandoned);
+                expected_failures_.push_back(sequence_of(item.event));
+            }
+            return over;
+        });
     }
 
     void expire()

@@ -62,6 +62,37 @@ TEST_CASE("kept place: nobody takes up the place of another")
     CHECK_FALSE(world.table.holder(place));
 }
 
+TEST_CASE("kept place: a receiver that is back before its end was noticed goes on at its place")
+{
+    World world;
+    world.add(1, "results", window(2));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    CHECK(world.add({.id = 2, .receiver = "results", .options = window(2), .place = place, .taken = 0})
+          == Got{{2, {1}}});
+    CHECK(world.table.holder(place) == ReceiverId{2});
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.row("results").connected);
+    CHECK(world.offer(2, true) == Got{{2, {2}}});
+}
+
+TEST_CASE("kept place: nobody pushes another from its place, nor by merely watching")
+{
+    World world;
+    world.add(1, "results", window(2));
+    const auto place = world.welcome.place;
+    world.add({.id = 2, .receiver = "thief", .options = window(2), .place = place, .taken = 0});
+    auto watching = window(2);
+    watching.delivery = Delivery::notification;
+    world.add({.id = 3, .receiver = "results", .options = watching, .place = place, .taken = 0});
+    CHECK(world.table.holder(place) == ReceiverId{1});
+    CHECK(world.table.why() == Reason::none);
+    CHECK(world.offer(1, true).at(1) == Sequences{1});
+    world.leave(1);
+    world.leave(2);
+    CHECK_FALSE(world.table.wanted());
+}
+
 TEST_CASE("kept place: none for live events, for a receiver that will not return, or without that defence")
 {
     World live;
@@ -116,6 +147,22 @@ TEST_CASE("kept place: forgetting a drone lets go all places of its inputs, and 
     CHECK(world.forget("face-2") == 1);
     CHECK_FALSE(world.table.wanted());
     CHECK(world.forget("face-2") == 0);
+}
+
+TEST_CASE("kept place: its account stays when another receiver of the same name leaves")
+{
+    World world;
+    world.add(1, "results", window(1));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_cut_off);
+    world.add(2, "results", window(1));
+    world.leave(2);
+    CHECK(world.row("results").events.in_flight() == 1);
+    world.add({.id = 3, .receiver = "results", .options = window(1), .place = place, .taken = 1});
+    world.ask(3, {2, 1, 1});
+    CHECK(world.row("results").events.of(Fate::acknowledged) == 1);
+    CHECK(world.row("results").events.in_flight() == 0);
 }
 
 TEST_CASE("kept place: its account is not forgotten before it, however many receivers are lost")
