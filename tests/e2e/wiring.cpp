@@ -291,3 +291,22 @@ TEST_CASE("status: 140 receivers of one output are 140 rows with counts")
     CHECK(rows.size() == 140);
     CHECK(std::ranges::all_of(rows, [](const Json& row) { return row.at("came").is_number(); }));
 }
+
+TEST_CASE("collect: whoever leaves with lossless events that it has not taken leaves at once, and the source goes on")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    auto application = swarm.application();
+    for (int round = 0; round < 5; ++round) {
+        auto leaving = std::make_unique<hive::Application>(hive::Application::Options{.home = swarm.home()});
+        auto collector = leaving->collect({{"source", "tick"}});
+        REQUIRE(collector->next(patient(5000ms)));
+        REQUIRE(
+            eventually([&] { return edge_to(application.status("source"), leaving->name()).events.in_flight() > 10; }));
+        const auto begin = Clock::now();
+        collector.reset();
+        leaving.reset();
+        CHECK(Clock::now() - begin < patient(400ms));
+        CHECK(application.collect({{"source", "tick"}})->next(patient(1000ms)));
+    }
+}

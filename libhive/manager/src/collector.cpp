@@ -58,6 +58,8 @@ MailboxCollector::~MailboxCollector()
         for (const auto& intake : intakes_)
             module_.remove_intake(intake, [remaining] { --*remaining; });
     });
+    // Nobody will take what is still here. An input that leaves waits for lossless events in hand.
+    mailbox_->discard([](const Event&) { return true; });
     module_.loop().wait(event::Clock::now() + std::chrono::milliseconds(500), [&] { return *remaining == 0; });
 }
 

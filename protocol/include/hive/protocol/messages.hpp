@@ -88,7 +88,7 @@ struct Confirmation {
     Json result;  ///< an object; meaningful without error
     bool ok = true;
     Errc code{};
-    std::string text, advice;
+    std::string text, advice{};
 };
 Json to_json(const Confirmation& confirmation);
 Confirmation confirmation_from_json(const Json& object);
