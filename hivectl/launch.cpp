@@ -29,8 +29,10 @@ std::filesystem::path require_program(const std::string& kind)
     std::string list;
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
-    throw hive::no_such("there is no drone hive-" + kind + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH", kind,
-                        known, "kinds found: " + (list.empty() ? "none" : list));
+    throw hive::no_such("there is no drone hive-" + kind
+                            + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; kinds found: "
+                            + (list.empty() ? "none" : list),
+                        kind, known, "see what can be started: hivectl start --help");
 }
 
 void require_free(Session& session, const LaunchPlan& plan)

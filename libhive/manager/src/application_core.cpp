@@ -4,15 +4,21 @@
 #include <hive/name.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 #include <unistd.h>
 
 namespace hive {
 namespace {
 
+/// Drones keep one account for each name, so no two applications have the same one, not even in one process.
 std::string name_of(const Application::Options& options)
 {
-    return options.name.empty() ? "app-" + std::to_string(::getpid()) : require_name(options.name, "application");
+    static std::atomic<int> made = 0;
+    if (!options.name.empty())
+        return require_name(options.name, "application");
+    const int number = ++made;
+    return "app-" + std::to_string(::getpid()) + (number == 1 ? "" : "-" + std::to_string(number));
 }
 
 }  // namespace

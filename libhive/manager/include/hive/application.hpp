@@ -98,7 +98,7 @@ public:
 class Application {
 public:
     struct Options {
-        std::string name;                         ///< empty: "app-PID"
+        std::string name;                         ///< empty: "app-PID", of further ones "app-PID-2"
         std::filesystem::path home;               ///< empty: default_home()
         std::chrono::milliseconds timeout{5000};  ///< of every call
         /// What to advise whoever names a drone that does not run, and no running one is called nearly so.
