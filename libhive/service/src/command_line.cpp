@@ -84,7 +84,8 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
         return 0;
     } catch (...) {
         const Error error = current_error();
-        std::cerr << "hive-" << program.kind << ": " << error.what() << std::endl;
+        std::cerr << "hive-" << program.kind << ": " << error.what()
+                  << (error.advice().empty() ? "" : "; " + error.advice()) << std::endl;
         return info(error.code()).exit_code;
     }
 }
