@@ -106,7 +106,7 @@ void ViewDrone::take(const hive::Event& event)
 Picture::Content ViewDrone::content_of(const hive::Event& event) const
 {
     hive::Event picture = event;
-    picture.receipt.reset();  // looking is not working on it
+    picture.let_go();  // looking is not working on it
     Picture::Content content{[this, picture] {
                                  try {
                                      return hive::vision::view(picture);

@@ -8,8 +8,7 @@ namespace {
 EmissionPtr encoded(const Encoder& encoder, const Emission& emission, const std::string& encoding)
 {
     Event result = encoder.encode(emission.event(), encoding);
-    result.receipt.reset();
-    result.custody.reset();
+    result.let_go();
     result.size = result.body.size();
     require_at_most("a body", result.size, protocol::Limits{}.body);
     return std::make_shared<const Emission>(std::move(result), true, emission.own());
@@ -56,8 +55,7 @@ Dispatch::Made Dispatch::make(const EmissionPtr& event, const std::string& encod
     }
     if (result.problem) {  // a copy: one that kept itself would never go
         Event as_it_is = event->event();
-        as_it_is.receipt.reset();
-        as_it_is.custody.reset();
+        as_it_is.let_go();
         result.form = std::make_shared<const Emission>(std::move(as_it_is), true, event->own());
     }
     event->keep_rendition(encoding, result.form);

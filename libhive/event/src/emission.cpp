@@ -17,6 +17,12 @@ const Share* Identity::shared_work() const
     return found == shares.end() ? nullptr : &*found;
 }
 
+void Event::let_go()
+{
+    receipt.reset();
+    custody.reset();
+}
+
 std::chrono::microseconds Event::age() const
 {
     return std::chrono::microseconds(identity.captured_us == 0 ? 0 : event::wall_us() - identity.captured_us);
@@ -126,8 +132,7 @@ Emission::Emission(Event event, bool complete, std::optional<Share> own)
 std::shared_ptr<const Emission> Emission::without_custody() const
 {
     auto copy = std::make_shared<Emission>(*this);
-    copy->event_.receipt.reset();
-    copy->event_.custody.reset();
+    copy->event_.let_go();
     return copy;
 }
 

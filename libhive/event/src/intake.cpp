@@ -246,6 +246,14 @@ void Intake::on_packet(const protocol::Packet& packet)
         sink_(std::move(event));
 }
 
+void Intake::accept(Event event)
+{
+    ++received_;
+    constexpr std::int64_t no_generation = -1;  // there is nobody to ask or to acknowledge
+    give_receipt(event, {host_.door(), weak_from_this(), no_generation, 0});
+    sink_(std::move(event));
+}
+
 /// A halted member keeps no work from others, and an input that leaves takes nothing more.
 bool Intake::refuses_now() const
 {

@@ -186,10 +186,20 @@ std::vector<InputStatus> Module::left() const
     auto sums = left_;
     for (const auto& intake : leaving_)
         add_counts(sums[intake->spec().input], intake->status());
+    for (const auto& [input, intake] : puts_)
+        add_counts(sums[input], intake->status());
     std::vector<InputStatus> rows;
     for (const auto& [input, sum] : sums)
         rows.push_back(sum);
     return rows;
+}
+
+void Module::accept(Event event, const Intake::Sink& sink)
+{
+    auto& intake = puts_[event.input];
+    if (!intake)
+        intake = std::make_shared<Intake>(*this, IntakeSpec{.input = event.input}, sink);
+    intake->accept(std::move(event));
 }
 
 std::size_t Module::forget(const std::string& drone, const std::string& output)

@@ -96,9 +96,12 @@ void Module::request(const transport::Address& address, PacketType type, Json he
               });
 }
 
-/// A module that is met again with a larger epoch was started again: what is left of its earlier run is dead.
+/// A drone that is met again with a larger epoch was started again: what is left of its earlier run is dead. Names of
+/// applications are nobody's own.
 void Module::end_earlier_run(const Link& link)
 {
+    if (link.peer().kind == "application")
+        return;
     for (const auto& other : std::set(links_))
         if (other.get() != &link && other->open() && other->peer().name == link.peer().name
             && other->peer().kind == link.peer().kind && other->peer().epoch < link.peer().epoch)

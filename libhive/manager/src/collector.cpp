@@ -156,8 +156,7 @@ std::optional<Event> MailboxCollector::take(Event event)
 std::optional<Event> MailboxCollector::put_in_order(Event event)
 {
     // Acknowledged on arrival: a result that waits for its turn must not use up the credit that the missing one needs.
-    event.receipt.reset();
-    event.custody.reset();
+    event.let_go();
     follow_those_on_the_way(event);
     if (event.output == exceptions_output) {
         if (event.identity.sequence > 0)

@@ -112,8 +112,8 @@ void DroneCore::prepare()
     const Json state = service::left_state(running_->home, self_, reporter_);
     take_values(state);
     board_.idle();
-    serve(state);
     reporter_.log("started");
+    serve(state);
 }
 
 /// What the drone was told before a crash holds, unless it is told otherwise now.

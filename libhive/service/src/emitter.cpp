@@ -135,8 +135,7 @@ const Port& Emitter::port_to_emit(std::size_t output, const Json& header) const
 void Emitter::repeat(std::size_t output, Event event)
 {
     static_cast<void>(port_to_emit(output, event.header));
-    event.receipt.reset();
-    event.custody.reset();
+    event.let_go();
     event.input.clear();
     const bool complete = !event.body.empty() || (event.sized && event.size == 0);
     if (complete)

@@ -76,7 +76,7 @@ void Requests::on_put(const Incoming& incoming)
     event.body = incoming.body;
     event.size = incoming.body.size();
     event.received = event::Clock::now();
-    inbox_.arrived(std::move(event));
+    parts_.module.accept(std::move(event), [this](Event&& arrived) { inbox_.arrived(std::move(arrived)); });
     incoming.answer(Json::object());
 }
 

@@ -250,6 +250,12 @@ std::string error_of(const Json& answer)
     return answer.contains("error") ? answer.at("error").at("code").get<std::string>() : "";
 }
 
-std::string text_of(const Json& answer) { return answer.contains("error") ? answer.at("error").value("text", "") : ""; }
+std::string text_of(const Json& answer)
+{
+    if (!answer.contains("error"))
+        return "";
+    const auto advice = answer.at("error").value("advice", "");
+    return answer.at("error").value("text", "") + (advice.empty() ? "" : "; " + advice);
+}
 
 }  // namespace raw

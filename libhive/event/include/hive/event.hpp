@@ -73,6 +73,8 @@ struct Event {
     /// receipt.
     Body body;
 
+    /// Gives back receipt and custody: from now on this copy is only looked at.
+    void let_go();
     /// Since the capture, by the wall clocks of the two machines; 0 when nobody knows when that was.
     [[nodiscard]] std::chrono::microseconds age() const;
 };

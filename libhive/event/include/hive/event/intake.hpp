@@ -41,6 +41,8 @@ public:
 
     Intake(IntakeHost& host, IntakeSpec spec, Sink sink);
 
+    /// Counts an event that came in another way than over this connection, and hands it on.
+    void accept(Event event);
     /// Dials and registers. `first` hears how the first attempt went; later losses are repaired without a word.
     void start(OnOutcome first);
     /// Goes on with other options at the same place, so that nothing is lost and nothing comes twice. If the sender

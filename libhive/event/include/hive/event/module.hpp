@@ -96,7 +96,10 @@ public:
     void remove_intake(
         const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
-    /// What the intakes that were removed had received, one row for each input.
+    /// An event that was put into an input: counted, and handed to the sink.
+    void accept(Event event, const Intake::Sink& sink);
+    /// What came in other ways than over the present intakes: put, or over intakes that were removed; one row for each
+    /// input.
     [[nodiscard]] std::vector<InputStatus> left() const;
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, const std::string& output);
@@ -157,6 +160,7 @@ private:
     std::vector<std::shared_ptr<Intake>> intakes_;
     std::set<std::shared_ptr<Intake>> leaving_;  ///< removed, and not done with everything
     std::map<std::string, InputStatus> left_;    ///< by input
+    std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put
     std::map<protocol::PacketType, RequestHandler> handlers_;
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
     std::set<LinkPtr> links_;
