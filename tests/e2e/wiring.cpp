@@ -215,7 +215,7 @@ TEST_CASE("chain of custody: what a source on demand gave while nobody collected
     const auto worker = swarm.drone("sleeper", "worker");
     auto application = swarm.application();
     application.connect({"source", ""}, {"worker", ""}, {.window = 4, .group = {}, .lease = {}});
-    REQUIRE(eventually([&] { return processed(application, "worker") > 0; }));
+    REQUIRE(eventually([&] { return application.status("worker").outputs.at(0).produced > 0; }));
     const auto collector = application.collect({{"worker", "result"}}, {.ordered = true});
     for (int i = 1; i <= 200; ++i) {
         const auto event = collector->next(patient(5000ms));
@@ -252,7 +252,7 @@ TEST_CASE("disconnect: a source on demand that waits for a killed receiver says 
     auto lost = swarm.drone("sleeper", "lost");
     const auto worker = swarm.drone("sleeper", "worker");
     auto application = swarm.application();
-    const auto collector = application.collect({{"worker", "result"}});
+    const auto collector = application.collect({{"worker", "result"}, {"lost", "result"}});
     for (const char* receiver : {"lost", "worker"})
         application.connect({"source", "tick"}, {receiver, "image"});
     REQUIRE(collector->next(patient(5000ms)));
