@@ -208,7 +208,7 @@ TEST_CASE("encoding: the shell asks for it, edges show it, and a wrong word is r
     CHECK(Json::parse(swarm.hivectl_done({"results", "one", "-n", "1"})).at("header").at("seq") >= 1);
     const auto unknown = swarm.hivectl({"connect", "camera", "one", "--encoding", "webp"});
     CHECK(unknown.exit_code == 2);
-    CHECK(unknown.err.find("there is raw, png, jpeg") != std::string::npos);
+    CHECK(unknown.err.find("there are raw, png, jpeg") != std::string::npos);
     const auto misspelt = swarm.hivectl({"connect", "camera", "one", "--encoding", "JPEG"});
     CHECK(misspelt.exit_code == 2);
     CHECK(misspelt.err.find("jpeg:80") != std::string::npos);

@@ -87,11 +87,10 @@ TEST_CASE("skip: 36 and 38 appear, 37 is counted as abandoned and reported")
     }
     CHECK(collector->counts().failed == 1);
     CHECK(collector->counts().missing == 0);
-    const auto exception = exceptions->next(patient(1000ms));
+    auto exception = exceptions->next(patient(1000ms));
     REQUIRE(exception);
     CHECK(exception->identity.sequence == 37);
     CHECK(exception->header.at("policy") == "skip");
-    // The last ones count when what came of them has been acknowledged.
     hive::Status status;
     CHECK(eventually([&] {
         status = application.status("worker");

@@ -215,7 +215,7 @@ TEST_CASE("chain of custody: what a source on demand gave while nobody collected
     const auto worker = swarm.drone("sleeper", "worker");
     auto application = swarm.application();
     application.connect({"source", ""}, {"worker", ""}, {.window = 4, .group = {}, .lease = {}});
-    REQUIRE(eventually([&] { return at_inputs(application.status("worker"), &hive::InputStatus::received) > 0; }));
+    REQUIRE(eventually([&] { return application.status("worker").outputs.at(0).produced > 0; }));
     const auto collector = application.collect({{"worker", "result"}}, {.ordered = true});
     for (int i = 1; i <= 200; ++i) {
         const auto event = collector->next(patient(5000ms));

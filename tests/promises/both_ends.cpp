@@ -73,7 +73,8 @@ TEST_CASE("record: a recorder that was cut off says how much it lacks, and leave
     const auto said = swarm.log("recorder");
     CAPTURE(said);
     std::int64_t lost = 0;
-    for (const auto& loss : Json::parse(said.substr(said.find('{'))).at("lost"))
+    const Json summary = Json::parse(said.substr(said.find('{')));
+    for (const auto& loss : summary.at("lost"))
         lost += loss.at("events").get<std::int64_t>();
     REQUIRE(gaps_in(file) >= 20);  // else it proves nothing
     CHECK(lost >= gaps_in(file));

@@ -284,7 +284,7 @@ Intake::Delivery* Intake::delivery(std::int64_t number)
                : &in_hand_[static_cast<std::size_t>(index)];
 }
 
-void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, std::optional<Ending> ending)
+void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending)
 {
     if (ending)
         ++ended_[static_cast<std::size_t>(*ending)];
@@ -292,7 +292,7 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, st
     if (one) {
         finished_ += worked && !one->worked ? 1 : 0;
         one->worked = one->worked || worked;
-        one->done = one->done || ending;
+        one->done = one->done || done;
         const bool begun = !ending || (*ending != Ending::discarded && *ending != Ending::dropped);
         if (!begun && !spec_.options.group.empty())
             back_.push_back(number);

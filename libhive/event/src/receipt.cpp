@@ -8,19 +8,27 @@
 
 namespace hive::event {
 
-void Delivered::tell(bool worked, const Ending* ending) const
+void Delivered::tell(bool worked, bool done, std::optional<Ending> ending) const
 {
-    door->post([weak = intake, generation = generation, number = number, worked,
-                ended = ending ? std::optional(*ending) : std::nullopt] {
+    door->post([weak = intake, generation = generation, number = number, worked, done, ending] {
         if (const auto to = weak.lock())
-            to->heard(generation, number, worked, ended);
+            to->heard(generation, number, worked, done, ending);
     });
+}
+
+/// Where the acknowledgement comes later the count does not wait for it.
+void Custody::conclude(Ending ending) const
+{
+    ending_ = ending;
+    if (credit_ || std::exchange(told_, true))
+        return;
+    delivered_.tell(false, false, ending);
 }
 
 void Custody::give_back_credit() const
 {
     if (std::exchange(credit_, false))
-        delivered_.tell(true, nullptr);
+        delivered_.tell(true, false, std::nullopt);
 }
 
 void give_receipt(Event& event, Delivered delivered)

@@ -14,6 +14,12 @@ namespace {
 constexpr auto never = Clock::time_point::max();
 constexpr auto pause_after_failure = std::chrono::milliseconds(100);  ///< a main that keeps failing must not spin
 
+void conclude_all(const Set& set, event::Ending ending)
+{
+    for (const auto& event : set)
+        conclude(event, ending);
+}
+
 }  // namespace
 
 void Worker::run()
@@ -89,7 +95,8 @@ void Worker::deliver(Event&& event)
         require_type(set.front());
         parts_.declaration.callbacks.at(set.front().input)(set.front());
     };
-    work(set, callback);
+    if (work(set, callback))
+        conclude_all(set, event::Ending::processed);
 }  // the receipt goes with the set: the next one is asked for, unless the drone has halted
 
 void Worker::to_partners(Event event, MatchedInputs& matching, const MatchedInput& input)
@@ -113,7 +120,8 @@ void Worker::work_on_sets()
         matcher.expire(Clock::now());
         while (!parts_.board.halted() && !parts_.board.stopping())
             if (const auto set = matcher.pop()) {
-                work(*set, [&] { callback(*set); });
+                if (work(*set, [&] { callback(*set); }))
+                    conclude_all(*set, event::Ending::processed);
             } else {
                 break;
             }
@@ -145,8 +153,7 @@ void Worker::failed(const Set& set, const Error& error, const Event* lost)
     parts_.reporter.report(error, set.empty() ? lost : &set.front());
     if (set.empty())
         next_step_ = Clock::now() + pause_after_failure;
-    for (const auto& event : set)
-        conclude(event, event::Ending::abandoned);
+    conclude_all(set, event::Ending::abandoned);
     if (parts_.board.policy() == ExceptionPolicy::halt)
         parts_.halting.halt();
 }

@@ -16,7 +16,7 @@ std::string refusal(const std::vector<std::string>& words)
         parse_settings(words);
     } catch (const hive::Error& error) {
         CHECK(error.code() == hive::Errc::invalid_argument);
-        return error.what() + ("; " + error.advice());
+        return error.what() + (error.advice().empty() ? "" : "; " + error.advice());
     }
     return {};
 }

@@ -126,7 +126,7 @@ TEST_CASE("encoder: it knows raw, png, jpeg and the qualities 1 to 100, and refu
     try {
         static_cast<void>(encoder.type("webp"));
     } catch (const hive::Error& error) {
-        CHECK(error.advice() == "there is raw, png, jpeg, and jpeg:1 to jpeg:100");
+        CHECK(error.advice() == "there are raw, png, jpeg, and jpeg:1 to jpeg:100");
     }
 }
 

@@ -56,7 +56,7 @@ public:
     void flush();
     void link_closed(const Link& link);
     /// An event was worked on, or is done with; `ending` says how.
-    void heard(std::int64_t generation, std::int64_t number, bool worked, std::optional<Ending> ending);
+    void heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending);
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }

@@ -158,8 +158,8 @@ private:
     bool backlogged_ = false;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
-    std::set<std::shared_ptr<Intake>> leaving_;  ///< removed, and not done with everything
-    std::map<std::string, InputStatus> left_;    ///< by input
+    std::set<std::shared_ptr<Intake>> leaving_;            ///< removed, and not done with everything
+    std::map<std::string, InputStatus> left_;              ///< by input
     std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put
     std::map<protocol::PacketType, RequestHandler> handlers_;
     std::vector<std::unique_ptr<transport::Listener>> listeners_;

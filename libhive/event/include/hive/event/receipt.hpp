@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace hive::event {
@@ -32,8 +33,9 @@ struct Delivered {
     std::int64_t number = 0;
 
     /// @param worked  the next event may be asked for
-    /// @param ending  the event is done with; nothing: not yet
-    void tell(bool worked, const Ending* ending) const;
+    /// @param done    the event may be acknowledged
+    /// @param ending  how it ended, for who counts; nothing: not now
+    void tell(bool worked, bool done, std::optional<Ending> ending) const;
 };
 
 /// Alive as long as the event must not be acknowledged.
@@ -43,15 +45,16 @@ public:
     Custody(Delivered delivered, bool credit) : delivered_(std::move(delivered)), credit_(credit) {}
     Custody(const Custody&) = delete;
     Custody& operator=(const Custody&) = delete;
-    ~Custody() { delivered_.tell(credit_, &ending_); }
+    ~Custody() { delivered_.tell(credit_, true, told_ ? std::nullopt : std::optional(ending_)); }
 
-    void conclude(Ending ending) const { ending_ = ending; }
+    void conclude(Ending ending) const;
     void give_back_credit() const;
 
 private:
     Delivered delivered_;
     mutable bool credit_;
     mutable Ending ending_ = Ending::processed;
+    mutable bool told_ = false;
 };
 
 /// Alive as long as an event is worked on that somebody else may have in custody for longer.
@@ -60,7 +63,7 @@ public:
     explicit WorkReceipt(Delivered delivered) : delivered_(std::move(delivered)) {}
     WorkReceipt(const WorkReceipt&) = delete;
     WorkReceipt& operator=(const WorkReceipt&) = delete;
-    ~WorkReceipt() { delivered_.tell(true, nullptr); }
+    ~WorkReceipt() { delivered_.tell(true, false, std::nullopt); }
 
 private:
     Delivered delivered_;
@@ -68,7 +71,8 @@ private:
 
 /// Gives an event that has arrived its receipt and custody.
 void give_receipt(Event& event, Delivered delivered);
-/// Says how an event ended; the last who does is right. Nothing happens to an event without custody. For its only user.
+/// Says how an event ended, which counts from now on; once. Nothing happens to an event without custody. For its only
+/// user.
 void conclude(const Event& event, Ending ending);
 /// The next event may be asked for, although this one has to wait.
 void give_back_credit(Event& event);
