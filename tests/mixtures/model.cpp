@@ -12,6 +12,7 @@
 //   - The last member of a group leaves a worker by order: nobody is left who receives that worker.
 //   - A sender starts anew, and two or more plain drones receive it: it does not know them before they have come back,
 //     so what it sends meanwhile reaches only those that have.
+//   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
 //
 // A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
 #include "model.hpp"
@@ -58,10 +59,20 @@ void Model::before(const Step& step)
     const auto was = condition_;
     condition_.follow(step);
     if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop)
-        excuse_receivers_of(step.drone);
+        began_anew(step.drone);
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver);
+}
+
+void Model::began_anew(const std::string& drone)
+{
+    excuse_receivers_of(drone);
+    if (drone == source || drone == watcher)
+        return;
+    const auto& stage = topology_.stages.at(topology_.stage_of(drone));
+    if (stage.throw_every > 0)
+        excuse(stage.shared() ? "" : drone);
 }
 
 void Model::left(const std::string& sender, const std::string& receiver)

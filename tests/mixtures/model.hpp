@@ -53,6 +53,7 @@ private:
     [[nodiscard]] bool is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const;
     void excuse(const std::string& drone);
     void excuse_receivers_of(const std::string& drone);
+    void began_anew(const std::string& drone);
     void left(const std::string& sender, const std::string& receiver);
 
     Topology topology_;

@@ -171,12 +171,17 @@ void Intake::stop(std::function<void()> left)
     if (connected_ && !in_hand_.empty()) {
         timer_.expires_after(patience_to_leave);
         timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
-            if (const auto self = weak.lock(); self && !problem) {
-                self->in_hand_.clear();
-                self->try_to_leave();
-            }
+            if (const auto self = weak.lock(); self && !problem)
+                self->leave_now();
         });
     }
+    try_to_leave();
+}
+
+void Intake::leave_now()
+{
+    ++generation_;
+    in_hand_.clear();
     try_to_leave();
 }
 

@@ -45,7 +45,13 @@ void Module::leave()
             remove_intake(intake, [remaining] { --*remaining; });
         }
     });
-    loop_.wait(Clock::now() + patience_at_end, [&] { return *remaining == 0; });
+    const auto left = [&] { return *remaining == 0; };
+    loop_.wait(Clock::now() + patience_at_end, left);
+    call([&] {
+        for (const auto& intake : std::set(leaving_))
+            intake->leave_now();
+    });
+    loop_.wait(Clock::now() + patience_at_end, left);
 }
 
 void Module::close_links()

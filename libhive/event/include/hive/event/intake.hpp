@@ -52,6 +52,8 @@ public:
     /// No event comes after this. What is in hand of shared or lossless work is ended first; then it deregisters.
     /// `left` is called when the sender has confirmed, or cannot.
     void stop(std::function<void()> left = [] {});
+    /// After stop(): what is in hand is waited for no longer, its sender may give it to others.
+    void leave_now();
     /// Asks for what may be asked for now.
     void flush();
     void link_closed(const Link& link);
