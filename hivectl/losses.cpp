@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace hivectl {
 namespace {
@@ -62,7 +63,23 @@ Losses::Look Losses::look(const hive::Endpoint& output, const std::vector<hive::
     return look;
 }
 
-std::vector<Loss> Losses::until(const std::vector<hive::StatusAnswer>& now) const
+namespace {
+
+/// How many of the events that the sender has no acknowledgement of are here.
+std::int64_t arrived_unseen(const std::string& from, const hive::Ledger& since,
+                            const std::vector<hive::InputStatus>& here)
+{
+    const auto input = std::ranges::find(here, from, &hive::InputStatus::from);
+    const auto received = input == here.end() ? 0 : input->received;
+    return std::max<std::int64_t>(0, received - since.of(Fate::acknowledged) - since.in_flight());
+}
+
+bool is_lost(Fate fate) { return fate >= Fate::lost_connection; }
+
+}  // namespace
+
+std::vector<Loss> Losses::until(const std::vector<hive::StatusAnswer>& now,
+                                const std::vector<hive::InputStatus>& here) const
 {
     std::vector<Loss> losses;
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
@@ -75,9 +92,14 @@ std::vector<Loss> Losses::until(const std::vector<hive::StatusAnswer>& now) cons
             losses.push_back({from, "not known: " + outputs_[i].drone + " was restarted", 0});
         if (!last.known || restarted || !first_[i].known)
             continue;
-        for (const auto& [fate, reason] : reasons)
-            if (const auto events = last.events.of(fate) - first_[i].events.of(fate); events > 0)
+        auto arrived = arrived_unseen(from, last.events, here);
+        for (const auto& [fate, reason] : reasons) {
+            auto events = last.events.of(fate) - first_[i].events.of(fate);
+            if (is_lost(fate))
+                events -= std::exchange(arrived, std::max<std::int64_t>(0, arrived - events));
+            if (events > 0)
                 losses.push_back({from, reason, events, fate != Fate::skipped});
+        }
         if (const auto events = last.elsewhere - first_[i].elsewhere; events > 0)
             losses.push_back({from, "not sent: hivectl was not connected", events});
     }
@@ -90,10 +112,11 @@ Losses losses_from_now(hive::Application& application, const std::vector<hive::E
 }
 
 std::vector<Loss> losses_until_now(const Losses& losses, hive::Application& application,
-                                   const std::vector<hive::Endpoint>& outputs)
+                                   const std::vector<hive::Endpoint>& outputs,
+                                   const std::vector<hive::InputStatus>& here)
 {
     application.timeout(std::chrono::seconds(1));
-    return losses.until(application.status(drones_of(outputs)));
+    return losses.until(application.status(drones_of(outputs)), here);
 }
 
 bool promise_broken(const hive::CollectCounts& counts, const std::vector<Loss>& losses, bool ordered, bool lossless)

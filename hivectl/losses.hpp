@@ -22,7 +22,9 @@ public:
     /// @param now  what the drones of the outputs say once the receiver is registered
     Losses(std::string receiver, std::vector<hive::Endpoint> outputs, const std::vector<hive::StatusAnswer>& now);
     /// Since then.
-    [[nodiscard]] std::vector<Loss> until(const std::vector<hive::StatusAnswer>& now) const;
+    /// @param here  the receiver's end: what a sender counts as lost may have arrived all the same
+    [[nodiscard]] std::vector<Loss> until(const std::vector<hive::StatusAnswer>& now,
+                                          const std::vector<hive::InputStatus>& here = {}) const;
 
 private:
     struct Look {  ///< at one output
@@ -41,7 +43,8 @@ private:
 /// The losses of this application, which receives the outputs, from now on.
 Losses losses_from_now(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 std::vector<Loss> losses_until_now(const Losses& losses, hive::Application& application,
-                                   const std::vector<hive::Endpoint>& outputs);
+                                   const std::vector<hive::Endpoint>& outputs,
+                                   const std::vector<hive::InputStatus>& here = {});
 /// Is something missing that was promised? Nothing is promised of a live source unless its results come in order; all
 /// is promised of a lossless one.
 bool promise_broken(const hive::CollectCounts& counts, const std::vector<Loss>& losses, bool ordered, bool lossless);

@@ -111,7 +111,7 @@ void take_rest(hive::Collector& collector, hive::recording::Writer& writer)
 void note_losses(const Losses& losses, hive::Application& application, const std::vector<hive::Endpoint>& outputs,
                  const hive::Collector& collector, hive::recording::Writer& writer)
 {
-    for (const auto& loss : losses_until_now(losses, application, outputs))
+    for (const auto& loss : losses_until_now(losses, application, outputs, collector.inputs()))
         writer.lost(loss.from, loss.reason, loss.events);
     if (const auto dropped = collector.counts().dropped; dropped > 0)
         writer.lost("*", "dropped by hivectl: it could not write them in time", dropped);

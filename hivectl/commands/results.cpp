@@ -85,7 +85,7 @@ int run(const Options& options, Session& session)
                                      return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
                                  });
     const auto counts = collector->counts();
-    const auto lost = losses_until_now(losses, application, outputs);
+    const auto lost = losses_until_now(losses, application, outputs, collector->inputs());
     summarize(counts, lost);
     const bool broken = promise_broken(counts, lost, options.ordered, lossless);
     return outcome.exit_code(code == exit_code::done && broken ? exit_code::partly_done : code);

@@ -12,7 +12,7 @@ void add_stage(std::string& work, const Share& share, bool behind_group)
 {
     const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
     work += ' ';
-    work += behind_group ? share.of.substr(dot) : share.of;
+    work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;  // nor have their groups
     ((work += '/') += std::to_string(share.part)) += '>';
     work += share.to;
 }

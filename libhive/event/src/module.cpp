@@ -262,7 +262,7 @@ void Module::arm()
         return;
     const bool needed = !dialing_.empty()
                         || std::ranges::any_of(links_, [](const LinkPtr& link) { return link->pending(); })
-                        || std::ranges::any_of(outlets_, &Outlet::timed);
+                        || (!ending_ && std::ranges::any_of(outlets_, &Outlet::timed));
     if (!needed)
         return;
     armed_ = true;

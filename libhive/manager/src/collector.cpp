@@ -30,6 +30,7 @@ public:
 
     std::optional<Event> next(std::chrono::milliseconds patience) override;
     [[nodiscard]] CollectCounts counts() const override;
+    [[nodiscard]] std::vector<InputStatus> inputs() const override;
     [[nodiscard]] bool ordered() const noexcept { return options_.ordered; }
 
 private:
@@ -183,11 +184,19 @@ CollectCounts MailboxCollector::counts() const
     counts.missing = reorder_.missing();
     counts.missing_turns = reorder_.missing_turns();
     counts.failed = reorder_.failed();
+    for (const auto& input : inputs())
+        counts.dropped += input.dropped;
+    return counts;
+}
+
+std::vector<InputStatus> MailboxCollector::inputs() const
+{
+    std::vector<InputStatus> rows;
     module_.call([&] {
         for (const auto& intake : intakes_)
-            counts.dropped += intake->status().dropped;
+            rows.push_back(intake->status());
     });
-    return counts;
+    return rows;
 }
 
 }  // namespace

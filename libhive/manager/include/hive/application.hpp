@@ -77,6 +77,8 @@ public:
     /// The next event, or nothing when `patience` has passed. User thread.
     virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
     [[nodiscard]] virtual CollectCounts counts() const = 0;
+    /// This end of each connection.
+    [[nodiscard]] virtual std::vector<InputStatus> inputs() const = 0;
 };
 
 /// Receives sets of events that belong together, one of each output, in the order of the outputs. Made by
