@@ -126,14 +126,13 @@ public:
     /// Did the other connection go on without a break or a loss?
     void check_camera() const
     {
-        const auto before = to_face().at("acknowledged").get<int>();
-        CHECK(
-            hive::test::eventually([&] { return to_face().at("acknowledged").get<int>() > before + 1; }, within(3000)));
+        const auto before = to_face().value("acknowledged", 0);
+        CHECK(hive::test::eventually([&] { return to_face().value("acknowledged", 0) > before + 1; }, within(3000)));
         CHECK_FALSE(to_face().contains("dropped"));
         CHECK_FALSE(to_face().contains("skipped"));
         CHECK(from_camera().at("connected") == true);
         CHECK_FALSE(from_camera().contains("dropped"));
-        CHECK(from_camera().at("received").get<int>() >= before);
+        CHECK(from_camera().value("received", 0) >= before);
     }
 
     Prey prey = Prey::face();
@@ -155,6 +154,13 @@ private:
     int id_ = 0;
 };
 
+Json share(const Json& wrong)
+{
+    Json share{{"of", "a.b"}, {"epoch", 1}, {"turn", 1}};
+    share.update(wrong);
+    return share;
+}
+
 }  // namespace
 
 TEST_CASE("hostile sender: an event that breaks the rules ends its connection, which is made again; the other "
@@ -164,17 +170,33 @@ TEST_CASE("hostile sender: an event that breaks the rules ends its connection, w
     Json hops = Json::array();
     for (int i = 0; i < 17; ++i)
         hops.push_back({{"drone", "d"}, {"wait_us", 1}, {"work_us", 1}});
-    std::vector<Json> wrong{{{"sender", "../x"}}, {{"sender", 1}},
-                            {{"kind", ""}},       {{"output", nullptr}},
-                            {{"type", 1}},        {{"source", "a b"}},
-                            {{"epoch", -1}},      {{"seq", -1}},
-                            {{"seq", 1.5}},       {{"seq", 9007199254740993}},
-                            {{"time_us", "now"}}, {{"lossless", 1}},
-                            {{"attempt", 1001}},  {{"attempt", -1}},
-                            {{"part", -1}},       {{"hops", 1}},
-                            {{"hops", hops}},     {{"hops", {{{"drone", "/"}, {"wait_us", 0}}}}},
-                            {{"hops", {1}}},      {{"hops", {{{"drone", "d"}, {"wait_us", -1}}}}},
-                            {{"size", -1}},       {{"header", "text"}},
+    std::vector<Json> wrong{{{"sender", "../x"}},
+                            {{"sender", 1}},
+                            {{"kind", ""}},
+                            {{"output", nullptr}},
+                            {{"type", 1}},
+                            {{"source", "a b"}},
+                            {{"epoch", -1}},
+                            {{"seq", -1}},
+                            {{"seq", 1.5}},
+                            {{"seq", 9007199254740993}},
+                            {{"time_us", "now"}},
+                            {{"lossless", 1}},
+                            {{"shares", 1}},
+                            {{"shares", {1}}},
+                            {{"shares", {share({{"of", "no-output"}})}}},
+                            {{"shares", {share({{"of", "a.b#"}})}}},
+                            {{"shares", {share({{"turn", -1}})}}},
+                            {{"shares", {share({{"attempt", -1}})}}},
+                            {{"shares", Json(17, share(Json::object()))}},
+                            {{"part", -1}},
+                            {{"hops", 1}},
+                            {{"hops", hops}},
+                            {{"hops", {{{"drone", "/"}, {"wait_us", 0}}}}},
+                            {{"hops", {1}}},
+                            {{"hops", {{{"drone", "d"}, {"wait_us", -1}}}}},
+                            {{"size", -1}},
+                            {{"header", "text"}},
                             {{"header", nullptr}}};
     for (const auto& each : wrong) {
         CAPTURE(each);
