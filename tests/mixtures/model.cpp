@@ -58,7 +58,8 @@ void Model::before(const Step& step)
 {
     const auto was = condition_;
     condition_.follow(step);
-    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop)
+    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop
+        || step.verb == Verb::start)
         began_anew(step.drone);
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
