@@ -11,7 +11,7 @@ using namespace hive::mixtures;
 namespace {
 
 struct Options {
-    std::optional<std::uint64_t> seed;
+    std::optional<std::uint64_t> seed, from;
     int steps = 14, rounds = 0, seconds = 60;
     bool go_on = false, plan_only = false;
 };
@@ -31,7 +31,7 @@ void print(const Plan& plan, const Played& played)
 
 int play_rounds(const Options& options)
 {
-    const auto first = options.seed.value_or(std::random_device()());
+    const auto first = options.seed ? *options.seed : options.from ? *options.from : std::random_device()();
     const int rounds = options.rounds > 0 ? options.rounds : options.seed ? 1 : std::numeric_limits<int>::max();
     const auto end = hive::test::Clock::now() + std::chrono::seconds(options.seconds);
     std::size_t seeds = 0, steps = 0, failed = 0;
@@ -62,6 +62,7 @@ int main(int argc, char** argv)
     CLI::App app("Plays seeded mixtures of connects, kills, halts, sets and more on real swarms, and checks what was "
                  "promised.");
     app.add_option("--seed", options.seed, "play this round, instead of others for --seconds");
+    app.add_option("--from", options.from, "begin with this seed instead of a random one");
     app.add_option("--steps", options.steps, "of a round, about")->capture_default_str();
     app.add_option("--rounds", options.rounds, "so many, whatever time they take; 0: as --seconds says");
     app.add_option("--seconds", options.seconds, "begin no round after that")->capture_default_str();

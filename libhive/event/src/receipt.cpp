@@ -16,28 +16,48 @@ void Delivered::tell(bool worked, bool done, std::optional<Ending> ending) const
     });
 }
 
+/// How it ended, if that is known and was not told.
+std::optional<Ending> Custody::news() const
+{
+    return concluded_ && !std::exchange(told_, true) ? std::optional(ending_) : std::nullopt;
+}
+
 /// Where the acknowledgement comes later the count does not wait for it.
 void Custody::conclude(Ending ending) const
 {
     ending_ = ending;
-    if (credit_ || std::exchange(told_, true))
-        return;
-    delivered_.tell(false, false, ending);
+    concluded_ = true;
+    if (!worked_)
+        return;  // it is told together with that
+    if (const auto ended = news())
+        delivered_.tell(false, false, ended);
 }
 
 void Custody::give_back_credit() const
 {
-    if (std::exchange(credit_, false))
-        delivered_.tell(true, false, std::nullopt);
+    if (!std::exchange(credit_, false))
+        return;
+    worked_ = true;
+    delivered_.tell(true, false, std::nullopt);
+}
+
+void Custody::worked(bool last) const
+{
+    worked_ = true;
+    if (last)
+        credit_ = true;
+    else
+        delivered_.tell(true, false, news());
 }
 
 void give_receipt(Event& event, Delivered delivered)
 {
+    const auto custody = std::make_shared<const Custody>(std::move(delivered), !event.identity.lossless);
+    event.custody = custody;
     if (event.identity.lossless)
-        event.receipt = std::make_shared<const WorkReceipt>(delivered);
-    event.custody = std::make_shared<const Custody>(std::move(delivered), !event.identity.lossless);
-    if (!event.receipt)
-        event.receipt = event.custody;
+        event.receipt = std::make_shared<const WorkReceipt>(custody);
+    else
+        event.receipt = custody;
 }
 
 void conclude(const Event& event, Ending ending)

@@ -38,7 +38,7 @@ struct Delivered {
     void tell(bool worked, bool done, std::optional<Ending> ending) const;
 };
 
-/// Alive as long as the event must not be acknowledged.
+/// Alive as long as the event must not be acknowledged. It tells as much at once as it can.
 class Custody {
 public:
     /// @param credit  its end also means that the event was worked on
@@ -49,24 +49,28 @@ public:
 
     void conclude(Ending ending) const;
     void give_back_credit() const;
+    /// The event was worked on. @param last  and this custody ends now
+    void worked(bool last) const;
 
 private:
+    [[nodiscard]] std::optional<Ending> news() const;
+
     Delivered delivered_;
-    mutable bool credit_;
+    mutable bool credit_;  ///< is still to be told
+    mutable bool worked_ = false, concluded_ = false, told_ = false;
     mutable Ending ending_ = Ending::processed;
-    mutable bool told_ = false;
 };
 
 /// Alive as long as an event is worked on that somebody else may have in custody for longer.
 class WorkReceipt {
 public:
-    explicit WorkReceipt(Delivered delivered) : delivered_(std::move(delivered)) {}
+    explicit WorkReceipt(std::shared_ptr<const Custody> custody) : custody_(std::move(custody)) {}
     WorkReceipt(const WorkReceipt&) = delete;
     WorkReceipt& operator=(const WorkReceipt&) = delete;
-    ~WorkReceipt() { delivered_.tell(true, false, std::nullopt); }
+    ~WorkReceipt() { custody_->worked(custody_.use_count() == 1); }
 
 private:
-    Delivered delivered_;
+    std::shared_ptr<const Custody> custody_;
 };
 
 /// Gives an event that has arrived its receipt and custody.
