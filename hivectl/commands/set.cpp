@@ -42,8 +42,7 @@ int exit_code_of_failure(const std::vector<hive::Answer>& answers)
 int set_many(const Options& options, const hive::Json& settings, Session& session)
 {
     // Until the very end: a Ctrl-C that comes when all have changed does not say that nothing has.
-    static const auto* const deferred = new interrupt::Deferred;
-    static_cast<void>(deferred);
+    static const interrupt::Deferred deferred;
     auto& application = session.application();
     const auto result = application.set(application.find(options.target), settings, interrupt::requested);
     Outcome outcome("set");
