@@ -7,13 +7,20 @@
 namespace hive::event {
 namespace {
 
+std::string drone_of(const Share& share)
+{
+    return share.of.substr(0, share.of.substr(0, share.of.find('#')).rfind('.'));
+}
+
 /// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group drones have no names.
-void add_stage(std::string& work, const Share& share, bool behind_group)
+void add_stage(std::string& work, const Share& share, const std::string& receiver, bool behind_group)
 {
     const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
     work += ' ';
     work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;  // nor have their groups
     ((work += '/') += std::to_string(share.part)) += '>';
+    if (!behind_group && !share.group())
+        (work += receiver) += '.';  // each plain receiver gives an answer of its own
     work += share.to;
 }
 
@@ -45,7 +52,7 @@ bool AnswerFilter::first(const Event& event)
     std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn), attempts;
     bool behind_group = false;
     for (std::size_t i = 0; i < count; ++i) {
-        add_stage(work, shares[i], behind_group);
+        add_stage(work, shares[i], i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender, behind_group);
         behind_group = behind_group || shares[i].group();
         (attempts += std::to_string(shares[i].attempt)) += ' ';
     }

@@ -41,6 +41,20 @@ TEST_CASE("answer filter: the answer of another attempt at the same work is refu
     CHECK_FALSE(filter.first(answer({with(turn_1, 2, 1)})));
 }
 
+TEST_CASE(
+    "answer filter: each plain receiver of lossless events answers for itself, also when one was given them again")
+{
+    AnswerFilter filter;
+    const Share given{.of = "camera.image", .epoch = 1, .turn = 1, .attempt = 1, .to = "image"};
+    const auto answer_of = [&](const std::string& drone, int attempt) {
+        return answer({with(given, 1, attempt), own(drone + ".faces")}, drone);
+    };
+    CHECK(filter.first(answer_of("face-1", 1)));
+    CHECK(filter.first(answer_of("face-2", 2)));
+    CHECK_FALSE(filter.first(answer_of("face-1", 2)));
+    CHECK_FALSE(filter.first(answer_of("face-2", 1)));
+}
+
 TEST_CASE("answer filter: other outputs and parts are other answers, and so is the work of a restarted sender")
 {
     AnswerFilter filter;
