@@ -1,5 +1,6 @@
 // A bounded memory of which attempt answered.
 #include <hive/event/answer_filter.hpp>
+#include <hive/event/receipt.hpp>
 
 #include <algorithm>
 #include <cstdlib>
@@ -58,12 +59,16 @@ bool AnswerFilter::first(const Event& event)
     }
     (((work += ' ') += event.kind) += '.') += event.output;
     (work += '/') += std::to_string(event.identity.part);
-    const auto [place, inserted] = attempts_.try_emplace(work, attempts);
-    if (!inserted)
-        return place->second == attempts;
+    const auto [place, inserted] = answers_.try_emplace(work, Answer{attempts, event.custody});
+    if (!inserted) {
+        const bool same = place->second.attempts == attempts;
+        if (const auto custody = place->second.custody.lock(); custody && event.identity.lossless && !same)
+            static_cast<const Custody*>(custody.get())->hold(event.custody);
+        return same;
+    }
     order_.push_back(std::move(work));
     if (order_.size() > remembered) {
-        attempts_.erase(order_.front());
+        answers_.erase(order_.front());
         order_.pop_front();
     }
     return true;

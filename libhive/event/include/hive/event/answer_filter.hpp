@@ -4,6 +4,7 @@
 #include <hive/event.hpp>
 
 #include <deque>
+#include <memory>
 #include <string>
 #include <unordered_map>
 
@@ -16,12 +17,17 @@ public:
     static constexpr std::size_t remembered = 65536;
 
     AnswerFilter();
+    /// What is refused is acknowledged no sooner than the first answer, which may still be lost with this process.
     /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice.
     bool first(const Event& event);
 
 private:
-    bool off_;                                               ///< by a test that shows what it is for
-    std::unordered_map<std::string, std::string> attempts_;  ///< that answered, by the work
+    bool off_;  ///< by a test that shows what it is for
+    struct Answer {
+        std::string attempts;
+        std::weak_ptr<const void> custody;
+    };
+    std::unordered_map<std::string, Answer> answers_;  ///< the first, by the work
     std::deque<std::string> order_;
 };
 

@@ -49,6 +49,8 @@ public:
 
     void conclude(Ending ending) const;
     void give_back_credit() const;
+    /// Holds this one as long: it is for the same work, and whoever has that may still die with it.
+    void hold(std::shared_ptr<const void> other) const { held_.push_back(std::move(other)); }
     /// The event was worked on. @param last  and this custody ends now
     void worked(bool last) const;
 
@@ -59,6 +61,7 @@ private:
     mutable bool credit_;  ///< is still to be told
     mutable bool worked_ = false, concluded_ = false, told_ = false;
     mutable Ending ending_ = Ending::processed;
+    mutable std::vector<std::shared_ptr<const void>> held_;
 };
 
 /// Alive as long as an event is worked on that somebody else may have in custody for longer.
