@@ -17,8 +17,8 @@ public:
     static constexpr std::size_t remembered = 65536;
 
     AnswerFilter();
-    /// What is refused is acknowledged no sooner than the first answer, which may still be lost with this process.
-    /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice.
+    /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice. A
+    /// lossless event that is refused is acknowledged no sooner than the first answer, which this process may still lose.
     bool first(const Event& event);
 
 private:
