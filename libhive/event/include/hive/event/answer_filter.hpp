@@ -18,7 +18,8 @@ public:
 
     AnswerFilter();
     /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice. A
-    /// lossless event that is refused is acknowledged no sooner than the first answer, which this process may still lose.
+    /// lossless event that is refused is acknowledged no sooner than the first answer, which this process may still
+    /// lose.
     bool first(const Event& event);
 
 private:
