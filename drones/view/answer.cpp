@@ -10,11 +10,11 @@ namespace {
 
 Answer sentence(unsigned code, std::string text) { return {code, "text/plain; charset=utf-8", std::move(text) + "\n"}; }
 
-Answer picture(const Exchange::Newest& newest)
+Answer picture(const Exchange::Newest& newest, bool plain)
 {
     if (newest.number == 0)
         return sentence(503, "There is no picture yet.");
-    const auto& jpeg = *newest.picture->jpeg();
+    const auto& jpeg = plain ? *newest.picture->plain_jpeg() : *newest.picture->jpeg();
     return {200, "image/jpeg", {jpeg.begin(), jpeg.end()}};
 }
 
@@ -34,10 +34,11 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
         return {200, "text/javascript; charset=utf-8", std::string(page_js)};
     if (request.path == "/status.json")
         return {200, "application/json", status_of(exchange.newest(), browsers.now).dump()};
-    if (request.path == "/picture.jpg")
-        return picture(exchange.newest());
-    if (request.path == "/stream.mjpg")
-        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true}
+    const bool plain = request.path.starts_with("/plain/");  // what the page shows: it says itself what a caption would
+    if (request.path == "/picture.jpg" || request.path == "/plain/picture.jpg")
+        return picture(exchange.newest(), plain);
+    if (request.path == "/stream.mjpg" || request.path == "/plain/stream.mjpg")
+        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true, plain}
                                             : sentence(503, "Too many are looking.");
     return sentence(404, "There is nothing here.");
 }

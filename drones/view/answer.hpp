@@ -25,6 +25,7 @@ struct Answer {
     std::string type;  ///< media type
     std::string body;
     bool stream = false;  ///< the body is a Stream instead
+    bool plain = false;   ///< of pictures without captions
 };
 
 Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, Browsers browsers);

@@ -73,7 +73,7 @@ private:
     void resume_streams();
     void end_the_late();
     MHD_Result answer(MHD_Connection* connection, const Request& request);
-    Response begin_stream(MHD_Connection* connection);
+    Response begin_stream(MHD_Connection* connection, bool plain);
     void visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what);
 
     static MHD_Result on_request(void* core, MHD_Connection* connection, const char* path, const char* method,
@@ -194,7 +194,7 @@ void Server::Core::visit(MHD_Connection* connection, MHD_ConnectionNotificationC
 MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
 {
     const Answer answer = answer_to(request, exchange_, address_, {streams_, settings_.streams});
-    const Response response = answer.stream ? begin_stream(connection) : response_of(answer.body);
+    const Response response = answer.stream ? begin_stream(connection, answer.plain) : response_of(answer.body);
     if (!response)
         return MHD_NO;
     MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
@@ -203,9 +203,10 @@ MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& reque
     return MHD_queue_response(connection, answer.code, response.get());
 }
 
-Response Server::Core::begin_stream(MHD_Connection* connection)
+Response Server::Core::begin_stream(MHD_Connection* connection, bool plain)
 {
-    auto streaming = std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat)});
+    auto streaming =
+        std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat, plain)});
     Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read,
                                                         streaming.get(), &Core::on_stream_end),
                       MHD_destroy_response);

@@ -48,7 +48,8 @@ void ViewDrone::declare()
     drone_.parameter("bind", bind_, hive::anything(),
                      "address of that page; 0.0.0.0: every address of this machine, for everybody who reaches it");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
-    drone_.parameter("overlay", overlay_, hive::anything(), "write names, rate and age on the pictures");
+    drone_.parameter("overlay", overlay_, hive::anything(),
+                     "write names, rate and age on the pictures, but not on those of the page, which says so itself");
     drone_.parameter("quality", quality_, hive::between(1, 100), "quality of the JPEG for browsers");
     drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"),
                      "how long a picture is shown at least before the next is asked for");
@@ -116,7 +117,7 @@ Picture::Content ViewDrone::content_of(const hive::Event& event) const
                                  }
                              },
                              nullptr};
-    if (event.type == "image/jpeg" && !overlay_) {
+    if (event.type == "image/jpeg" && (!overlay_ || server_)) {
         const std::span bytes(reinterpret_cast<const unsigned char*>(event.body.data()), event.body.size());
         content.jpeg = std::make_shared<const std::vector<unsigned char>>(bytes.begin(), bytes.end());
     }

@@ -60,11 +60,13 @@ std::set<std::string> keys(const json& object)
 
 TEST_CASE("answer: the page and all that it names are there, and it names nothing else")
 {
-    const Page page;
+    Page page;
+    page.put();
     const auto html = page.get("/");
     CHECK(html.type == "text/html; charset=utf-8");
-    for (const char* path : {"/view.css", "/view.js", "/status.json", "/stream.mjpg"})
+    for (const char* path : {"/view.css", "/view.js", "/status.json", "/plain/stream.mjpg", "/plain/picture.jpg"})
         CHECK_MESSAGE(page.get(path).code == 200, path);
+    CHECK(html.body.find("\"plain/stream.mjpg\"") != std::string::npos);
     for (const auto& answer : {html, page.get("/view.css"), page.get("/view.js")})
         CHECK(answer.body.find("//") == std::string::npos);  // neither a URL nor a comment
 }
@@ -90,6 +92,16 @@ TEST_CASE("answer: the snapshot is a JPEG of the newest picture; 503 before ther
     CHECK(answer.type == "image/jpeg");
     const auto& jpeg = *page.exchange.newest().picture->jpeg();
     CHECK(answer.body == std::string(jpeg.begin(), jpeg.end()));
+}
+
+TEST_CASE("answer: the page gets pictures without captions, others get them as they are set")
+{
+    Page page;
+    page.put();
+    CHECK(page.get("/plain/stream.mjpg").plain);
+    CHECK_FALSE(page.get("/stream.mjpg").plain);
+    const auto& plain = *page.exchange.newest().picture->plain_jpeg();
+    CHECK(page.get("/plain/picture.jpg").body == std::string(plain.begin(), plain.end()));
 }
 
 TEST_CASE("answer: no more streams than are allowed")
