@@ -114,7 +114,8 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
         .changed = [this] { demand_changed(); },
         .failed = [this](const EmissionPtr& event) { on_failed(event); },
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
-        .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
+        .on_encoder_thread = [this](const std::string& peer,
+                                    std::function<void()> job) { encoder_thread_.push(peer, std::move(job)); },
         .on_network_side = [this](std::function<void()> task) { post(std::move(task)); }};
     return outlets_.emplace_back(options_.self, std::move(port), carrier, std::move(encoder), std::move(hooks));
 }
