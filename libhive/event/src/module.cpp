@@ -126,8 +126,8 @@ transport::Address Module::listen(const transport::Address& address)
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
             if (links_.size() >= most_peers && !make_room()) {
-                log("refused " + connection->peer() + ": " + std::to_string(most_peers)
-                    + " peers are connected, and each has something to do here");
+                log_about(connection->peer(), "refused " + connection->peer() + ": " + std::to_string(most_peers)
+                                                  + " peers are connected, and each has something to do here");
                 return;
             }
             adopt(make_link(std::move(connection)), [](const LinkPtr&, const Error&) {});
