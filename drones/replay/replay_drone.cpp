@@ -80,7 +80,10 @@ void ReplayDrone::declare_outputs()
 
 Range ReplayDrone::range() const
 {
-    return {static_cast<std::int64_t>(from_ * 1e6), static_cast<std::int64_t>(to_ * 1e6)};
+    const auto us = [](double seconds) {
+        return static_cast<std::int64_t>(std::min(seconds * 1e6, static_cast<double>(hive::recording::most_time_us)));
+    };
+    return {us(from_), us(to_)};
 }
 
 void ReplayDrone::apply()

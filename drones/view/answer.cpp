@@ -1,4 +1,4 @@
-// Checks the host, then the method, then the path. A request for another host learns nothing.
+// Checks the host, then who asks, then the method and the path. Who may not look learns nothing.
 #include "answer.hpp"
 
 #include "page.hpp"
@@ -20,12 +20,20 @@ Answer picture(const Exchange::Newest& newest, bool plain)
 
 }  // namespace
 
-Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, Browsers browsers)
+Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
+                 Browsers browsers)
 {
     if (!request.host || !host_fits(*request.host, bind))
         return sentence(request.host ? 403 : 400, "Open this page by its address.");
+    if (Pass::cross_site(request))
+        return sentence(403, "Other pages may not look.");
+    if (!pass.in_address(request) && !pass.in_cookie(request))
+        return sentence(403, "Open the address that hivectl view prints. For a drone that was started as NAME it ends "
+                             "in ?token= and what hivectl get NAME token says.");
     if (request.method != "GET")
         return sentence(405, "Only GET.");
+    if (request.path == "/" && pass.in_address(request))
+        return {.code = 303, .type = "text/plain; charset=utf-8", .body = "\n", .cookie = pass.cookie()};
     if (request.path == "/")
         return {200, "text/html; charset=utf-8", std::string(page_html)};
     if (request.path == "/view.css")

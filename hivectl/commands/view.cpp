@@ -50,9 +50,17 @@ LaunchPlan plan_of(const Options& options, const std::string& name)
     return plan;
 }
 
-void report(const Options& options, const hive::Endpoint& output, const std::string& viewer, bool json)
+/// The address that a browser has to open; empty when there is a window instead.
+std::string url_of(const Options& options, hive::Application& application, const std::string& viewer)
 {
-    const std::string url = options.port != 0 ? "http://127.0.0.1:" + std::to_string(options.port) + "/" : "";
+    if (options.port == 0)
+        return "";
+    const auto token = application.get(viewer, {"token"}).at("token").get<std::string>();
+    return "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + token;
+}
+
+void report(const std::string& url, const hive::Endpoint& output, const std::string& viewer, bool json)
+{
     if (json)
         write_out(
             Row{{"from", to_text(output)}, {"drone", viewer}, {"url", url.empty() ? hive::Json() : hive::Json(url)}}
@@ -107,7 +115,7 @@ int show(const Options& options, const hive::Endpoint& output, const LaunchPlan&
     connection.first_frame = true;
     connection.encoding = options.encoding;
     application.connect(output, {plan.name, "image"}, connection);
-    report(options, output, plan.name, session.json);
+    report(url_of(options, application, plan.name), output, plan.name, session.json);
     return look(launch);
 }
 

@@ -1,6 +1,7 @@
 // The JSON of hello, register, request and confirmation.
 #include <hive/name.hpp>
 #include <hive/plain_text.hpp>
+#include <hive/printable.hpp>
 #include <hive/protocol/messages.hpp>
 
 namespace hive::protocol {
@@ -134,8 +135,8 @@ Confirmation confirmation_from_json(const Json& object)
         const Fields error(fields.object("error"), "confirmation error");
         confirmation.ok = false;
         confirmation.code = errc_from_token(error.text("code"));
-        confirmation.text = error.text_or("text", "");
-        confirmation.advice = error.text_or("advice", "");
+        confirmation.text = shortened(error.text_or("text", ""));
+        confirmation.advice = shortened(error.text_or("advice", ""));
     } else {
         confirmation.result = fields.object("result");
     }

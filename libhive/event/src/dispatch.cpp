@@ -29,7 +29,7 @@ void Dispatch::send(const Send& send, const std::string& encoding)
 
 void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding)
 {
-    hooks_.on_encoder_thread([this, alive = std::weak_ptr(alive_), weak = std::weak_ptr(waiting), encoding] {
+    const auto job = [this, alive = std::weak_ptr(alive_), weak = std::weak_ptr(waiting), encoding] {
         const auto wanted = weak.lock();
         if (!wanted)
             return;
@@ -38,7 +38,8 @@ void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string
             if (!alive.expired())
                 made(weak, event, result);
         });
-    });
+    };
+    hooks_.on_encoder_thread(waiting->send.receiver, job);
 }
 
 /// On the encoder thread.

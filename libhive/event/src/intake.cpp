@@ -4,6 +4,7 @@
 #include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/name.hpp>
+#include <hive/printable.hpp>
 
 #include <algorithm>
 
@@ -17,6 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr auto patience = 3s;               // for one attempt to dial and register
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
+constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row for each input
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 
 Backoff backoff_for(const transport::Address& address)
@@ -370,7 +372,7 @@ InputStatus Intake::status() const
                        .dropped = ended(Ending::dropped),
                        .unmatched = ended(Ending::unmatched),
                        .last_age_us = age_us_,
-                       .error = problem_ ? problem_->what() : ""};
+                       .error = problem_ ? shortened(problem_->what(), most_shown) : ""};
     status.in_hand = received_;
     for (const auto count : ended_)
         status.in_hand -= count;

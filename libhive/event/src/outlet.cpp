@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <limits>
+#include <set>
 
 namespace hive::event {
 
@@ -32,7 +33,11 @@ Outlet::Outlet(const protocol::Hello& drone, Port port, PacketType carrier, Enco
       table_(drone.name + "." + port_.name, drone.epoch, defences()),
       dispatch_(encoder_, {.transmit = [this](const Send& send, const Emission& form) { transmit(send, form); },
                            .not_encoded = hooks_.not_encoded,
-                           .on_encoder_thread = hooks_.on_encoder_thread,
+                           .on_encoder_thread =
+                               [this](ReceiverId receiver, std::function<void()> job) {
+                                   const auto& peer = places_.at(receiver).link->connection().peer();
+                                   hooks_.on_encoder_thread(peer, std::move(job));
+                               },
                            .on_network_side = hooks_.on_network_side})
 {
 }
@@ -51,6 +56,22 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
         throw Error(Errc::refused,
                     registration.receiver + " keeps state between events, so it must see every one: it cannot share");
     (void)choice(link, registration);
+    require_few_encodings(link, registration);
+}
+
+/// Each encoding is made once for all who want it; one peer that wanted many would have everybody pay for them.
+void Outlet::require_few_encodings(const Link& link, const protocol::Registration& registration) const
+{
+    constexpr std::size_t most_encodings = 4;
+    std::set<std::string> encodings{registration.options.encoding};
+    for (const auto& [id, place] : places_)
+        if (place.link.get() == &link)
+            encodings.insert(place.encoding.word());
+    encodings.erase("");
+    encodings.erase(EncodingChoice::as_it_is);
+    if (!registration.options.encoding.empty() && encodings.size() > most_encodings)
+        throw Error(Errc::refused, "output " + port_.name + " encodes its events in " + std::to_string(most_encodings)
+                                       + " ways at most for one peer");
 }
 
 std::size_t Outlet::receivers(const Link& link) const

@@ -68,6 +68,7 @@ try {
     next_step_ = Clock::now();
     parts_.declaration.parameters.assign(values);
     parts_.declaration.on_change();
+    parts_.declaration.parameters.require_tellable();
     return std::nullopt;
 } catch (...) {
     const Error error = current_error();

@@ -31,7 +31,7 @@ public:
                                        + form.event().type);
              },
          .not_encoded = [this](const EmissionPtr&, const Error& problem) { problems.emplace_back(problem.what()); },
-         .on_encoder_thread = [this](std::function<void()> job) { jobs.push_back(std::move(job)); },
+         .on_encoder_thread = [this](ReceiverId, std::function<void()> job) { jobs.push_back(std::move(job)); },
          .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
 
     void send(ReceiverId receiver, const EmissionPtr& event, const std::string& encoding)
@@ -196,10 +196,11 @@ TEST_CASE("dispatch: a job that ends after the module's end does nothing")
         .encodings = {"loud"}, .type = {}, .encode = [](const Event& event, const std::string&) { return event; }};
     int transmitted = 0;
     {
-        Dispatch dispatch(encoder, {.transmit = [&](const Send&, const Emission&) { ++transmitted; },
-                                    .not_encoded = {},
-                                    .on_encoder_thread = [&](std::function<void()> given) { job = std::move(given); },
-                                    .on_network_side = [&](std::function<void()> given) { task = std::move(given); }});
+        Dispatch dispatch(
+            encoder, {.transmit = [&](const Send&, const Emission&) { ++transmitted; },
+                      .not_encoded = {},
+                      .on_encoder_thread = [&](ReceiverId, std::function<void()> given) { job = std::move(given); },
+                      .on_network_side = [&](std::function<void()> given) { task = std::move(given); }});
         dispatch.send({1, emission(1), Delivery::data, {}}, "loud");
         job();
         REQUIRE(task);

@@ -61,6 +61,8 @@ struct Segment {
 };
 Json to_json(const Segment& segment);
 Segment segment_from_json(const Json& object);
+/// Slots are at most a quarter larger than the largest body that the receiver takes.
+constexpr std::uint64_t most_slot_size(std::uint64_t most_body) { return most_body + most_body / 4; }
 
 /// One use of one slot of a segment.
 struct Slot {

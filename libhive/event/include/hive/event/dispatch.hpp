@@ -26,7 +26,8 @@ public:
         std::function<void(const Send& send, const Emission& form)> transmit;
         /// The encoder threw; the event goes as it is.
         std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
-        Run on_encoder_thread, on_network_side;
+        std::function<void(ReceiverId for_whom, std::function<void()>)> on_encoder_thread;
+        Run on_network_side;
     };
 
     /// `encoder` is kept by reference, also by jobs: both outlive the encoder thread.

@@ -23,7 +23,8 @@ public:
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
-        Dispatch::Run on_encoder_thread, on_network_side;
+        std::function<void(const std::string& peer, std::function<void()>)> on_encoder_thread;
+        Dispatch::Run on_network_side;
     };
     /// @param drone    whose output it is
     /// @param carrier  the packet type that carries its events: event or exception
@@ -71,6 +72,7 @@ private:
         bool data;                              ///< receives bodies
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
+    void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
     void transmit(const Send& send, const Emission& form);
     void execute(const Decisions& decisions);
