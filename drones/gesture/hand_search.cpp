@@ -194,12 +194,12 @@ std::vector<HandSearch::Place> HandSearch::places_in(const cv::Mat& skin, double
 std::optional<HandSearch::Candidate> HandSearch::look_at(const cv::Mat& picture, const cv::Mat& skin,
                                                          const Place& place)
 {
-    const auto learnt =
-        SkinColour::learn(picture, disc(picture.size(), place.middle, 0.8 * place.radius) & skin, of_a_palm);
-    if (!learnt)
-        return std::nullopt;
     const int half = static_cast<int>(std::ceil(reach * place.radius)) + 2;
     const cv::Rect part = within({place.middle.x - half, place.middle.y - half, 2 * half + 1, 2 * half + 1}, picture);
+    const auto learnt = SkinColour::learn(
+        picture(part), disc(part.size(), place.middle - part.tl(), 0.8 * place.radius) & skin(part), of_a_palm);
+    if (!learnt)
+        return std::nullopt;
     const double scale = std::min(largest_enlargement, close_radius / place.radius);
     cv::Mat close;
     cv::resize(picture(part), close, {}, scale, scale, scale > 1 ? cv::INTER_CUBIC : cv::INTER_AREA);
