@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gesture_finder.hpp"
+#include "landmarks.hpp"
 #include "silhouette.hpp"
 #include "skin.hpp"
 
@@ -22,6 +23,8 @@ public:
     double tolerance = 3;  ///< how far a colour may be from that of the skin, standard deviations
     cv::Rect region;       ///< of skin, px; empty: look for a face
     SkinRange range;       ///< without a face and a region
+    /// Says which of the best places is a hand, and reads it; none: the outline tells.
+    std::optional<HandLandmarks> landmarks;
 
     /// The cascade that finds faces; without one no face is looked for. @throws std::runtime_error  says what is wrong
     void load_faces(const std::string& cascade_path);
@@ -50,7 +53,7 @@ private:
     [[nodiscard]] static std::vector<Place> places_in(const cv::Mat& skin, double smallest, double largest);
     [[nodiscard]] static std::optional<Candidate> look_at(const cv::Mat& picture, const cv::Mat& skin,
                                                           const Place& place);
-    [[nodiscard]] std::vector<Hand> best_of(std::vector<Candidate> candidates) const;
+    [[nodiscard]] std::vector<Hand> best_of(const cv::Mat& picture, std::vector<Candidate> candidates);
 
     cv::CascadeClassifier cascade_;
 };

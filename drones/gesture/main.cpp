@@ -8,6 +8,7 @@
 #include <media_fields.hpp>
 
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cmath>
@@ -86,6 +87,11 @@ public:
         if (cascade_ != loaded_)
             search_.load_faces(cascade_);
         loaded_ = cascade_;
+        if (landmarks_.empty())
+            search_.landmarks.reset();
+        else if (landmarks_ != loaded_landmarks_)
+            search_.landmarks.emplace(landmarks_);
+        loaded_landmarks_ = landmarks_;
         search_.region = region;
         search_.range = silhouette_.skin;
         search_.max_hands = finder_.max_hands;
@@ -108,6 +114,8 @@ private:
                         "of the search: how far a colour may be from that skin, in standard deviations");
         drone.parameter("cascade", cascade_, hive::anything(),
                         "of the search: file of the cascade that finds faces; empty: look for none");
+        drone.parameter("landmarks", landmarks_, hive::anything(),
+                        "of the search: ONNX file of a model of hand landmarks; empty: the outline tells the fingers");
     }
 
     void declare_skin(hive::Drone& drone)
@@ -122,7 +130,7 @@ private:
         drone.parameter("cb_max", skin.cb_max, byte, "skin: most Cb");
     }
 
-    std::string from_ = "auto", region_, loaded_,
+    std::string from_ = "auto", region_, loaded_, landmarks_, loaded_landmarks_,
                 cascade_ = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_alt2.xml";
     gesture::Silhouette silhouette_;
     gesture::GestureFinder finder_;
@@ -139,6 +147,7 @@ void gesture_drone(hive::Drone& drone)
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
         reader.apply();
     });
     drone.on_change([&] { reader.apply(); });

@@ -5,6 +5,7 @@
 #include <hand_search.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <scene.hpp>
 #include <swarm.hpp>
 
 #include <cmath>
@@ -119,6 +120,35 @@ TEST_CASE("hand search: several hands, as many as are asked for; in an empty roo
     const auto hands = search.find(picture);
     REQUIRE(hands.size() == 2);
     CHECK(hands[0].tips.size() + hands[1].tips.size() == 7);
+}
+
+TEST_CASE("hand search: of the scene with a plain wall it finds every hand, counts nearly all fingers, and sees none "
+          "where none is")
+{
+    camera::SceneSettings settings;
+    settings.background = camera::Background::plain;
+    settings.faces = 0;
+    settings.hand = true;
+    const camera::Scene scene(settings);
+    HandSearch search;
+    search.load_faces(cascade);
+    int found = 0, right = 0, shown = 0;
+    for (int index = 10; index < 210; index += 15) {
+        const auto picture = scene.picture(index);
+        const auto hands = search.find(picture.image);
+        CAPTURE(index);
+        if (picture.hands.empty()) {
+            CHECK(hands.empty());
+            continue;
+        }
+        ++shown;
+        const bool there = !hands.empty() && is_there(hands[0], picture.hands[0]);
+        found += there ? 1 : 0;
+        right += there && hands[0].tips.size() == static_cast<std::size_t>(picture.hands[0].fingers) ? 1 : 0;
+    }
+    MESSAGE(right, " of ", shown, " hands of the scene are read right");
+    CHECK(found == shown);
+    CHECK(right >= shown - 1);
 }
 
 TEST_CASE("hand search: pictures of any size are looked at")
