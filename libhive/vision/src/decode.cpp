@@ -1,12 +1,12 @@
 // Bodies to pictures: one decoder per declared type, chosen by the declaration and never by sniffing.
 #include "exif.hpp"
 #include "jpeg_structure.hpp"
+#include "png_pixels.hpp"
 #include "png_structure.hpp"
 #include "raw.hpp"
 
 #include <hive/error.hpp>
 
-#include <opencv2/imgcodecs.hpp>
 #include <turbojpeg.h>
 
 namespace hive::vision {
@@ -46,32 +46,26 @@ cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
     return upright(picture, jpeg.orientation);
 }
 
-PngHeader checked_png(const Body& body, const DecodeLimits& limits)
+PngSize checked_png(const Body& body, const DecodeLimits& limits)
 {
-    const PngHeader header = png_header(bytes_of(body));
-    check_pixels(header.width, header.height, limits, "PNG");
-    return header;
+    const PngSize size = png_size(bytes_of(body));
+    check_pixels(size.width, size.height, limits, "PNG");
+    return size;
 }
 
 cv::Mat decode_png(const Body& body, const DecodeLimits& limits)
 {
-    const PngHeader header = checked_png(body, limits);
-    const auto encoded = only_the_picture(bytes_of(body), header);
-    cv::Mat picture;
-    try {
-        picture = cv::imdecode(encoded, cv::IMREAD_COLOR);
-    } catch (const cv::Exception& problem) {
-        throw Error(Errc::malformed, "PNG: " + problem.err);
-    }
-    if (picture.empty() || static_cast<std::int64_t>(picture.total()) != header.width * header.height)
-        throw Error(Errc::malformed, "PNG: damaged or cut short");
-    return picture;
+    const PngSize size = checked_png(body, limits);
+    const PngStructure png = png_structure(bytes_of(body));
+    cv::Mat picture(static_cast<int>(size.height), static_cast<int>(size.width), CV_8UC3);
+    read_png(png.bytes, picture);
+    return upright(picture, png.orientation);
 }
 
 cv::Size size_of_png(const Body& body, const DecodeLimits& limits)
 {
-    const PngHeader header = checked_png(body, limits);
-    return {static_cast<int>(header.width), static_cast<int>(header.height)};
+    const PngSize size = checked_png(body, limits);
+    return {static_cast<int>(size.width), static_cast<int>(size.height)};
 }
 
 [[noreturn]] void unknown_type(const std::string& type)

@@ -7,20 +7,20 @@
 
 namespace hive::vision {
 
-/// What stands in the first chunk, IHDR. Nothing is checked but that there is a picture of some size.
-struct PngHeader {
-    std::int64_t width = 0, height = 0;  ///< 1 to 2^31 - 1
-    int depth = 0;                       ///< bits of a sample
-    int color = 0, compression = 0, filter = 0, interlace = 0;
+/// 1 to 2^31 - 1 each.
+struct PngSize {
+    std::int64_t width = 0, height = 0;
 };
+/// What stands in the first chunk. Throws Errc::malformed when the bytes do not begin with a signature and a header.
+PngSize png_size(std::span<const std::uint8_t> bytes);
 
-/// Throws Errc::malformed when the bytes do not begin with a signature and a header.
-PngHeader png_header(std::span<const std::uint8_t> bytes);
-
-/// The same PNG with nothing in it but what the picture needs: header, palette, transparency, pixels, EXIF. Texts and
-/// colour profiles, which a decoder would inflate, are left out unread. The pixels are inflated once here, without
-/// keeping them, and no further than the header says they go. Throws Errc::malformed when the chunks do not fit
-/// together, are damaged or cut short, or hold more or fewer bytes than the pixels are.
-std::vector<std::uint8_t> only_the_picture(std::span<const std::uint8_t> bytes, const PngHeader& header);
+/// A PNG without all that its picture does not need.
+struct PngStructure {
+    std::vector<std::uint8_t> bytes;  ///< header, palette, transparency and pixels
+    int orientation = 1;              ///< of EXIF, 1 to 8; 1 is upright
+};
+/// Walks the chunks from the first to the last. Texts and colour profiles, which a decoder would inflate, are left out
+/// unread. Throws Errc::malformed when the chunks do not fit together or the end is missing.
+PngStructure png_structure(std::span<const std::uint8_t> bytes);
 
 }  // namespace hive::vision
