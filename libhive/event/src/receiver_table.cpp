@@ -53,6 +53,8 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
         newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
     if (newcomer.options.delivery == Delivery::data && !held_.empty())
         offer_held(newcomer, now, decisions);
+    if (ended_)
+        tell_end(newcomer, now, decisions);
     return welcome;
 }
 
@@ -114,6 +116,33 @@ void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, 
             groups_.at(group->second).offer(event, now, decisions);
         else
             seats_.at(newcomer.id).line.offer(event, decisions);
+}
+
+void ReceiverTable::tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    if (Group* group = group_of(newcomer.id))
+        group->end(now, decisions);
+    else
+        seats_.at(newcomer.id).line.end(decisions);
+}
+
+void ReceiverTable::end(Clock::time_point now, Decisions& decisions)
+{
+    if (std::exchange(ended_, true))
+        return;
+    for (auto& [id, seat] : seats_)
+        seat.line.end(decisions);
+    for (auto& [name, group] : groups_)
+        group.end(now, decisions);
+}
+
+void ReceiverTable::go_on()
+{
+    ended_ = false;
+    for (auto& [id, seat] : seats_)
+        seat.line.go_on();
+    for (auto& [name, group] : groups_)
+        group.go_on();
 }
 
 Group* ReceiverTable::group_of(Id id)
@@ -198,6 +227,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     const auto kept = event->event().custody ? event->without_custody() : event;
     const bool whole = event->serves(Delivery::data);
     bool received = false;
+    ended_ = false;
     for (auto& [id, seat] : seats_)
         if (event->serves(seat.line.options().delivery)) {
             seat.line.offer(seat.line.takes_bodies() ? event : kept, decisions);
@@ -291,12 +321,22 @@ bool ReceiverTable::timed() const
     return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.leasing(); });
 }
 
+/// Does anything wait here for anybody?
+bool ReceiverTable::waits() const
+{
+    return std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.waiting() > 0; })
+           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.waiting() > 0; })
+           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.waiting() > 0; });
+}
+
 Reason ReceiverTable::why() const
 {
     if (!held_.empty())
         return Reason::held;
+    if (ended_ && !waits())
+        return Reason::source_ended;
     if (!wanted())
-        return Reason::no_receiver;
+        return seats_.empty() ? Reason::no_receiver : Reason::watched;
     if (!kept_.empty())
         return Reason::place_kept;
     for (const auto& [name, group] : groups_)

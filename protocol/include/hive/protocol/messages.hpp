@@ -51,6 +51,14 @@ struct Request {
 std::string to_text(const Request& request);
 Request request_from_json(const Json& object);
 
+/// An output has ended: nothing more will come (SPEC.md, section 5.6).
+struct End {
+    static constexpr std::size_t most_text = 1024;
+    std::string text;  ///< empty: the regular end of its source
+};
+Json to_json(const End& end);
+End end_from_json(const Json& object);
+
 /// A segment of shared memory that a sender offers; its descriptor travels with the packet.
 struct Segment {
     std::uint32_t id = 0;
