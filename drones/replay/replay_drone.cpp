@@ -118,6 +118,8 @@ void ReplayDrone::open(const Opened& wanted)
     event_.reset();
     damaged_ = without_body_ = 0;
     begun_ = ended_ = asked_before_ = false;
+    const bool whole = playback_ && wanted.range == Range{};
+    drone_.source_events(whole && !loop_ ? playback_->reader().summary().events() : 0);
     drone_.condition("waiting for a receiver");
 }
 
@@ -244,7 +246,9 @@ std::chrono::microseconds ReplayDrone::at_end()
         text += "; damaged events left out: " + std::to_string(damaged_);
     if (without_body_ > 0)
         text += "; without a body, so for no receiver of bodies: " + std::to_string(without_body_);
-    drone_.condition(problem.empty() ? text : text + "; " + problem);
+    drone_.condition(problem.empty() ? text : text + "; " + problem, hive::Reason::source_ended);
+    for (const auto& [port, output] : outputs_)
+        output.end(problem);
     return 1s;
 }
 

@@ -1,4 +1,4 @@
-// The JSON of hello, register, request and confirmation.
+// The JSON of hello, register, request, end and confirmation.
 #include <hive/name.hpp>
 #include <hive/plain_text.hpp>
 #include <hive/printable.hpp>
@@ -113,6 +113,22 @@ Request request_from_json(const Json& object)
             request.back.push_back(*number);
         }
     return request;
+}
+
+Json to_json(const End& end)
+{
+    Json json = Json::object();
+    if (!end.text.empty())
+        json["text"] = end.text;
+    return json;
+}
+
+End end_from_json(const Json& object)
+{
+    End end{Fields(object, "end").text_or("text", "")};
+    if (end.text.size() > End::most_text)
+        throw Error(Errc::malformed, "end: \"text\" has at most " + std::to_string(End::most_text) + " bytes");
+    return end;
 }
 
 Json to_json(const Confirmation& confirmation)

@@ -43,7 +43,7 @@ void Link::on_packet(const Packet& packet)
         if (!open_)
             return on_hello(packet);
         if (packet.type == PacketType::event || packet.type == PacketType::notification
-            || packet.type == PacketType::exception) {
+            || packet.type == PacketType::exception || packet.type == PacketType::end) {
             if (const auto sink = channels_.find(packet.channel); sink != channels_.end())
                 ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
             return;

@@ -155,9 +155,9 @@ bool Module::make_room()
     return true;
 }
 
-std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink)
+std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end)
 {
-    return intakes_.emplace_back(std::make_shared<Intake>(*this, std::move(spec), std::move(sink)));
+    return intakes_.emplace_back(std::make_shared<Intake>(*this, std::move(spec), std::move(sink), std::move(on_end)));
 }
 
 void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left)

@@ -20,6 +20,9 @@ ReceiverTable::Defences defences()
             .places = std::getenv("HIVE_TEST_NO_PLACES") == nullptr};
 }
 
+/// Of what is said about an end; cut so that it still fits when a broken character at its end becomes longer.
+constexpr std::size_t longest_text = protocol::End::most_text - 24;
+
 /// May a receiver that was lost come back? A drone may be started again; an application that died does not.
 bool returns(const Link& link, Fate how) { return link.peer().kind != "application" || how != Fate::lost_killed; }
 
@@ -38,7 +41,8 @@ Outlet::Outlet(const protocol::Hello& drone, Port port, PacketType carrier, Enco
                                    const auto& peer = places_.at(receiver).link->connection().peer();
                                    hooks_.on_encoder_thread(peer, std::move(job));
                                },
-                           .on_network_side = hooks_.on_network_side})
+                           .on_network_side = hooks_.on_network_side,
+                           .end = [this](ReceiverId receiver) { transmit_end(receiver); }})
 {
 }
 
@@ -154,6 +158,16 @@ void Outlet::offer(const EmissionPtr& event, bool hold)
     execute(decisions);
 }
 
+void Outlet::end(const std::string& text)
+{
+    end_text_ = text.substr(0, longest_text);
+    Decisions decisions;
+    table_.end(Clock::now(), decisions);
+    execute(decisions);
+}
+
+void Outlet::go_on() { table_.go_on(); }
+
 void Outlet::release_held()
 {
     table_.release_held();
@@ -183,6 +197,9 @@ void Outlet::execute(const Decisions& decisions)
             dispatch_.send(send, send.delivery == Delivery::data ? place->second.encoding.of(send.event->event())
                                                                  : std::string());
     }
+    for (const auto receiver : decisions.ends)
+        if (places_.contains(receiver))
+            dispatch_.end(receiver);
     for (const auto& event : decisions.failed)
         hooks_.failed(event);
     refresh();
@@ -205,6 +222,13 @@ void Outlet::transmit(const Send& send, const Emission& form)
         });
     place.shared += carriage == transport::Carriage::reference ? 1 : 0;
     place.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
+}
+
+void Outlet::transmit_end(ReceiverId receiver)
+{
+    const Place& place = places_.at(receiver);
+    place.link->connection().send(
+        protocol::make_packet(PacketType::end, to_text(protocol::to_json(protocol::End{end_text_})), place.channel));
 }
 
 void Outlet::refresh()

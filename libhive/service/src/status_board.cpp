@@ -73,6 +73,12 @@ bool StatusBoard::condition(const std::string& text, Reason why)
     return values_.condition != kept;
 }
 
+void StatusBoard::source_events(std::int64_t events)
+{
+    const std::lock_guard lock(mutex_);
+    values_.source_events = events;
+}
+
 void StatusBoard::exception(ExceptionStatus exception)
 {
     const std::lock_guard lock(mutex_);

@@ -32,7 +32,8 @@ public:
              },
          .not_encoded = [this](const EmissionPtr&, const Error& problem) { problems.emplace_back(problem.what()); },
          .on_encoder_thread = [this](ReceiverId, std::function<void()> job) { jobs.push_back(std::move(job)); },
-         .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
+         .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); },
+         .end = [this](ReceiverId receiver) { transmitted.push_back("end to " + std::to_string(receiver)); }}};
 
     void send(ReceiverId receiver, const EmissionPtr& event, const std::string& encoding)
     {
@@ -68,6 +69,17 @@ private:
 using Words = std::vector<std::string>;
 
 }  // namespace
+
+TEST_CASE("dispatch: the end comes behind what is still being encoded, and for the others at once")
+{
+    Workshop shop;
+    shop.send(7, emission(1), "loud");
+    shop.dispatch.end(7);
+    shop.dispatch.end(8);
+    CHECK(shop.transmitted == std::vector<std::string>{"end to 8"});
+    shop.run_all();
+    CHECK(shop.transmitted == std::vector<std::string>{"end to 8", "1 to 7 as text/loud", "end to 7"});
+}
 
 TEST_CASE("dispatch: what needs no encoding leaves at once, without the encoder thread")
 {

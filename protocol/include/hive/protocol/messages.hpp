@@ -53,6 +53,14 @@ Request request_from_json(const Json& object);
 /// The same, quickly where it is written as to_text writes it: there is one for each event.
 Request request_from_text(std::string_view text);
 
+/// An output has ended: nothing more will come (SPEC.md, section 5.6).
+struct End {
+    static constexpr std::size_t most_text = 1024;
+    std::string text;  ///< empty: the regular end of its source
+};
+Json to_json(const End& end);
+End end_from_json(const Json& object);
+
 /// A segment of shared memory that a sender offers; its descriptor travels with the packet.
 struct Segment {
     std::uint32_t id = 0;

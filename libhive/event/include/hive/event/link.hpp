@@ -54,7 +54,7 @@ public:
         std::function<void(Link&, const protocol::Packet&)> packet;  ///< registrations and requests of the peer
         std::function<void(Link&, const Error&)> closed;             ///< once, the last
     };
-    /// Receives the packets (event, notification, exception) of one channel.
+    /// Receives the packets (event, notification, exception, end) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;
 
     /// @param pool  where the bodies of this module lie that a peer on this machine may read

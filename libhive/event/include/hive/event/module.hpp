@@ -95,7 +95,9 @@ public:
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) override;
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
-    std::shared_ptr<Intake> add_intake(IntakeSpec spec, Intake::Sink sink);
+    /// @param on_end  called when end_of() may have changed
+    std::shared_ptr<Intake> add_intake(
+        IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end = [] {});
     void remove_intake(
         const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
