@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 std::vector<std::string> first_settings(const Topology& topology, const std::string& drone, std::int64_t fed)
 {
     if (drone == source)
-        return {std::string("pace=") + (topology.demand ? "demand" : "live"), "fps=200", "bytes=100",
+        return {std::string("pace=") + (topology.demand ? "demand" : "live"), "fps=200", "bytes=100", "ends=false",
                 "count=" + std::to_string(fed)};
     if (drone == watcher)
         return {};

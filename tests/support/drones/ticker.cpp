@@ -29,6 +29,7 @@ public:
         drone.parameter("pace", pace_, hive::one_of({"live", "demand"}),
                         "live never waits; demand gives the next one when all receivers ask");
         drone.parameter("count", count_, hive::at_least(0), "how many in all; 0: no end");
+        drone.parameter("ends", ends_, "the last of them is the end of the source");
         drone.on_change([this] { begin_ = Clock::now(), made_since_ = 0; });
         drone.main([this] { return step(); });
     }
@@ -37,13 +38,14 @@ private:
     std::chrono::microseconds step()
     {
         if (count_ > 0 && made_ >= count_) {
-            if (!std::exchange(ended_, true)) {
+            if (ends_ && !std::exchange(ended_, true)) {
                 drone_.condition("end of source", hive::Reason::source_ended);
                 tick_.end();
             }
             return 1s;
         }
-        ended_ = false;
+        if (std::exchange(ended_, false))
+            drone_.condition("");
         if (pace_ == "demand")
             return tick_.asked() ? (emit(true), 0us) : 1s;
         const auto due = begin_
@@ -76,7 +78,7 @@ private:
     std::string pace_ = "live";
     Clock::time_point begin_ = Clock::now();
     std::int64_t made_ = 0, made_since_ = 0;
-    bool ended_ = false;
+    bool ends_ = true, ended_ = false;
 };
 
 }  // namespace
