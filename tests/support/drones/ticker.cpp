@@ -29,7 +29,7 @@ public:
         drone.parameter("pace", pace_, hive::one_of({"live", "demand"}),
                         "live never waits; demand gives the next one when all receivers ask");
         drone.parameter("count", count_, hive::at_least(0), "how many in all; 0: no end");
-        drone.parameter("ends", ends_, "the last of them is the end of the source");
+        drone.parameter("ends", ends_, {}, "the last of them is the end of the source");
         drone.on_change([this] { begin_ = Clock::now(), made_since_ = 0; });
         drone.main([this] { return step(); });
     }
