@@ -195,6 +195,7 @@ void Outlet::refresh()
     received_ = received;
     shares_ = std::ranges::any_of(
         places_, [](const auto& row) { return row.second.data && row.second.link->connection().shares(); });
+    fans_out_ = table_.fans_out();
     asked_ = asked;
     backlogged_ = backlogged;
     if (changed)

@@ -12,6 +12,12 @@ bool ReceiverTable::wanted() const noexcept
            || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
 }
 
+bool ReceiverTable::fans_out() const
+{
+    const auto plain = std::ranges::count_if(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+    return plain + std::ssize(kept_) > 1;
+}
+
 bool ReceiverTable::asked() const
 {
     const auto line_asks = [](const auto& row) { return !row.second.line.takes_bodies() || row.second.line.asks(); };

@@ -158,7 +158,8 @@ void Emitter::send(std::size_t output, Event event, bool complete)
         own = Share{.of = self_.name + "." + port.name,
                     .epoch = self_.epoch,
                     .turn = ++slot.given,
-                    .part = event.identity.part};
+                    .part = event.identity.part,
+                    .each = slot.outlet->fans_out()};
     auto emission = std::make_shared<const event::Emission>(std::move(event), complete, std::move(own));
     slot.handover.enter();
     module_->loop().perform([this, &slot, emission = std::move(emission)] {

@@ -15,7 +15,7 @@
 
 namespace hive::event {
 
-/// Network side, but for wanted(), received(), asked() and shares().
+/// Network side, but for wanted(), received(), asked(), fans_out() and shares().
 class Outlet {
 public:
     struct Hooks {
@@ -58,6 +58,8 @@ public:
     [[nodiscard]] bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
     /// Does anybody receive bodies through shared memory?
+    /// Does each event go to several plain receivers of bodies?
+    [[nodiscard]] bool fans_out() const noexcept { return fans_out_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool timed() const { return table_.timed(); }
     [[nodiscard]] OutputStatus status() const;
@@ -88,7 +90,7 @@ private:
     ReceiverId next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
-    std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, shares_ = false;
+    std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, shares_ = false, fans_out_ = false;
     bool backlogged_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

@@ -69,6 +69,8 @@ public:
     [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
     /// Does anybody receive bodies, or is to have them when it is back?
     [[nodiscard]] bool wanted() const noexcept;
+    /// Does each event go to several plain receivers of bodies, those that are awaited included?
+    [[nodiscard]] bool fans_out() const;
     /// Has every receiver of bodies asked for an event that it has not got (and is there one)?
     [[nodiscard]] bool asked() const;
     /// Do lossless events wait for somebody to ask?
