@@ -93,6 +93,8 @@ std::vector<std::string> settings(const Options& options)
                                      {"loop", std::string(options.loop ? "on" : "")}})
         if (!value.empty())
             words.insert(words.end(), {"--set", std::string(key) + "=" + value});
+    if (options.halted)
+        words.emplace_back("--halted");
     return words;
 }
 
@@ -106,13 +108,7 @@ int run(const Options& options, Session& session)
         session.json ? print_json(options.file, reader) : print_text(options.file, reader);
         return reader.problem().empty() ? exit_code::done : exit_code::partly_done;
     }
-    if (const int code = start_in_background(session, {"replay", "replay", options.name, settings(options)});
-        code != exit_code::done)
-        return code;
-    session.application().timeout(session.timeout());
-    if (options.halted)
-        session.application().halt(options.name);
-    return exit_code::done;
+    return start_in_background(session, {"replay", "replay", options.name, settings(options)});
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -11,7 +11,7 @@ namespace {
 struct Options {
     std::string kind, name, on_exception, listen, log_level;
     std::vector<std::string> settings;
-    bool insecure = false;
+    bool halted = false, insecure = false;
 };
 
 std::vector<std::string> arguments(const Options& options)
@@ -24,6 +24,8 @@ std::vector<std::string> arguments(const Options& options)
                                       {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
+    if (options.halted)
+        words.emplace_back("--halted");
     if (options.insecure)
         words.emplace_back("--insecure");
     return words;
@@ -47,6 +49,7 @@ Run declare(CommandLine& line, Session& session)
                 "when its code throws: skip the input (default), or halt until resumed")
         .type_name("skip|halt")
         .one_of({"skip", "halt"});
+    line.flag("--halted", options->halted, "start it halted, so that everything can be connected first");
     line.option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT").type_name("ADDRESS");
     line.flag("--insecure", options->insecure,
               "let --listen take peers without a key: only on a network that you trust wholly");

@@ -190,4 +190,14 @@ std::vector<std::string> Model::missing(std::int64_t epoch, std::int64_t produce
     return missing;
 }
 
+std::int64_t Model::failed_early() const
+{
+    const auto& ends = topology_.stages.back().drones;
+    std::int64_t exceptions = 0;
+    for (const auto& [event, all] : came_)
+        exceptions += std::ranges::count_if(
+            all, [&](auto& came) { return came.outcome.failed && std::ranges::count(ends, came.outcome.sender) == 0; });
+    return exceptions;
+}
+
 }  // namespace hive::mixtures

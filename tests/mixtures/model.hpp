@@ -33,6 +33,8 @@ public:
     std::optional<std::string> came(const Outcome& outcome);
     /// Of a source on demand at rest: what has not come, of the events that it has produced in this epoch.
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
+    /// How many exceptions came of drones before the last stage.
+    [[nodiscard]] std::int64_t failed_early() const;
     /// Was anything excused so far?
     [[nodiscard]] bool was_excused() const { return !excuses_.empty(); }
 

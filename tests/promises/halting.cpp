@@ -61,6 +61,7 @@ TEST_CASE("halt: a replay that is started halted gives nothing before it is resu
         application.stop("source");
     }
     swarm.hivectl_done(start);
+    CHECK(status_of(application, "source").at("state") == "halted");
     const auto collector = application.collect({{"worker", "result"}});
     application.resume("source");
     CHECK(take(*collector, 50).size() == 50);

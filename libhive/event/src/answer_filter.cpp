@@ -52,13 +52,17 @@ bool AnswerFilter::first(const Event& event)
         return true;
     const auto& shares = event.identity.shares;
     std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn), attempts;
-    bool behind_group = false;
+    bool behind_group = false, by_kind = true;
     for (std::size_t i = 0; i < count; ++i) {
         add_stage(work, shares[i], i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender, behind_group);
+        by_kind = behind_group || !shares[i].group();
         behind_group = behind_group || shares[i].group();
         (attempts += std::to_string(shares[i].attempt)) += ' ';
     }
-    (((work += ' ') += event.kind) += '.') += event.output;
+    work += ' ';
+    if (by_kind)  // the group that this key names may have workers of several kinds
+        work += event.kind;
+    (work += '.') += event.output;
     (work += '/') += std::to_string(event.identity.part);
     const auto [place, inserted] = answers_.try_emplace(work, Answer{attempts, event.custody});
     if (!inserted) {

@@ -288,8 +288,8 @@ void Group::leave(ReceiverId id, Clock::time_point now, Decisions& decisions)
     if (member.empty())
         return;
     let_go(member.mapped(), Fate::lost_left);
-    if (members_.empty())
-        empty(true, decisions);
+    if (members_.empty())  // one that was lost before may have answered what is open, and comes back to say so
+        empty(lost_.empty() || open_.empty(), decisions);
     settle(decisions);
     pump(now, decisions);
 }
@@ -309,13 +309,14 @@ void Group::lose(ReceiverId id, Fate how, Clock::time_point now, Decisions& deci
 }
 
 /// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new.
-void Group::empty(bool left, Decisions& decisions)
+/// @param ended  nobody is waited for
+void Group::empty(bool ended, Decisions& decisions)
 {
     if (!fresh_.empty() && !fresh_.back()->lossless()) {
         fresh_.pop_back();
         ledger_->went(Fate::skipped);
     }
-    if (left)
+    if (ended)
         return give_up_all(decisions);
     const auto lossless = [](const auto& row) { return row.second.event->lossless(); };
     awaited_ = lossless_ || !fresh_.empty() || std::ranges::any_of(open_, lossless);

@@ -32,8 +32,8 @@ public:
     /// What a worker told when this began to receive its results: how far the group was, and the turns that it had in
     /// hand, whose results will come.
     void expect(const Share& standing, const std::vector<std::int64_t>& open);
-    /// @return  false: it comes after its turn was given up or had failed, or after this began behind it, and is left
-    /// out
+    /// @return  false: its turn was given up, has failed, or lies before the one that this began with; the result is
+    /// left out
     bool push(Event event, TimePoint now);
     /// This turn has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);

@@ -65,6 +65,7 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     app.add_option("--on-exception", policy, "when the drone's code throws: skip the input, or halt until resumed")
         ->check(CLI::IsMember({"skip", "halt"}))
         ->default_str("skip");
+    app.add_flag("--halted", settings.halted, "halt at once: nothing is done before `hivectl resume`");
     app.add_option("--log-level", level, "what is written to stderr")
         ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
         ->capture_default_str();

@@ -112,6 +112,8 @@ void DroneCore::prepare()
     const Json state = service::left_state(running_->home, self_, reporter_);
     take_values(state);
     board_.idle();
+    if (settings_.halted)
+        running_->halting.halt();
     reporter_.log("started");
     serve(state);
 }

@@ -19,6 +19,7 @@ struct DroneSettings {
     std::vector<std::string> listen;        ///< further addresses beside the local socket
     Json parameters = Json::object();       ///< --set
     std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
+    bool halted = false;                    ///< from the start
     bool describe = false;
 };
 

@@ -112,7 +112,8 @@ TEST_CASE("drone: --help and --version answer and end well; unknown flags and ba
 {
     const auto help = subject::run_offline({"--help"});
     CHECK(help.exit_code == 0);
-    for (const char* flag : {"--name", "--listen", "--set", "--describe", "--on-exception", "--log-level", "--version"})
+    for (const char* flag :
+         {"--name", "--listen", "--set", "--describe", "--on-exception", "--halted", "--log-level", "--version"})
         CHECK_MESSAGE(help.output.find(flag) != std::string::npos, flag);
     const auto version = subject::run_offline({"--version"});
     CHECK(version.exit_code == 0);

@@ -78,6 +78,21 @@ TEST_CASE(
     CHECK_FALSE(one.first(answer_of("face-2", 2, 1, false)));
 }
 
+TEST_CASE("answer filter: workers of one group are interchangeable also when they are of different kinds")
+{
+    const auto by = [](Event event, const char* kind) {
+        event.kind = kind;
+        return event;
+    };
+    AnswerFilter filter;
+    CHECK(filter.first(by(answer({turn_1}), "face")));
+    CHECK_FALSE(filter.first(by(answer({with(turn_1, 1, 2)}, "worker"), "python_face")));
+    // Behind that group the groups of its members have no names in the work: there the kind tells them apart.
+    const Share inner{.of = "face-1.faces#ages", .epoch = 3, .turn = 7, .attempt = 1, .to = "crop"};
+    CHECK(filter.first(by(answer({turn_1, inner}, "age-1"), "age")));
+    CHECK(filter.first(by(answer({turn_1, with(inner, 7, 2)}, "mood-1"), "mood")));
+}
+
 TEST_CASE("answer filter: other outputs and parts are other answers, and so is the work of a restarted sender")
 {
     AnswerFilter filter;

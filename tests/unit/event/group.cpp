@@ -239,4 +239,20 @@ TEST_CASE("group: the last member that leaves on purpose ends the work: what is 
     CHECK(workers.all_balanced());
 }
 
+TEST_CASE("group: the last member that leaves on purpose ends no work that a lost one may have answered")
+{
+    Workers workers(2, sharing(1));
+    workers.offer(1);
+    workers.offer(2);
+    workers.lose(1);
+    workers.leave(2);
+    CHECK(workers.failed.empty());
+    CHECK(workers.group.awaited());
+    CHECK(workers.join(7, "face-1") == Got{{7, {1}}});
+    workers.done(7, 1);
+    workers.leave(7);
+    CHECK(workers.failed == Sequences{2});  // nobody is away any more
+    CHECK(workers.all_balanced());
+}
+
 }  // namespace hive::event

@@ -140,6 +140,7 @@ private:
         member.options = options;
         member.known.asked = options.window;
         awaited_ = false;
+        lost_.erase(member.name);
         decide([&](Decisions& to) {
             group_.join(id, member.name, member.registration, options, accounts_[member.name], now_, to);
         });
@@ -267,18 +268,20 @@ private:
             if (!member.hands[i].handed_back)
                 let_go(id, member.hands[i], died && i == member.worked() && !member.hands[i].passed_on, false);
         if (members_.empty())
-            empty(left);
+            empty(left && (lost_.empty() || open_.empty()));
+        if (!left)
+            lost_.insert(member.name);
         end_hopeless();
         decide([&](Decisions& to) { call(id, to); });
     }
 
-    void empty(bool left)
+    void empty(bool ended)
     {
         if (!fresh_.empty() && !fresh_.back()->lossless()) {
             fresh_.pop_back();
             books_.went(Fate::skipped);
         }
-        if (left)
+        if (ended)
             return give_up_all();
         const auto lossless = [](const auto& row) { return row.second.event->lossless(); };
         awaited_ = last_was_lossless_ || !fresh_.empty() || std::ranges::any_of(open_, lossless);
@@ -287,6 +290,7 @@ private:
     void forget()
     {
         awaited_ = false;
+        lost_.clear();
         give_up_all();
         decide([&](Decisions& to) { group_.forget(to); });
     }
@@ -357,6 +361,7 @@ private:
     std::deque<EmissionPtr> fresh_;
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0, turns_ = 0;
+    std::set<std::string> lost_;
     bool awaited_ = false, last_was_lossless_ = false;
     Sequences expected_failures_;
 };

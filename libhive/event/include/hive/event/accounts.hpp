@@ -1,4 +1,4 @@
-// What each receiver and group of an output has had, counted on beyond its registrations (SPEC.md, section 8).
+// What each receiver and group of an output has had, counted on beyond its registrations (SPEC.md, section 5.5).
 #pragma once
 
 #include <hive/status.hpp>
