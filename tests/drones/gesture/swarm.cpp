@@ -111,11 +111,12 @@ TEST_CASE(
     CHECK(read > 0.95 * shown);
 }
 
-TEST_CASE("gesture swarm: live, the header is as the page shows it, and the picture has the hand marked")
+TEST_CASE(
+    "gesture swarm: live, at the defaults, the header is as the page shows it, and the picture has the hand marked")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "hand=on", "faces=0"});
-    const auto gesture = swarm.drone("gesture", "gesture", {"silhouette=skin"});
+    const auto gesture = swarm.drone("gesture", "gesture");
     auto application = swarm.application();
     const auto collector = application.collect({{"gesture", "gesture"}});
     const auto annotated = application.collect({{"gesture", "annotated"}});
