@@ -7,6 +7,7 @@
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 #include <hive/vision/loans.hpp>
+#include <media_fields.hpp>
 
 #include <opencv2/core/utility.hpp>
 
@@ -20,6 +21,7 @@ void check_picture(const hive::Event& event)
 hive::Json header_of(const hive::Event& image, const hive::Event& marks, const hive::vision::PlainForm& form)
 {
     hive::Json header = form.header;
+    media_fields::pass_on(image.header, header);
     header["marks"] = marks.header;
     header["apart_ms"] = static_cast<double>(image.identity.captured_us - marks.identity.captured_us) / 1000;
     return header;

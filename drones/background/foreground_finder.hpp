@@ -53,6 +53,8 @@ public:
     /// that is mostly the known background in another light.
     /// @param picture  8 bit, BGR or grey; not changed
     [[nodiscard]] Foreground find(const cv::Mat& picture);
+    /// The next picture begins a new model.
+    void restart() { subtractor_.release(); }
 
 private:
     void begin(const cv::Mat& picture);

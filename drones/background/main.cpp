@@ -10,6 +10,9 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include <string>
+#include <utility>
+
 namespace {
 
 using background::Foreground;
@@ -48,6 +51,7 @@ hive::Body mask_body(const hive::Output& output, const cv::Mat& mask)
 void background_drone(hive::Drone& drone)
 {
     ForegroundFinder finder;
+    std::pair<std::string, std::int64_t> source;  ///< of the last picture, and its epoch
     drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}),
                     "mixture of gaussians or nearest neighbours, for each pixel");
     drone.parameter("history", finder.model.history, hive::between(1, 10000),
@@ -74,6 +78,9 @@ void background_drone(hive::Drone& drone)
         "image", hive::vision::image_types,
         [&](const hive::Event& event) {
             const cv::Mat picture = hive::vision::view(event);
+            const std::pair seen(event.identity.source, event.identity.epoch);
+            if (std::exchange(source, seen) != seen)
+                finder.restart();  // another scene, or the same one from its beginning
             const Foreground found = finder.find(picture);
             if (found.learned == 1)
                 drone.log("learns a background of " + std::to_string(found.mask.cols) + "x"

@@ -5,10 +5,10 @@
 
 namespace media_fields {
 
-/// Copies the name of the file and the picture's time in it, where they are told.
+/// Copies the name of the file, its frame rate and the picture's time in it, where they are told.
 inline void pass_on(const hive::Json& from, hive::Json& to)
 {
-    for (const char* field : {"file", "media_time_us"})
+    for (const char* field : {"file", "fps", "media_time_us"})
         if (const auto told = from.find(field); told != from.end())
             to[field] = *told;
 }

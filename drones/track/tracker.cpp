@@ -261,12 +261,12 @@ double Tracker::cost_of_weak(const Followed& one, const Box& box) const
 /// For tracks that have missed a picture before, and may have gone elsewhere meanwhile.
 double Tracker::cost_of_return(const Followed& one, const Box& box) const
 {
-    const auto looks = appearance > 0 ? difference(one.look, box.look) : std::nullopt;
-    if (!one.track.confirmed || one.track.missing < 2 || !looks || *looks > same_look)
+    const double looks = appearance > 0 ? difference(one.look, box.look).value_or(1) : 1;
+    if (!one.track.confirmed || one.track.missing < 2 || looks > same_look)
         return alone;
     const Box expected = one.box();
     const double far = distance(expected, box) / (return_reach * gate * (diagonal(expected) + diagonal(box)) / 2);
-    return far >= 1 ? alone : alone * (far + *looks) / 2;
+    return far >= 1 ? alone : alone * (far + looks) / 2;
 }
 
 /// Has it been missing for too long, gone out of the picture, or been replaced by something else?

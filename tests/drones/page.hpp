@@ -29,4 +29,12 @@ inline std::vector<std::string> keys(const nlohmann::json& object)
     return names;
 }
 
+/// Of the header of a result: without what is passed on from a picture that comes from a file.
+inline std::vector<std::string> own_keys(nlohmann::json header)
+{
+    for (const char* field : {"file", "fps", "media_time_us"})
+        header.erase(field);
+    return keys(header);
+}
+
 }  // namespace hive::test

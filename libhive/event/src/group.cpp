@@ -309,14 +309,14 @@ void Group::lose(ReceiverId id, Fate how, Clock::time_point now, Decisions& deci
 }
 
 /// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new.
-/// @param ended  nobody is waited for
-void Group::empty(bool ended, Decisions& decisions)
+/// @param over  nobody is waited for
+void Group::empty(bool over, Decisions& decisions)
 {
     if (!fresh_.empty() && !fresh_.back()->lossless()) {
         fresh_.pop_back();
         ledger_->went(Fate::skipped);
     }
-    if (ended)
+    if (over)
         return give_up_all(decisions);
     const auto lossless = [](const auto& row) { return row.second.event->lossless(); };
     awaited_ = lossless_ || !fresh_.empty() || std::ranges::any_of(open_, lossless);

@@ -93,6 +93,7 @@ TEST_CASE("foreground: a change of the model, the size or the channels begins an
     CHECK(learned_after([](cv::Mat&) {}) == 4);
     CHECK(learned_after([&](cv::Mat&) { finder.open = 2; }) == 8);
     CHECK(learned_after([&](cv::Mat&) { finder.min_area = 10; }) == 12);
+    CHECK(learned_after([&](cv::Mat&) { finder.restart(); }) == 1);
     CHECK(learned_after([&](cv::Mat&) { finder.model.history = 50; }) == 1);
     CHECK(learned_after([&](cv::Mat&) { finder.model.threshold = 30; }) == 1);
     CHECK(learned_after([&](cv::Mat&) { finder.model.shadows = true; }) == 1);

@@ -110,7 +110,8 @@ TEST_CASE("tracking swarm: the script starts it, live, and tracks come to the sh
     REQUIRE(started.exit_code == 0);
     auto application = swarm.application();
     const auto collector = application.collect({{"track", "tracks"}}),
-               masks = application.collect({{"background", "mask"}});
+               masks = application.collect({{"background", "mask"}}),
+               foregrounds = application.collect({{"background", "foreground"}});
     const auto followed = [&] {
         const auto event = collector->next(patient(1000ms));
         return event && confirmed(event->header.at("tracks")) > 0;
@@ -121,5 +122,11 @@ TEST_CASE("tracking swarm: the script starts it, live, and tracks come to the sh
     CHECK(mask->type == "image/raw");
     CHECK(mask->header.at("pixel_format") == "gray8");
     CHECK(mask->body.size() == 320 * 240);
+    const auto foreground = foregrounds->next(patient(5000ms));
+    REQUIRE(foreground);
+    CHECK(foreground->header.at("pixel_format") == "bgr8");
+    CHECK(foreground->body.size() == 3 * 320 * 240);
+    CHECK(std::count(foreground->body.data(), foreground->body.data() + foreground->body.size(), 0)
+          > 3 * 320 * 240 / 2);  // most of the wall is black
     swarm.hivectl_done({"stop", "--all"});
 }

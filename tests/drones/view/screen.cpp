@@ -142,6 +142,21 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("view window: a picture that is larger than the screen is shown smaller, in its shape")
+{
+    if (!installed("Xvfb"))
+        return;
+    const Swarm swarm;
+    const TestScreen screen(swarm);
+    const auto camera = swarm.drone("camera", "camera", {"width=1600", "height=900", "fps=10"});
+    const auto view = swarm.drone("view", "view", {}, {}, {"DISPLAY=" + screen.name});
+    swarm.application().connect({"camera", ""}, {"view", ""});
+    const auto window = [&] { return screen.find("camera.image - Hive view"); };
+    REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(20'000)));
+    // Of the 800x600 px of the screen 760x528 are for windows.
+    CHECK(eventually([&] { return screen.look(window()).first == cv::Size(760, 427); }, Milliseconds(5000)));
+}
+
 TEST_CASE("view window: the text on a picture that stays is written anew")
 {
     if (!installed("Xvfb"))

@@ -111,7 +111,7 @@ private:
     void let_go(Member& member, Fate how);
     void settle(Decisions& decisions);
     void tell_end(Decisions& decisions);
-    void empty(bool ended, Decisions& decisions);
+    void empty(bool over, Decisions& decisions);
     void abandon(const EmissionPtr& event, const Share& share, Decisions& decisions);
     void give_up_all(Decisions& decisions);
     [[nodiscard]] EmissionPtr next_event() const;

@@ -63,9 +63,9 @@ public:
     [[nodiscard]] bool received() const noexcept { return received_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
-    /// Does anybody receive bodies through shared memory?
     /// Does each event go to several plain receivers of bodies?
     [[nodiscard]] bool fans_out() const noexcept { return fans_out_.load(std::memory_order_relaxed); }
+    /// Does anybody receive bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool timed() const { return table_.timed(); }
     [[nodiscard]] OutputStatus status() const;
