@@ -28,8 +28,7 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
     if (Pass::cross_site(request))
         return sentence(403, "Other pages may not look.");
     if (!pass.in_address(request) && !pass.in_cookie(request))
-        return sentence(403, "Open the address that hivectl view prints. For a drone that was started as NAME it ends "
-                             "in ?token= and what hivectl get NAME token says.");
+        return sentence(403, "Open the address that hivectl view prints, or that is in the log of the drone.");
     if (request.method != "GET")
         return sentence(405, "Only GET.");
     if (request.path == "/" && pass.in_address(request))

@@ -3,7 +3,6 @@
 
 #include "display.hpp"
 #include "host.hpp"
-#include "pass.hpp"
 
 #include <hive/vision/image.hpp>
 
@@ -47,8 +46,9 @@ void ViewDrone::declare()
 {
     drone_.parameter("http", http_, hive::between(0, 65535), "port of the page for browsers; 0: none");
     drone_.parameter("bind", bind_, hive::anything(), "address of that page; 0.0.0.0: every address of this machine");
-    drone_.parameter("token", token_, hive::anything(),
-                     "what browsers must say, as in http://127.0.0.1:8080/?token=TOKEN; empty: one is drawn");
+    drone_.parameter(
+        "token", token_, hive::anything(),
+        "what browsers must say, as in http://127.0.0.1:8080/?token=TOKEN; empty: one is drawn, see the log");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
     drone_.parameter("overlay", overlay_, hive::anything(),
                      "write names, rate and age on the pictures, but not on those of the page, which says so itself");
@@ -72,9 +72,8 @@ void ViewDrone::apply()
 /// The old server ends first: both may want the same port. If the new one cannot listen, the old parameters come again.
 void ViewDrone::serve()
 {
-    if (http_ != 0 && token_.empty())
-        token_ = Pass::draw_token();
-    const std::tuple wanted(bind_, http_, token_);
+    const std::string& token = token_.empty() ? drawn_token_ : token_;
+    const std::tuple wanted(bind_, http_, token);
     if (wanted == served_)
         return;
     server_.reset();
@@ -82,9 +81,9 @@ void ViewDrone::serve()
     try {
         if (http_ != 0) {
             server_ =
-                std::make_unique<Server>(Server::Settings{.bind = bind_, .port = http_, .token = token_}, exchange_);
+                std::make_unique<Server>(Server::Settings{.bind = bind_, .port = http_, .token = token}, exchange_);
             drone_.log("the page for browsers is " + url_of(bind_, http_)
-                       + "?token=TOKEN; the parameter token says which");
+                       + (token_.empty() ? "?token=" + drawn_token_ : ""));
         }
     } catch (const std::runtime_error& error) {
         throw hive::Error(hive::Errc::refused, error.what());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "exchange.hpp"
+#include "pass.hpp"
 #include "server.hpp"
 #include "window.hpp"
 
@@ -40,6 +41,7 @@ private:
     std::string bind_ = "127.0.0.1", token_, window_ = "auto";
     bool overlay_ = true, display_ = false;
 
+    const std::string drawn_token_ = Pass::draw_token();
     Exchange exchange_;
     Rate rate_;
     std::tuple<std::string, int, std::string> served_;  ///< address, port and token; port 0: none

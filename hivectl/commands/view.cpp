@@ -10,7 +10,9 @@
 #include "../verbs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <sys/random.h>
 #include <sys/wait.h>
 
 namespace hivectl {
@@ -46,16 +48,31 @@ LaunchPlan plan_of(const Options& options, const std::string& name)
     if (options.port == 0)
         plan.arguments = {"--set", "window=on"};
     else
-        plan.arguments = {"--set", "window=off", "--set", "http=" + std::to_string(options.port)};
+        plan.arguments = {"--set", "window=off"};
     return plan;
 }
 
-/// The address that a browser has to open; empty when there is a window instead.
-std::string url_of(const Options& options, hive::Application& application, const std::string& viewer)
+/// 128 bits of chance, as text.
+std::string drawn_token()
+{
+    std::array<unsigned char, 16> chance{};
+    if (::getrandom(chance.data(), chance.size(), 0) != static_cast<ssize_t>(chance.size()))
+        throw hive::Error(hive::Errc::io, "the system has no random numbers");
+    std::string token;
+    for (const unsigned byte : chance)
+        for (const unsigned digit : {byte >> 4, byte & 15})
+            token += "0123456789abcdef"[digit];
+    return token;
+}
+
+/// Has the page served, and returns the address that a browser has to open; empty when there is a window instead. The
+/// token goes to the drone over its socket: command lines are for everybody to read.
+std::string serve(const Options& options, hive::Application& application, const std::string& viewer)
 {
     if (options.port == 0)
         return "";
-    const auto token = application.get(viewer, {"token"}).at("token").get<std::string>();
+    const auto token = drawn_token();
+    application.set(viewer, {{"http", options.port}, {"token", token}});
     return "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + token;
 }
 
@@ -106,11 +123,12 @@ int show(const Options& options, const hive::Endpoint& output, const LaunchPlan&
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;
     application.timeout(session.timeout());
+    const auto url = serve(options, application, plan.name);
     hive::ConnectionOptions connection;
     connection.first_frame = true;
     connection.encoding = options.encoding;
     application.connect(output, {plan.name, "image"}, connection);
-    report(url_of(options, application, plan.name), output, plan.name, session.json);
+    report(url, output, plan.name, session.json);
     return look(options, launch, application, plan.name);
 }
 

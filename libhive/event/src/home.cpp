@@ -104,6 +104,8 @@ void Home::write_state(const std::string& name, const Json& state) const
     const fs::path target = path(name, ".state"), fresh = path(name, ".state.new");
     {
         std::ofstream file(fresh, std::ios::trunc);
+        std::error_code ignored;  // the folder is for its owner alone as well
+        fs::permissions(fresh, fs::perms::owner_read | fs::perms::owner_write, ignored);
         file << state.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
         if (!file.flush())
             fail(Errc::io, "cannot write " + fresh.string());

@@ -19,8 +19,8 @@ fs::path certificate(const Swarm& swarm, const std::string& name)
     fs::create_directory(folder);
     const auto made =
         swarm.run({"/usr/bin/openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
-                   "-nodes", "-days", "2", "-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1",
-                   "-keyout", folder.string() + ".key", "-out", (folder / "camera.pem").string()});
+                   "-nodes", "-days", "2", "-subj", "/CN=" + name, "-addext", "subjectAltName=IP:127.0.0.1", "-keyout",
+                   folder.string() + ".key", "-out", (folder / "camera.pem").string()});
     REQUIRE_MESSAGE(made.exit_code == 0, made.err);
     REQUIRE(swarm.run({"/usr/bin/openssl", "rehash", folder.string()}).exit_code == 0);
     fs::copy_file(folder / "camera.pem", folder / "ca-certificates.crt");
