@@ -1,5 +1,5 @@
 // Opens the file before it checks it, so that the file that was checked is the one that is read.
-#include "credentials.hpp"
+#include "login_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -11,7 +11,7 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace axis {
+namespace capture {
 namespace {
 
 class File {
@@ -51,24 +51,24 @@ std::string variable(const char* name)
 }
 
 /// Half a login would be tried all the same, and cameras count.
-std::optional<Credentials> credentials_of_environment()
+std::optional<Credentials> credentials_of_environment(const CredentialVariables& names)
 {
-    const Credentials found{variable(user_variable), variable(password_variable)};
+    const Credentials found{variable(names.user), variable(names.password)};
     if (found.user.empty() && found.password.empty())
         return std::nullopt;
     if (found.user.empty() || found.password.empty())
-        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? user_variable : password_variable)
+        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? names.user : names.password)
                                  + " is missing in the environment, where "
-                                 + (found.user.empty() ? password_variable : user_variable) + " is set");
+                                 + (found.user.empty() ? names.password : names.user) + " is set");
     return found;
 }
 
 }  // namespace
 
-std::optional<Credentials> read_credentials(const std::string& path)
+std::optional<Credentials> read_credentials(const std::string& path, const CredentialVariables& variables)
 {
     if (path.empty())
-        return credentials_of_environment();
+        return credentials_of_environment(variables);
     const std::string line = first_line(path);
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0)
@@ -82,4 +82,4 @@ std::filesystem::file_time_type written_at(const std::string& path)
     return std::filesystem::last_write_time(path, none);
 }
 
-}  // namespace axis
+}  // namespace capture
