@@ -42,7 +42,7 @@ private:
 };
 
 std::string condition_of(hive::Application& application) { return application.status("camera").condition; }
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool says_so(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Each test has ports of its own, since they may run at once.
 std::string port(int number) { return std::to_string(20'000 + ::getpid() % 4'000 * 10 + number); }
@@ -80,7 +80,7 @@ TEST_CASE("rtsp: a login comes from a file, is said to be missing or wrong, and 
         return;
     const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
     auto application = swarm.application();
-    CHECK(eventually([&] { return has(condition_of(application), "the camera wants a login"); }, 20'000ms));
+    CHECK(eventually([&] { return says_so(condition_of(application), "the camera wants a login"); }, 20'000ms));
     const auto file = swarm.home() / "login";
     const auto write = [&](const std::string& text) {
         std::ofstream(file) << text << '\n';
@@ -88,14 +88,14 @@ TEST_CASE("rtsp: a login comes from a file, is said to be missing or wrong, and 
     };
     write("viewer:wrong");
     application.set("camera", {{"credentials", file.string()}});
-    CHECK(eventually([&] { return has(condition_of(application), "refuses this login"); }, 20'000ms));
-    CHECK(eventually([&] { return has(condition_of(application), "not tried again"); }, 20'000ms));
+    CHECK(eventually([&] { return says_so(condition_of(application), "refuses this login"); }, 20'000ms));
+    CHECK(eventually([&] { return says_so(condition_of(application), "not tried again"); }, 20'000ms));
     write("viewer:s3cr:t/%");
     application.set("camera", {{"credentials", file.string()}});
     CHECK(application.collect({{"camera", "image"}})->next(patient(20'000ms)));
-    CHECK_FALSE(has(swarm.log("camera"), "s3cr"));
-    CHECK_FALSE(has(text_of("/proc/" + std::to_string(camera.pid()) + "/cmdline"), "s3cr"));
-    CHECK_FALSE(has(application.get("camera").dump(), "s3cr"));
+    CHECK_FALSE(says_so(swarm.log("camera"), "s3cr"));
+    CHECK_FALSE(says_so(text_of("/proc/" + std::to_string(camera.pid()) + "/cmdline"), "s3cr"));
+    CHECK_FALSE(says_so(application.get("camera").dump(), "s3cr"));
 }
 
 TEST_CASE("rtsp: a camera that goes away and comes back gives pictures again")
