@@ -1,17 +1,14 @@
-// The user and password of the camera: from a file that only its owner can read, or from the environment.
+// The user and password of an Axis camera, and which camera they are for.
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <string>
+#include "camera_url.hpp"
+
+#include <login_file.hpp>
 
 namespace axis {
 
-struct Credentials {
-    std::string user, password;
-    std::string camera = {};  ///< the URL of the camera that they are for; empty: the file does not say
-    bool operator==(const Credentials&) const = default;
-};
+using capture::Credentials;
+using capture::written_at;
 
 inline constexpr const char* user_variable = "HIVE_AXIS_USER";
 inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
@@ -21,8 +18,13 @@ inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
 /// @return  nothing when neither is there
 /// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
 /// variable is missing
-std::optional<Credentials> read_credentials(const std::string& path);
-/// When the file was written; always the same time when there is none.
-std::filesystem::file_time_type written_at(const std::string& path);
+/// @throws std::invalid_argument  when the second line is no URL of a camera
+inline std::optional<Credentials> read_credentials(const std::string& path)
+{
+    auto credentials = capture::read_credentials(path, {user_variable, password_variable});
+    if (credentials && !credentials->camera.empty())
+        credentials->camera = parse_camera_url(credentials->camera).text();
+    return credentials;
+}
 
 }  // namespace axis

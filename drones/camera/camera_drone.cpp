@@ -89,6 +89,11 @@ void CameraDrone::declare()
     drone_.parameter("loop", loop_, hive::anything(), "start files again at their end");
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}),
                      "live never waits; demand publishes the next picture when all receivers have asked");
+    drone_.parameter("credentials", credentials_, hive::anything(),
+                     "of a network camera: file with user:password, chmod 600; empty: HIVE_CAMERA_USER and "
+                     "HIVE_CAMERA_PASSWORD");
+    drone_.parameter("transport", transport_, hive::one_of({"tcp", "udp"}),
+                     "of rtsp://: tcp loses nothing; udp does not wait for what is lost");
     drone_.parameter("faces", faces_, hive::between(0, 3), "number of faces in the scene");
     drone_.parameter("walkers", walkers_, hive::between(0, 4), "number of people who walk through the scene");
     drone_.parameter("hand", hand_, hive::anything(),
@@ -99,7 +104,7 @@ void CameraDrone::declare()
 
 CameraDrone::Wanted CameraDrone::wanted() const
 {
-    Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}}, fps_, pace_};
+    Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}, credentials_, transport_}, fps_, pace_};
     if (!is_scene(source_))
         return wanted;  // what the scene shall show is no reason to open a file or a camera again
     wanted.source.scene.faces = faces_;
@@ -113,7 +118,7 @@ CameraDrone::Wanted CameraDrone::wanted() const
 void CameraDrone::apply()
 {
     const Wanted now = wanted();
-    if (opened_ == now)
+    if (opened_ == now && !(capture_ && capture_->gave_up()))
         return;
     open(now);
     // The same scene with other things in it is no other source.
@@ -142,7 +147,8 @@ void CameraDrone::open(const Wanted& wanted)
     else
         capture_ = std::make_unique<Capture>(
             [settings = wanted.source, memory = memory_] { return open_source(settings, memory.get()); }, wanted.fps,
-            is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop, [this] { drone_.wake(); });
+            is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop, [this] { drone_.wake(); },
+            kind == SourceKind::url ? "connecting to " + shown_source(wanted.source.text) : "");
 }
 
 std::chrono::microseconds CameraDrone::step() { return capture_ ? step_live() : step_on_demand(); }

@@ -16,14 +16,19 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds stalled_after{2};
 constexpr std::chrono::milliseconds shortest_pause{500}, longest_pause{10'000};
 constexpr double usual_fps = 30;
+constexpr int most_refused_logins = 3;      ///< cameras lock out who tries too often
 constexpr std::size_t most_problems = 100;  ///< that wait to be taken
 
 }  // namespace
 
 class Capture::Work : public capture::PictureWork<Frame> {
 public:
-    Work(Opener open, double fps, AtEnd at_end, std::function<void()> notice)
-        : PictureWork(std::move(notice)), open_(std::move(open)), fps_(fps), at_end_(at_end)
+    Work(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening)
+        : PictureWork(std::move(notice)),
+          open_(std::move(open)),
+          fps_(fps),
+          at_end_(at_end),
+          opening_(std::move(opening))
     {
     }
 
@@ -37,6 +42,12 @@ public:
     {
         const std::lock_guard lock(mutex_);
         return cut_short_;
+    }
+
+    [[nodiscard]] bool gave_up() const
+    {
+        const std::lock_guard lock(mutex_);
+        return gave_up_;
     }
 
     [[nodiscard]] bool ended() const
@@ -73,6 +84,14 @@ private:
         notify();
     }
 
+    void give_up(const std::string& text, bool for_good)
+    {
+        const std::lock_guard lock(mutex_);
+        trouble_ = text;
+        gave_up_ = for_good;
+        notify();
+    }
+
     void report(const std::string& problem)
     {
         const std::lock_guard lock(mutex_);
@@ -98,6 +117,7 @@ private:
     void post(Frame frame)
     {
         backoff_.reset();
+        logins_refused_ = 0;
         gives_pictures_ = true;
         const std::lock_guard lock(mutex_);
         newest_ = std::move(frame);
@@ -145,6 +165,8 @@ private:
     bool open_and_read()
     {
         try {
+            if (!opening_.empty())
+                say(std::exchange(opening_, ""));  // once: later it is known why it has to be opened again
             const auto source = open_();
             const bool camera = at_end_ == AtEnd::open_again;
             if ((camera ? read_camera(*source) : read_file(*source)) == Outcome::stopped)
@@ -154,6 +176,11 @@ private:
             else
                 end(source->cut_short());
             return camera;
+        } catch (const LoginRefused& problem) {
+            const bool again = ++logins_refused_ < most_refused_logins;
+            give_up(problem.what() + std::string(again ? "" : "; it is not tried again before something is set"),
+                    !again);
+            return again;
         } catch (const std::exception& problem) {
             say(problem.what());
             return true;
@@ -170,19 +197,21 @@ private:
     Opener open_;
     double fps_;
     AtEnd at_end_;
+    std::string opening_;
     hive::Backoff backoff_{shortest_pause, longest_pause};  ///< begins anew with each picture
-    bool gives_pictures_ = false;                           ///< the last attempt at one did
+    int logins_refused_ = 0;
+    bool gives_pictures_ = false;  ///< the last attempt at one did
 
     // under the mutex
     std::string trouble_;  ///< empty while the source is open
-    bool file_ended_ = false;
+    bool file_ended_ = false, gave_up_ = false;
     std::string cut_short_;
     std::vector<std::string> problems_;
     Clock::time_point last_news_ = Clock::now();
 };
 
-Capture::Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice)
-    : work_(std::make_shared<Work>(std::move(open), fps, at_end, std::move(notice))), thread_(work_)
+Capture::Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening)
+    : work_(std::make_shared<Work>(std::move(open), fps, at_end, std::move(notice), std::move(opening))), thread_(work_)
 {
 }
 
@@ -191,6 +220,8 @@ std::optional<Frame> Capture::take() { return work_->take(); }
 std::vector<std::string> Capture::problems() { return work_->problems(); }
 
 std::string Capture::cut_short() const { return work_->cut_short(); }
+
+bool Capture::gave_up() const { return work_->gave_up(); }
 
 bool Capture::ended() const { return work_->ended(); }
 

@@ -22,7 +22,8 @@ public:
 
     /// @param fps     pictures per second; 0: as the source has it, or 30 if it has no rate
     /// @param notice  called from the capture's thread when there is news; never after the capture is destroyed
-    Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice);
+    /// @param opening  what condition() says while it is being opened; empty: nothing
+    Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening = "");
 
     /// The newest picture that was not yet taken.
     std::optional<Frame> take();
@@ -30,6 +31,8 @@ public:
     std::vector<std::string> problems();
     /// Why the end came too early; empty if it did not.
     [[nodiscard]] std::string cut_short() const;
+    /// Has it ended because a login was refused three times?
+    [[nodiscard]] bool gave_up() const;
     /// Has a file come to its end? What take() gives after that is its last picture.
     [[nodiscard]] bool ended() const;
     /// Empty when pictures come; otherwise what is wrong: "stalled", "end of source", or why it does not open.

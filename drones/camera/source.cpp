@@ -16,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* user_variable = "HIVE_CAMERA_USER";
+constexpr const char* password_variable = "HIVE_CAMERA_PASSWORD";
+
 std::vector<unsigned char> read_file(const fs::path& path)
 {
     std::ifstream file(path, std::ios::binary);
@@ -174,7 +177,11 @@ std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAlloc
     case SourceKind::folder: return open_folder(settings.text, settings.loop, memory);
     case SourceKind::video: return open_video(settings.text, settings.loop, memory);
     case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps, memory);
-    case SourceKind::url: return open_url(settings.text, memory);
+    case SourceKind::url:
+        return open_url({settings.text,
+                         capture::read_credentials(settings.credentials, {user_variable, password_variable}),
+                         settings.transport},
+                        memory);
     }
     throw std::logic_error("a kind of source that nobody opens");
 }

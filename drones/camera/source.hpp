@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,8 @@ struct SourceSettings {
     double fps = 0;              ///< asked of a device; 0: as it likes
     bool loop = true;            ///< files begin again at their end
     SceneSettings scene;         ///< its size and background are taken from above
+    std::string credentials = {};   ///< of a network camera: a file with user:password; empty: of the environment
+    std::string transport = "tcp";  ///< of RTSP
 
     bool operator==(const SourceSettings&) const = default;
 };
@@ -64,6 +67,12 @@ protected:
 
 private:
     std::vector<std::string> news_;
+};
+
+/// A camera did not take the login: whoever tries again and again may be locked out.
+class LoginRefused : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
 };
 
 /// What kind of source a text names, without opening it (files are looked at, devices and networks are not asked).

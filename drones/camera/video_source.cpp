@@ -1,4 +1,4 @@
-// Uses VideoCapture, with deadlines where a network is involved and errors that say what is missing.
+// Uses VideoCapture, with errors that say what is missing.
 #include "video_source.hpp"
 
 #include <opencv2/videoio.hpp>
@@ -12,9 +12,6 @@
 
 namespace camera {
 namespace {
-
-/// OpenCV waits 30 s by default; these count only when they are given to open().
-const std::vector<int> two_seconds{cv::CAP_PROP_OPEN_TIMEOUT_MSEC, 2000, cv::CAP_PROP_READ_TIMEOUT_MSEC, 2000};
 
 class VideoSource : public Source {
 public:
@@ -126,14 +123,6 @@ std::unique_ptr<Source> open_device(const std::string& path, cv::Size size, doub
     capture.set(cv::CAP_PROP_FRAME_HEIGHT, size.height);
     if (fps > 0)
         capture.set(cv::CAP_PROP_FPS, fps);
-    return std::make_unique<VideoSource>(std::move(capture), VideoSource::AtEnd::stop, memory);
-}
-
-std::unique_ptr<Source> open_url(const std::string& url, cv::MatAllocator* memory)
-{
-    cv::VideoCapture capture;
-    if (!capture.open(url, cv::CAP_FFMPEG, two_seconds))
-        throw std::runtime_error("no video from " + shown_source(url) + " within 2 s");
     return std::make_unique<VideoSource>(std::move(capture), VideoSource::AtEnd::stop, memory);
 }
 

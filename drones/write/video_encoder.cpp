@@ -9,6 +9,8 @@
 namespace writing {
 namespace {
 
+using ffmpeg::checked;
+
 /// The constant rate factor of x264: 18 at the usual 80, 10 at 100.
 std::string rate_factor(int quality) { return std::to_string(std::lround(50 - 0.4 * quality)); }
 
@@ -45,7 +47,7 @@ VideoEncoder::VideoEncoder(const AVOutputFormat& container, const EncoderSetting
 
 bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, const EncoderSettings& settings)
 {
-    CodecContext context(avcodec_alloc_context3(&codec));
+    ffmpeg::CodecContext context(avcodec_alloc_context3(&codec));
     context->width = (settings.size.width + 1) / 2 * 2;  // colours are kept at half the size
     context->height = (settings.size.height + 1) / 2 * 2;
     context->pix_fmt = codec.id == AV_CODEC_ID_MJPEG ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;

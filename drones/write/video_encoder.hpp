@@ -1,7 +1,7 @@
 // Pictures to packets, by the first encoder of FFmpeg that is there and fits the file.
 #pragma once
 
-#include "ffmpeg.hpp"
+#include <ffmpeg.hpp>
 
 #include <opencv2/core/mat.hpp>
 
@@ -37,10 +37,10 @@ private:
     bool open(const AVCodec& codec, const AVOutputFormat& container, const EncoderSettings& settings);
     void receive(const std::function<void(AVPacket&)>& take);
 
-    CodecContext context_;
-    FramePtr frame_;
-    PacketPtr packet_;
-    Scaler scaler_;
+    ffmpeg::CodecContext context_;
+    ffmpeg::FramePtr frame_;
+    ffmpeg::PacketPtr packet_;
+    ffmpeg::Scaler scaler_;
 };
 
 }  // namespace writing

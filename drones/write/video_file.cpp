@@ -8,6 +8,7 @@ namespace writing {
 namespace {
 
 namespace fs = std::filesystem;
+using ffmpeg::checked;
 
 std::string ending_of(const std::string& path)
 {
@@ -60,7 +61,7 @@ public:
 
     void run()
     {
-        const PacketPtr packet(av_packet_alloc());
+        const ffmpeg::PacketPtr packet(av_packet_alloc());
         checked(avformat_write_header(out_, nullptr), "the file could not be completed");
         while (av_read_frame(in_, packet.get()) >= 0) {
             av_packet_rescale_ts(packet.get(), in_->streams[0]->time_base, out_->streams[0]->time_base);

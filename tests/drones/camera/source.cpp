@@ -142,7 +142,7 @@ TEST_CASE("source: a folder takes every format that OpenCV reads, whatever it is
 {
     const media::Folder folder;
     const cv::Mat picture = media::sample({20, 10}, CV_8UC3);
-    for (const char* ending : {".bmp", ".pgm", ".png", ".ras", ".tiff", ".webp"})
+    for (const char* ending : {".bmp", ".png", ".ppm", ".ras", ".tiff", ".webp"})
         media::write(folder.path() / ("a" + std::string(ending)), media::encoded(ending, picture));
     media::write(folder.path() / "b.dat", media::encoded(".png", picture));
     media::write(folder.path() / "notes.txt", {'x'});

@@ -101,7 +101,7 @@ private:
     std::deque<Item> waiting_, in_hand_;
     std::size_t waiting_bytes_ = 0;
     std::optional<bool> lossless_;  ///< was the last event offered? Then its source waits for its receivers
-    bool ending_ = false;    ///< the receiver is still to be told of the end
+    bool ending_ = false;           ///< the receiver is still to be told of the end
     std::optional<Clock::time_point> kept_until_;
     Fate lost_as_ = Fate::lost_connection;  ///< when its place was kept last
 };

@@ -1,7 +1,5 @@
 // Opens the file before it checks it, so that the file that was checked is the one that is read.
-#include "credentials.hpp"
-
-#include "camera_url.hpp"
+#include "login_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -13,7 +11,7 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace axis {
+namespace capture {
 namespace {
 
 class File {
@@ -61,31 +59,31 @@ std::string variable(const char* name)
 }
 
 /// Half a login would be tried all the same, and cameras count.
-std::optional<Credentials> credentials_of_environment()
+std::optional<Credentials> credentials_of_environment(const CredentialVariables& names)
 {
-    const Credentials found{variable(user_variable), variable(password_variable)};
+    const Credentials found{variable(names.user), variable(names.password), {}};
     if (found.user.empty() && found.password.empty())
         return std::nullopt;
     if (found.user.empty() || found.password.empty())
-        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? user_variable : password_variable)
+        throw std::runtime_error(std::string("credentials: ") + (found.user.empty() ? names.user : names.password)
                                  + " is missing in the environment, where "
-                                 + (found.user.empty() ? password_variable : user_variable) + " is set");
+                                 + (found.user.empty() ? names.password : names.user) + " is set");
     return found;
 }
 
 }  // namespace
 
-std::optional<Credentials> read_credentials(const std::string& path)
+std::optional<Credentials> read_credentials(const std::string& path, const CredentialVariables& variables)
 {
     if (path.empty())
-        return credentials_of_environment();
+        return credentials_of_environment(variables);
     std::string text = text_of(path);
     const std::string line = next_line(text), camera = next_line(text);
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0)
         throw std::runtime_error("credentials: the first line of " + path + " must be user:password");
-    const bool says = camera.starts_with("http://") || camera.starts_with("https://");
-    return Credentials{line.substr(0, colon), line.substr(colon + 1), says ? parse_camera_url(camera).text() : ""};
+    const bool says = camera.find("://") != std::string::npos;
+    return Credentials{line.substr(0, colon), line.substr(colon + 1), says ? camera : ""};
 }
 
 std::filesystem::file_time_type written_at(const std::string& path)
@@ -94,4 +92,4 @@ std::filesystem::file_time_type written_at(const std::string& path)
     return std::filesystem::last_write_time(path, none);
 }
 
-}  // namespace axis
+}  // namespace capture

@@ -13,15 +13,16 @@ extern "C" {
 #include <stdexcept>
 #include <string>
 
-namespace writing {
+namespace ffmpeg {
 
 struct Release {
     void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
     void operator()(AVFrame* frame) const { av_frame_free(&frame); }
     void operator()(AVPacket* packet) const { av_packet_free(&packet); }
     void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
-    void operator()(AVDictionary* dictionary) const { av_dict_free(&dictionary); }
+    void operator()(AVFormatContext* input) const { avformat_close_input(&input); }
 };
+using Input = std::unique_ptr<AVFormatContext, Release>;
 using CodecContext = std::unique_ptr<AVCodecContext, Release>;
 using FramePtr = std::unique_ptr<AVFrame, Release>;
 using PacketPtr = std::unique_ptr<AVPacket, Release>;
@@ -37,4 +38,4 @@ inline int checked(int code, const std::string& what)
     throw std::runtime_error(what + ": " + text.data());
 }
 
-}  // namespace writing
+}  // namespace ffmpeg

@@ -1,0 +1,31 @@
+// The user and password of a camera: from a file that only its owner can read, or from the environment.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace capture {
+
+struct Credentials {
+    std::string user, password;
+    std::string camera = {};  ///< the URL of the camera that they are for; empty: the file does not say
+    bool operator==(const Credentials&) const = default;
+};
+
+/// Names of variables of the environment.
+struct CredentialVariables {
+    const char* user;
+    const char* password;
+};
+
+/// @param path  a file whose first line is user:password, and whose second line may be a URL; empty: the environment
+/// variables
+/// @return  nothing when neither is there
+/// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
+/// variable is missing
+std::optional<Credentials> read_credentials(const std::string& path, const CredentialVariables& variables);
+/// When the file was written; always the same time when there is none.
+std::filesystem::file_time_type written_at(const std::string& path);
+
+}  // namespace capture
