@@ -85,8 +85,9 @@ private:
 
     void declare_network(hive::Drone& drone)
     {
-        drone.parameter("model", settings_.model, hive::anything(), "ONNX file of a detector; empty: look for people");
-        drone.parameter("classes", settings_.classes, hive::anything(),
+        drone.parameter("model", settings_.model, hive::anything().by_operator(),
+                        "ONNX file of a detector; empty: look for people");
+        drone.parameter("classes", settings_.classes, hive::anything().by_operator(),
                         "file of the model's class names, one a line; empty: numbers");
         drone.parameter("input_width", settings_.input.width, hive::between(8, 4096).in("px"),
                         "width of the model's input");

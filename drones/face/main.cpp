@@ -34,7 +34,7 @@ void face_drone(hive::Drone& drone)
     drone.parameter("max_size", finder.max_size, hive::between(0, 16384).in("px"),
                     "side of the largest face; 0: no limit");
     drone.parameter("equalise", finder.equalise, hive::anything(), "equalise the grey levels first");
-    drone.parameter("cascade", cascade, hive::anything(), "file of the Haar or LBP cascade");
+    drone.parameter("cascade", cascade, hive::anything().by_operator(), "file of the Haar or LBP cascade");
     const hive::Output faces = drone.output("faces", "application/json", "the boxes, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
                                                 "the picture with the faces framed", hive::vision::encoder());

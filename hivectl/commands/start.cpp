@@ -9,9 +9,9 @@ namespace hivectl {
 namespace {
 
 struct Options {
-    std::string kind, name, on_exception, listen, log_level;
+    std::string kind, name, on_exception, listen, key, log_level;
     std::vector<std::string> settings;
-    bool insecure = false;
+    bool insecure = false, remote_operator = false;
 };
 
 std::vector<std::string> arguments(const Options& options)
@@ -21,11 +21,14 @@ std::vector<std::string> arguments(const Options& options)
         words.insert(words.end(), {"--set", setting});
     for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception},
                                       {"--listen", options.listen},
+                                      {"--key", options.key},
                                       {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
     if (options.insecure)
         words.emplace_back("--insecure");
+    if (options.remote_operator)
+        words.emplace_back("--remote-operator");
     return words;
 }
 
@@ -48,8 +51,12 @@ Run declare(CommandLine& line, Session& session)
         .type_name("skip|halt")
         .one_of({"skip", "halt"});
     line.option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT").type_name("ADDRESS");
+    line.option("--key", options->key, "the swarm's key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
+        .type_name("FILE");
     line.flag("--insecure", options->insecure,
               "let --listen take peers without a key: only on a network that you trust wholly");
+    line.flag("--remote-operator", options->remote_operator,
+              "who has the swarm's key may also set over the network what concerns this machine: paths, URLs, logins");
     line.option("--log-level", options->log_level,
                 "how much it writes to its log: debug, info (default), warning, error or off")
         .type_name("LEVEL")

@@ -51,7 +51,7 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
     Account& account = this->account(newcomer.receiver, newcomer.epoch, newcomer.options);
     const auto welcome =
         newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
-    if (newcomer.options.delivery == Delivery::data && !held_.empty())
+    if (newcomer.options.delivery == Delivery::data && !newcomer.guest && !held_.empty())
         offer_held(newcomer, now, decisions);
     return welcome;
 }
@@ -75,8 +75,9 @@ std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& n
 
 Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decisions& decisions)
 {
-    const auto& [id, receiver, epoch, options, place, taken, unique] = newcomer;
-    if (const auto kept = kept_for(newcomer); kept != kept_.end() && options.delivery == Delivery::data) {
+    const auto& [id, receiver, epoch, options, place, taken, unique, guest] = newcomer;
+    if (const auto kept = guest ? kept_.end() : kept_for(newcomer);
+        kept != kept_.end() && options.delivery == Delivery::data) {
         const Seat& seat = seats_.emplace(id, Seat{std::move(kept->second), kept->first}).first->second;
         kept_.erase(kept);
         const auto behind = seats_.at(id).line.resume(id, epoch, options, place != 0 ? taken : std::nullopt, decisions);
@@ -84,7 +85,8 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decision
         return {.place = seat.place, .taken = behind};
     }
     const auto fresh = epoch_ + static_cast<std::int64_t>(id);
-    Line& line = seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger), fresh}).first->second.line;
+    Line& line =
+        seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger, guest), fresh}).first->second.line;
     if (options.first_frame && held_.empty() && newest_ && newest_->serves(options.delivery))
         line.offer(newest_, decisions);
     return {.place = fresh};
@@ -200,7 +202,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     bool received = false;
     for (auto& [id, seat] : seats_)
         if (event->serves(seat.line.options().delivery)) {
-            seat.line.offer(seat.line.takes_bodies() ? event : kept, decisions);
+            seat.line.offer(seat.line.awaited() ? event : kept, decisions);
             received = true;
         }
     for (auto& [place, line] : kept_)
@@ -211,7 +213,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
             group.offer(event, now, decisions);
             received = true;
         }
-    if (hold && whole && event->lossless() && !wanted())
+    if (hold && whole && event->lossless() && !awaited())
         held_.push_back(event);
     else if (!received && kept_.empty())
         ++unreceived_;
@@ -267,15 +269,20 @@ std::optional<ReceiverTable::Id> ReceiverTable::holder(std::int64_t place) const
 
 bool ReceiverTable::wanted() const noexcept
 {
+    return awaited() || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+}
+
+bool ReceiverTable::awaited() const noexcept
+{
     return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
-           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.awaited(); });
 }
 
 bool ReceiverTable::asked() const
 {
-    const auto line_asks = [](const auto& row) { return !row.second.line.takes_bodies() || row.second.line.asks(); };
+    const auto line_asks = [](const auto& row) { return !row.second.line.awaited() || row.second.line.asks(); };
     const auto group_asks = [](const auto& row) { return !row.second.active() || row.second.asks(); };
-    return kept_.empty() && wanted() && std::ranges::all_of(seats_, line_asks)
+    return kept_.empty() && awaited() && std::ranges::all_of(seats_, line_asks)
            && std::ranges::all_of(groups_, group_asks);
 }
 
@@ -295,7 +302,7 @@ Reason ReceiverTable::why() const
 {
     if (!held_.empty())
         return Reason::held;
-    if (!wanted())
+    if (!awaited())
         return Reason::no_receiver;
     if (!kept_.empty())
         return Reason::place_kept;
@@ -303,7 +310,7 @@ Reason ReceiverTable::why() const
         if (group.active() && group.why() != Reason::none)
             return group.why();
     for (const auto& [id, seat] : seats_)
-        if (seat.line.takes_bodies() && seat.line.why() != Reason::none)
+        if (seat.line.awaited() && seat.line.why() != Reason::none)
             return seat.line.why();
     return Reason::none;
 }

@@ -37,7 +37,9 @@ public:
     static constexpr int most_failures = 3;                     ///< deaths of the receiver over one lossless event
     static constexpr auto place_kept = std::chrono::seconds(30);
 
-    Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger);
+    /// @param guest  it gets what there is, and nobody waits for it: what is lossless to others is live to it
+    Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger,
+         bool guest = false);
 
     void offer(const EmissionPtr& event, Decisions& decisions);
     void request(std::int64_t epoch, const Progress& progress, Decisions& decisions);
@@ -63,6 +65,8 @@ public:
     [[nodiscard]] bool kept() const noexcept { return kept_until_.has_value(); }
     [[nodiscard]] bool overdue(Clock::time_point now) const { return kept_until_ && *kept_until_ <= now; }
     [[nodiscard]] bool takes_bodies() const noexcept { return options_.delivery == Delivery::data; }
+    /// Does a source of lossless events wait for it?
+    [[nodiscard]] bool awaited() const noexcept { return takes_bodies() && !guest_; }
     /// Has it asked for an event that it has not got?
     [[nodiscard]] bool asks() const;
     /// Do lossless events wait for it?
@@ -76,7 +80,7 @@ private:
         int attempt = 0;    ///< deliveries so far
         int failures = 0;
     };
-    [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && takes_bodies(); }
+    [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && awaited(); }
     bool drop_oldest();
     void wait(Item item, bool first);
     Item next();
@@ -93,6 +97,7 @@ private:
     std::deque<Item> waiting_, in_hand_;
     std::size_t waiting_bytes_ = 0;
     bool lossless_ = false;  ///< the last event offered was: its source waits for its receivers
+    bool guest_ = false;
     std::optional<Clock::time_point> kept_until_;
     Fate lost_as_ = Fate::lost_connection;  ///< when its place was kept last
 };

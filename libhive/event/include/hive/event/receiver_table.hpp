@@ -15,6 +15,7 @@ struct Newcomer {
     std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
     std::optional<std::int64_t> taken = {};  ///< at that place
     bool unique = false;                     ///< nobody else has this name, so a place kept for the name is its own
+    bool guest = false;                      ///< it looks on, and nobody waits for it
 };
 
 /// What the newcomer is told.
@@ -69,7 +70,9 @@ public:
     [[nodiscard]] std::optional<Id> holder(std::int64_t place) const;
     /// Does anybody receive bodies, or is to have them when it is back?
     [[nodiscard]] bool wanted() const noexcept;
-    /// Has every receiver of bodies asked for an event that it has not got (and is there one)?
+    /// As wanted(), but for guests.
+    [[nodiscard]] bool awaited() const noexcept;
+    /// Has every receiver of bodies that is no guest asked for an event that it has not got (and is there one)?
     [[nodiscard]] bool asked() const;
     /// Do lossless events wait for somebody to ask?
     [[nodiscard]] bool backlogged() const;
