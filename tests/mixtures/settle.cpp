@@ -28,9 +28,13 @@ bool Round::source_done(const Statuses& statuses) const
     return found != statuses.end() && found->second.outputs.at(0).produced >= running_.fed();
 }
 
-/// Are all edges of a drone ("": of all) there?
+/// Are all edges of a drone ("": of all) there, and are the exceptions heard that it may throw?
 bool Round::whole(const Statuses& statuses, const std::string& drone) const
 {
+    for (const auto& stage : plan_.topology.stages)
+        for (const auto& worker : stage.drones)
+            if (stage.throw_every > 0 && (drone.empty() || worker == drone) && !heard(statuses, worker))
+                return false;
     return std::ranges::all_of(plan_.topology.edges(), [&](const Edge& edge) {
         return (!drone.empty() && edge.sender != drone && edge.receiver != drone) || connected(statuses, edge);
     });
@@ -104,7 +108,12 @@ Problems Round::at_rest(const Statuses& statuses, bool complete)
             problems.push_back("the source's count is " + count.dump() + "; " + std::to_string(running_.fed())
                                + " was confirmed");
     const auto counts = collecting_.counts();
-    if (complete && plan_.topology.demand && !model_.was_excused() && counts.missing + counts.dropped > 0)
+    // A collector in order learns with the first result whose exceptions it has to hear.
+    const auto& stages = plan_.topology.stages;
+    const bool all_heard =
+        std::none_of(stages.begin(), stages.end() - 1, [](const Stage& stage) { return stage.throw_every > 0; });
+    const auto lost = counts.dropped + (all_heard ? counts.missing : 0);
+    if (complete && plan_.topology.demand && !model_.was_excused() && lost > 0)
         problems.push_back("the collector counts " + std::to_string(counts.missing) + " missing and "
                            + std::to_string(counts.dropped) + " dropped");
     return problems;

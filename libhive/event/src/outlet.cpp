@@ -89,10 +89,6 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
 {
     const bool guest = is_guest(*link);
     const auto registration = guest ? as_guest(told) : told;
-    Decisions decisions;
-    // It has other options now, or comes back before this end has seen that it went.
-    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place))
-        detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
     const auto id = ++next_id_;
     const Newcomer newcomer{.id = id,
                             .receiver = registration.receiver,
@@ -102,6 +98,9 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                             .taken = registration.taken,
                             .unique = link->peer().kind != "application" && !guest,
                             .guest = guest};
+    if (const auto before = table_.standing(newcomer))
+        detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
+    Decisions decisions;
     const auto welcome = table_.add(newcomer, Clock::now(), decisions);
     confirm(welcome);
     ids_[{link.get(), channel}] = id;

@@ -134,7 +134,7 @@ private:
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
-    void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    void on_packet(Link& link, const protocol::Packet& packet);
     bool make_room();
     [[nodiscard]] std::size_t peers(bool local) const;
     bool has_place(const Link& link);
