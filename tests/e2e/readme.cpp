@@ -104,7 +104,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"halt", ""},
                               {"wait", ""},
                               {"resume", ""},
-                              {"key", "export HIVE_KEY=$PWD/swarm.key"},
+                              {"key", ""},
                               {"completion", ""},
                               {"stop", ""}};
 

@@ -118,7 +118,8 @@ SSL_CTX* context_of(TlsEnd end)
 int append(BIO* bio, const char* bytes, std::size_t size, std::size_t* written)
 try {
     auto& outgoing = *static_cast<std::vector<unsigned char>*>(::BIO_get_data(bio));
-    outgoing.insert(outgoing.end(), bytes, bytes + size);
+    const auto* at = reinterpret_cast<const unsigned char*>(bytes);  // of another type they would go one by one
+    outgoing.insert(outgoing.end(), at, at + size);
     *written = size;
     return 1;
 } catch (...) {
