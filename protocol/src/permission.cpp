@@ -40,13 +40,13 @@ constexpr std::array table{
     Rule{segment, nobody, owners},  // memory is shared at the local socket alone
     Rule{release, owners, nobody},      Rule{event, nobody, anyone},
     Rule{notification, nobody, anyone}, Rule{exception, nobody, anyone},
-    Rule{reference, nobody, owners},    Rule{connect, members, nobody},
-    Rule{disconnect, members, nobody},  Rule{set, members, nobody},
-    Rule{get, anyone, nobody},          Rule{describe, anyone, nobody},
-    Rule{status, anyone, nobody},       Rule{halt, members, nobody},
-    Rule{resume, members, nobody},      Rule{stop, members, nobody},
-    Rule{put, members, nobody},         Rule{forget, members, nobody},
-    Rule{confirmation, nobody, anyone},
+    Rule{reference, nobody, owners},    Rule{end, nobody, anyone},
+    Rule{connect, members, nobody},     Rule{disconnect, members, nobody},
+    Rule{set, members, nobody},         Rule{get, anyone, nobody},
+    Rule{describe, anyone, nobody},     Rule{status, anyone, nobody},
+    Rule{halt, members, nobody},        Rule{resume, members, nobody},
+    Rule{stop, members, nobody},        Rule{put, members, nobody},
+    Rule{forget, members, nobody},      Rule{confirmation, nobody, anyone},
 };
 
 std::string cell(Role role, Direction direction, PacketType type)

@@ -13,14 +13,15 @@ std::string drone_of(const Share& share)
     return share.of.substr(0, share.of.substr(0, share.of.find('#')).rfind('.'));
 }
 
-/// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group drones have no names.
+/// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group drones have no names,
+/// but where one of them gives each event to several others.
 void add_stage(std::string& work, const Share& share, const std::string& receiver, bool behind_group)
 {
     const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
     work += ' ';
     work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;  // nor have their groups
     ((work += '/') += std::to_string(share.part)) += '>';
-    if (!behind_group && !share.group())
+    if ((!behind_group || share.each) && !share.group())
         (work += receiver) += '.';  // each plain receiver gives an answer of its own
     work += share.to;
 }

@@ -44,6 +44,7 @@ Share share_from(const Fields& fields)
     share.attempt = static_cast<int>(fields.integer_or("attempt", 0, most_attempts, 1));
     share.closed = fields.integer_or("closed", 0, max_json_integer, 0);
     share.part = static_cast<int>(fields.integer_or("part", 0, most_part, 0));
+    share.each = fields.flag_or("each", false);
     share.to = fields.name_or("to", "");
     return share;
 }

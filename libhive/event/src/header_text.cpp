@@ -28,21 +28,23 @@ void write_hops(std::string& text, const std::vector<Hop>& hops)
 void write_shares(std::string& text, const std::vector<Share>& shares, const Share* own)
 {
     text += '[';
-    const auto write = [&](const Share& each) {
+    const auto write = [&](const Share& item) {
         if (text.back() != '[')
             text += ',';
         PlainWriter share(text);
-        share.string(",\"of\":", each.of);
-        share.number(",\"epoch\":", each.epoch);
-        share.number(",\"turn\":", each.turn);
-        if (each.attempt != 1)
-            share.number(",\"attempt\":", each.attempt);
-        if (each.closed != 0)
-            share.number(",\"closed\":", each.closed);
-        if (each.part != 0)
-            share.number(",\"part\":", each.part);
-        if (!each.to.empty())
-            share.string(",\"to\":", each.to);
+        share.string(",\"of\":", item.of);
+        share.number(",\"epoch\":", item.epoch);
+        share.number(",\"turn\":", item.turn);
+        if (item.attempt != 1)
+            share.number(",\"attempt\":", item.attempt);
+        if (item.closed != 0)
+            share.number(",\"closed\":", item.closed);
+        if (item.part != 0)
+            share.number(",\"part\":", item.part);
+        if (item.each)
+            share.raw(",\"each\":", "true");
+        if (!item.to.empty())
+            share.string(",\"to\":", item.to);
         share.close();
     };
     std::ranges::for_each(shares, write);
@@ -62,7 +64,8 @@ bool read_shares(PlainReader& text, std::vector<Share>& shares)
             || (text.skip(",\"attempt\":") && !text.integer(share.attempt, most_attempts))
             || (text.skip(",\"closed\":") && !text.integer(share.closed))
             || (text.skip(",\"part\":") && !text.integer(share.part, most_part))
-            || (text.skip(",\"to\":") && !text.name(share.to)) || !text.skip("}"))
+            || (text.skip(",\"each\":") && !text.flag(share.each)) || (text.skip(",\"to\":") && !text.name(share.to))
+            || !text.skip("}"))
             return false;
     } while (text.skip(","));
     return text.skip("]") && shares.size() <= most_shares;

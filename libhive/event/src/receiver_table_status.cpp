@@ -17,6 +17,12 @@ bool ReceiverTable::awaited() const noexcept
            || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.awaited(); });
 }
 
+bool ReceiverTable::fans_out() const
+{
+    const auto plain = std::ranges::count_if(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+    return plain + std::ssize(kept_) > 1;
+}
+
 bool ReceiverTable::asked() const
 {
     const auto line_asks = [](const auto& row) { return !row.second.line.awaited() || row.second.line.asks(); };
@@ -37,12 +43,22 @@ bool ReceiverTable::timed() const
     return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.leasing(); });
 }
 
+/// Does anything wait here for anybody?
+bool ReceiverTable::waits() const
+{
+    return std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.waiting() > 0; })
+           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.waiting() > 0; })
+           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.waiting() > 0; });
+}
+
 Reason ReceiverTable::why() const
 {
     if (!held_.empty())
         return Reason::held;
+    if (ended_ && !waits())
+        return Reason::source_ended;
     if (!awaited())
-        return Reason::no_receiver;
+        return seats_.empty() ? Reason::no_receiver : Reason::watched;
     if (!kept_.empty())
         return Reason::place_kept;
     for (const auto& [name, group] : groups_)

@@ -55,6 +55,29 @@ TEST_CASE(
     CHECK_FALSE(filter.first(answer_of("face-2", 1)));
 }
 
+TEST_CASE(
+    "answer filter: behind a group, two drones that each got a result both answer; two that one member each feeds "
+    "are as one")
+{
+    const auto answer_of = [&](const std::string& drone, int attempt, int again, bool each) {
+        const Share given{.of = "crop-" + std::to_string(attempt) + ".part",
+                          .epoch = 1,
+                          .turn = 1,
+                          .attempt = again,
+                          .each = each,
+                          .to = "image"};
+        return answer({with(turn_1, 1, attempt), given, own(drone + ".faces")}, drone);
+    };
+    AnswerFilter both;
+    CHECK(both.first(answer_of("face-1", 1, 1, true)));
+    CHECK(both.first(answer_of("face-2", 1, 2, true)));
+    CHECK_FALSE(both.first(answer_of("face-2", 1, 1, true)));
+    CHECK_FALSE(both.first(answer_of("face-1", 2, 1, true)));
+    AnswerFilter one;
+    CHECK(one.first(answer_of("face-1", 1, 1, false)));
+    CHECK_FALSE(one.first(answer_of("face-2", 2, 1, false)));
+}
+
 TEST_CASE("answer filter: other outputs and parts are other answers, and so is the work of a restarted sender")
 {
     AnswerFilter filter;

@@ -323,7 +323,7 @@ TEST_CASE("guest: it gets what there is, and neither lets a source begin nor hol
     CHECK(world.table.wanted());  // bodies are made for it
     CHECK_FALSE(world.table.awaited());
     CHECK_FALSE(world.table.asked());
-    CHECK(world.table.why() == Reason::no_receiver);
+    CHECK(world.table.why() == Reason::watched);
     CHECK(world.offer(1, true, true) == Got{{1, {1}}});
     CHECK(world.table.unreceived() == 0);  // it is held for who comes to work
     CHECK(world.add({.id = 2, .receiver = "results", .options = window(1)}) == Got{{2, {1}}});

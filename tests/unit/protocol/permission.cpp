@@ -18,7 +18,7 @@ const Types both_say{"hello", "ping", "pong"};
 const Types viewers_say{"register", "deregister", "request", "get", "describe", "status"};
 const Types members_say{"connect", "disconnect", "set", "halt", "resume", "stop", "put", "forget"};
 const Types owners_say{"release"};
-const Types dialers_hear{"event", "notification", "exception", "confirmation"};
+const Types dialers_hear{"event", "notification", "exception", "end", "confirmation"};
 const Types owners_hear{"segment", "reference"};
 
 bool expected(Role role, Direction direction, const std::string& type)
@@ -48,7 +48,7 @@ TEST_CASE("permissions: every cell of role, direction and packet type is as writ
                 granted += permitted ? 1 : 0;
             }
     CHECK(cells == 3 * 2 * 256);
-    CHECK(granted == 2 * 3 * 3 + 3 * 6 + 2 * 8 + 1 + 3 * 4 + 2);
+    CHECK(granted == 2 * 3 * 3 + 3 * 6 + 2 * 8 + 1 + 3 * 5 + 2);
 }
 
 TEST_CASE("permissions: every type of packet stands in the lists of this test")

@@ -28,6 +28,7 @@ struct Share {
     int attempt = 1;          ///< counts how often this turn was given out
     std::int64_t closed = 0;  ///< of a group: this turn and all before it had their answer when this one went out
     int part = 0;             ///< of the event that was given out
+    bool each = false;        ///< several plain receivers got it, and each gives an answer of its own
     std::string to = {};      ///< the input that got it
 
     [[nodiscard]] bool group() const { return of.find('#') != std::string::npos; }

@@ -59,6 +59,11 @@ public:
     void written(Id id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// The drone emitted. @param hold  keep a lossless event for the first receiver of bodies to come, if there is none
     void offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions);
+    /// Nothing more will come: everybody is told, behind what waits for them, and so is who registers later.
+    void end(Clock::time_point now, Decisions& decisions);
+    /// Something may come again; so may it when an event is offered.
+    void go_on();
+    [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Nobody needs to wait for a first receiver here: another output has one.
     void release_held();
     /// Time passed: leases or places may have expired.
@@ -70,6 +75,8 @@ public:
     [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
     /// Does anybody receive bodies, or is to have them when it is back?
     [[nodiscard]] bool wanted() const noexcept;
+    /// Does each event go to several plain receivers of bodies, those that are awaited included?
+    [[nodiscard]] bool fans_out() const;
     /// As wanted(), but for guests.
     [[nodiscard]] bool awaited() const noexcept;
     /// Has every receiver of bodies that is no guest asked for an event that it has not got (and is there one)?
@@ -96,6 +103,8 @@ private:
     std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);
     void expire(std::map<std::int64_t, Line>::iterator place);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    void tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    [[nodiscard]] bool waits() const;
     void forget_oldest(Decisions& decisions);
     Group* group_of(Id id);
 
@@ -110,6 +119,7 @@ private:
     std::map<std::string, std::uint64_t> emptied_;  ///< order in which groups lost their last members
     std::deque<EmissionPtr> held_;                  ///< lossless events that had no receiver yet
     EmissionPtr newest_;
+    bool ended_ = false;
     std::int64_t unreceived_ = 0;
     std::uint64_t order_ = 0;
 };
