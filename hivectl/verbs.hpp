@@ -30,6 +30,7 @@
     VERB(exceptions)                                                                                                   \
     VERB(halt)                                                                                                         \
     VERB(resume)                                                                                                       \
+    VERB(key)                                                                                                          \
     VERB(completion)                                                                                                   \
     VERB(complete)
 

@@ -32,9 +32,10 @@ mapfile -t verbs < <(find hivectl \( -name '*.hpp' -o -name '*.cpp' \) -not -nam
 refuse "in hivectl one file knows CLI11: it takes seconds to compile" 'CLI/' "${verbs[@]}"
 refuse "zlib belongs to recording" 'zlib' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision hivectl drones
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
+refuse "OpenSSL belongs to transport" 'openssl/' protocol libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
 refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
-    protocol/include/hive/*.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
+    protocol/include/hive/*.hpp libhive/transport/include/hive/key.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
 
 [ "$failures" -eq 0 ] || exit 1
 echo "layers: every include points the right way"

@@ -75,9 +75,9 @@ AxisDrone::AxisDrone(hive::Drone& drone)
 void AxisDrone::declare()
 {
     place_.pace = "live";
-    drone_.parameter("url", place_.url, hive::anything(),
+    drone_.parameter("url", place_.url, hive::anything().by_operator(),
                      "http:// or https:// and the host of the camera; empty: no camera");
-    drone_.parameter("credentials", place_.credentials, hive::anything(),
+    drone_.parameter("credentials", place_.credentials, hive::anything().by_operator(),
                      "file with user:password and in the next line the url, chmod 600; empty: HIVE_AXIS_USER and "
                      "HIVE_AXIS_PASSWORD");
     drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}),
@@ -92,11 +92,11 @@ void AxisDrone::declare()
                      "auto, hold, flickerfree50, flickerfree60 ...; empty: leave the camera's setting");
     drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: leave the camera's setting");
     drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: leave the camera's setting");
-    drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything(),
+    drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything().by_operator(),
                      "send the password unencrypted if the camera does not support digest authentication");
-    drone_.parameter("certificate", place_.certificate, hive::anything(),
+    drone_.parameter("certificate", place_.certificate, hive::anything().by_operator(),
                      "file of the certificate to trust for https, and no other; empty: those of the system");
-    drone_.parameter("allow_address", place_.allow_address, hive::anything(),
+    drone_.parameter("allow_address", place_.allow_address, hive::anything().by_operator(),
                      "loopback, link-local or multicast addresses that the drone may connect to, separated by commas");
 }
 

@@ -78,7 +78,7 @@ CameraDrone::CameraDrone(hive::Drone& drone)
 void CameraDrone::declare()
 {
     drone_.parameter(
-        "source", source_, hive::anything(),
+        "source", source_, hive::anything().by_operator(),
         "scene, scene:brick|noise|plain, a picture, a folder of pictures, a video, /dev/videoN, http(s):// or rtsp://");
     drone_.parameter("width", width_, hive::between(0, 8192).in("px"),
                      "width to publish; 0: in proportion to height, or that of the source (scene and device: 640)");

@@ -89,9 +89,10 @@ private:
 
     void declare_network(hive::Drone& drone)
     {
-        drone.parameter("model", settings_.model, hive::anything(), "ONNX file of a detector; empty: look for people");
+        drone.parameter("model", settings_.model, hive::anything().by_operator(),
+                        "ONNX file of a detector; empty: look for people");
         drone.parameter(
-            "classes", settings_.classes, hive::anything(),
+            "classes", settings_.classes, hive::anything().by_operator(),
             "file of the model's class names, one a line; empty: those in the model's file, or else numbers");
         drone.parameter("layout", layout_,
                         hive::one_of({"auto", "yolov5", "yolov8", "yolov10", "yolov7", "ssd", "ssd-apart"}),

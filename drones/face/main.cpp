@@ -44,8 +44,9 @@ public:
         drone.parameter("max_size", cascades_.max_size, hive::between(0, 16384).in("px"),
                         "side of the largest face; 0: no limit");
         drone.parameter("equalise", cascades_.equalise, hive::anything(), "equalise the grey levels first");
-        drone.parameter("cascade", cascade_, hive::anything(), "file of the Haar or LBP cascade");
-        drone.parameter("yunet", yunet_, hive::anything(), "ONNX file of YuNet; empty: the cascade finds faces");
+        drone.parameter("cascade", cascade_, hive::anything().by_operator(), "file of the Haar or LBP cascade");
+        drone.parameter("yunet", yunet_, hive::anything().by_operator(),
+                        "ONNX file of YuNet; empty: the cascade finds faces");
         drone.parameter("min_score", min_score_, hive::between(0, 1), "yunet: least score of a face");
         drone.parameter("overlap", overlap_, hive::between(0, 1),
                         "yunet: a face that overlaps a better one by more than this is left out");

@@ -46,9 +46,9 @@ std::int64_t queued(const hive::Status& status)
 
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
 {
-    drone_.parameter("file", file_, hive::anything(),
+    drone_.parameter("file", file_, hive::anything().by_operator(),
                      "path of the recording; a new path ends it and begins another; empty: ends it");
-    drone_.parameter("overwrite", overwrite_, hive::anything(), "replace a file that exists already");
+    drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace a file that exists already");
     drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"),
                      "end the recording before the file grows larger than this; 0: no limit");
     drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"),

@@ -47,7 +47,7 @@ ReplayDrone::ReplayDrone(hive::Drone& drone) : drone_(drone)
 
 void ReplayDrone::declare()
 {
-    drone_.parameter("file", file_, hive::anything(), "path of the recording");
+    drone_.parameter("file", file_, hive::anything().by_operator(), "path of the recording");
     drone_.parameter(
         "pace", pace_, hive::one_of({"real", "demand"}),
         "real: at the pace of the recording; demand: the next event when all receivers have asked, nothing skipped");

@@ -44,10 +44,11 @@ ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_
 
 void ViewDrone::declare()
 {
-    drone_.parameter("http", http_, hive::between(0, 65535), "port of the page for browsers; 0: none");
-    drone_.parameter("bind", bind_, hive::anything(), "address of that page; 0.0.0.0: every address of this machine");
+    drone_.parameter("http", http_, hive::between(0, 65535).by_operator(), "port of the page for browsers; 0: none");
+    drone_.parameter("bind", bind_, hive::anything().by_operator(),
+                     "address of that page; 0.0.0.0: every address of this machine");
     drone_.parameter(
-        "token", token_, hive::anything(),
+        "token", token_, hive::anything().by_operator(),
         "what browsers must say, as in http://127.0.0.1:8080/?token=TOKEN; empty: one is drawn, see the log");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
     drone_.parameter("overlay", overlay_, hive::anything(),

@@ -28,6 +28,7 @@ std::vector<Row> parameter_rows(const hive::Interface& interface, const hive::Js
                         {"type", std::string(token(parameter.type))},
                         {"range", hive::range_text(parameter)},
                         {"unit", parameter.unit},
+                        {"set_by", parameter.for_operator ? "operator" : ""},
                         {"help", parameter.help}});
     return rows;
 }
@@ -40,8 +41,13 @@ std::string section(std::string_view title, const std::string& table)
 std::string text_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
 {
     const std::vector<Column> ports{{"NAME", "name"}, {"TYPE", "type"}, {"HELP", "help"}};
-    const std::vector<Column> parameters{{"NAME", "name"}, {"VALUE", "value"}, {"DEFAULT", "default"},
-                                         {"TYPE", "type"}, {"RANGE", "range"}, {"UNIT", "unit"},
+    const std::vector<Column> parameters{{"NAME", "name"},
+                                         {"VALUE", "value"},
+                                         {"DEFAULT", "default"},
+                                         {"TYPE", "type"},
+                                         {"RANGE", "range"},
+                                         {"UNIT", "unit"},
+                                         {"SET BY", "set_by", nullptr, nothing},
                                          {"HELP", "help"}};
     return name + ": " + printable(interface.kind) + " " + printable(interface.version)
            + (interface.stateful ? ", keeps state between events" : "") + "\n" + printable(interface.summary) + "\n"

@@ -9,9 +9,9 @@ namespace hivectl {
 namespace {
 
 struct Options {
-    std::string kind, name, on_exception, listen, log_level;
+    std::string kind, name, on_exception, listen, key, log_level;
     std::vector<std::string> settings;
-    bool halted = false, insecure = false;
+    bool halted = false, insecure = false, remote_operator = false;
 };
 
 std::vector<std::string> arguments(const Options& options)
@@ -21,6 +21,7 @@ std::vector<std::string> arguments(const Options& options)
         words.insert(words.end(), {"--set", setting});
     for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception},
                                       {"--listen", options.listen},
+                                      {"--key", options.key},
                                       {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
@@ -28,6 +29,8 @@ std::vector<std::string> arguments(const Options& options)
         words.emplace_back("--halted");
     if (options.insecure)
         words.emplace_back("--insecure");
+    if (options.remote_operator)
+        words.emplace_back("--remote-operator");
     return words;
 }
 
@@ -51,8 +54,12 @@ Run declare(CommandLine& line, Session& session)
         .one_of({"skip", "halt"});
     line.flag("--halted", options->halted, "start it halted, so that everything can be connected first");
     line.option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT").type_name("ADDRESS");
+    line.option("--key", options->key, "the swarm's key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
+        .type_name("FILE");
     line.flag("--insecure", options->insecure,
               "let --listen take peers without a key: only on a network that you trust wholly");
+    line.flag("--remote-operator", options->remote_operator,
+              "who has the swarm's key may also set over the network what concerns this machine: paths, URLs, logins");
     line.option("--log-level", options->log_level,
                 "how much it writes to its log: debug, info (default), warning, error or off")
         .type_name("LEVEL")

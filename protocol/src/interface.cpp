@@ -46,6 +46,8 @@ Json to_json(const ParameterInfo& parameter)
     write_bound(object, "max", parameter, parameter.most);
     if (!parameter.choices.empty())
         object["choices"] = parameter.choices;
+    if (parameter.for_operator)
+        object["operator"] = true;
     return object;
 }
 
@@ -96,7 +98,8 @@ ParameterInfo parameter(const Json& object)
                          .most = bound(object, "max"),
                          .choices = {},
                          .unit = fields.text_or("unit", ""),
-                         .help = fields.text_or("help", "")};
+                         .help = fields.text_or("help", ""),
+                         .for_operator = fields.flag_or("operator", false)};
     if (fields.has("choices"))
         for (const auto& choice : fields.array("choices")) {
             if (!choice.is_string())

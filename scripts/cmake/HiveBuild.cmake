@@ -33,6 +33,7 @@ find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
+find_package(OpenSSL 3.0 REQUIRED)
 
 # Sources of one target are compiled a few at a time: most of the time goes into the headers of json and CLI11.
 function(hive_batches target size)

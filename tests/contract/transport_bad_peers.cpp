@@ -25,7 +25,6 @@ std::vector<Opening> wrong_openings()
                                     std::string("POST / HTTP/1.1\r\n\r\nHIVE"),
                                     std::string("G"),
                                     std::string("\n"),
-                                    std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11),
                                     std::string("\x80\x2e\x01\x00\x02", 5),
                                     std::string(1, '\0'),
                                     std::string(4096, '\0'),
@@ -46,6 +45,9 @@ std::vector<Opening> wrong_openings()
                                     std::string(100'000, 'A'),
                                     std::string("H\0I\0V\0E\0", 8)})
         openings.push_back({text, Errc::malformed});
+    for (const std::string& tls : {std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11),
+                                   std::string("\x15\x03\x03\x00\x02\x02\x28", 7)})  // it has a key, this end none
+        openings.push_back({tls, Errc::not_permitted});
     for (const int version : {0, 2, 3, 127, 255})
         openings.push_back({with_byte(hello(), 4, version), Errc::version_mismatch});
     for (const int number : {0, 4, 9, 15, 19, 60, 200, 255})  // types that do not exist

@@ -6,7 +6,7 @@
 
 using namespace world;
 
-TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their order both ways", Place, Unix, Tcp,
+TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their order both ways", Place, Unix, Tcp, Tls,
                    InProcess)
 {
     Pair pair(Place::address, patient);
@@ -25,7 +25,7 @@ TEST_CASE_TEMPLATE("connection: hellos are exchanged and packets keep their orde
 
 TEST_CASE_TEMPLATE("connection: a peer on this machine is known to be here, whatever the transport, and only one at a "
                    "unix socket can share memory",
-                   Place, Unix, Tcp, InProcess)
+                   Place, Unix, Tcp, Tls, InProcess)
 {
     Pair pair(Place::address, patient);
     const bool shares = Place::address(pair.folder).scheme == hive::transport::Address::Scheme::unix_socket;
@@ -35,7 +35,7 @@ TEST_CASE_TEMPLATE("connection: a peer on this machine is known to be here, what
     }
 }
 
-TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole and in order", Place, Unix, Tcp,
+TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole and in order", Place, Unix, Tcp, Tls,
                    InProcess)
 {
     Pair pair(Place::address, patient);
@@ -53,7 +53,7 @@ TEST_CASE_TEMPLATE("connection: a thousand small packets with bodies come whole 
     CHECK(same);
 }
 
-TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 MiB are identical", Place, Unix, Tcp,
+TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 MiB are identical", Place, Unix, Tcp, Tls,
                    InProcess)
 {
     Pair pair(Place::address, patient);
@@ -75,7 +75,7 @@ TEST_CASE_TEMPLATE("connection: bodies of awkward sizes up to the limit of 64 Mi
 }
 
 TEST_CASE_TEMPLATE("connection: closed is told once to either end, and written callbacks once each", Place, Unix, Tcp,
-                   InProcess)
+                   Tls, InProcess)
 {
     Pair pair(Place::address, patient);
     int yes = 0;
@@ -103,7 +103,7 @@ TEST_CASE_TEMPLATE("connection: closed is told once to either end, and written c
 }
 
 TEST_CASE_TEMPLATE("connection: the last reference ends it, and whoever waited for a packet to be written is told",
-                   Place, Unix, Tcp, InProcess)
+                   Place, Unix, Tcp, Tls, InProcess)
 {
     Pair pair(Place::address, patient);
     int told = 0;
@@ -117,7 +117,7 @@ TEST_CASE_TEMPLATE("connection: the last reference ends it, and whoever waited f
     CHECK(pair.dialing.closed == 0);  // nobody is left to be told
 }
 
-TEST_CASE_TEMPLATE("connection: a handler may let go of the connection while it runs", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: a handler may let go of the connection while it runs", Place, Unix, Tcp, Tls, InProcess)
 {
     Pair pair(Place::address, patient);
     pair.listening.on_packet = [&](const Packet&) { pair.listening.connection.reset(); };
@@ -128,17 +128,19 @@ TEST_CASE_TEMPLATE("connection: a handler may let go of the connection while it 
 }
 
 TEST_CASE_TEMPLATE("connection: handlers that own their connection go with it, or with the event loop", Place, Unix,
-                   Tcp, InProcess)
+                   Tcp, Tls, InProcess)
 {
     std::weak_ptr<int> alive;
     {
         Pair pair(Place::address, patient);
         auto token = std::make_shared<int>(1);
         alive = token;
-        hive::transport::dial(pair.loop.context, pair.listener->address(), 5s,
-                              [token](auto connection, std::exception_ptr) {
-                                  connection->start({.packet = [connection, token](Packet&&) {}, .closed = {}});
-                              });
+        hive::transport::dial(
+            pair.loop.context, pair.listener->address(), 5s,
+            [token](auto connection, std::exception_ptr) {
+                connection->start({.packet = [connection, token](Packet&&) {}, .closed = {}});
+            },
+            patient, security_of(Place::address, pair.folder));
         token.reset();
         auto& first = pair.listening.connection;
         REQUIRE(pair.loop.until([&, was = first] { return first != was; }));
@@ -146,7 +148,7 @@ TEST_CASE_TEMPLATE("connection: handlers that own their connection go with it, o
     CHECK(alive.expired());
 }
 
-TEST_CASE_TEMPLATE("connection: what follows the hello waits until open", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: what follows the hello waits until open", Place, Unix, Tcp, Tls, InProcess)
 {
     Pair pair(Place::address, patient, false);
     pair.dialing.send(PacketType::event, "early", std::string(300'000, 'x'));
@@ -158,7 +160,7 @@ TEST_CASE_TEMPLATE("connection: what follows the hello waits until open", Place,
     CHECK(pair.listening.packets[0].body.size() == 300'000);
 }
 
-TEST_CASE_TEMPLATE("connection: heartbeats keep an idle connection and are shown to nobody", Place, Unix, Tcp,
+TEST_CASE_TEMPLATE("connection: heartbeats keep an idle connection and are shown to nobody", Place, Unix, Tcp, Tls,
                    InProcess)
 {
     Pair pair(Place::address, {.heartbeat = 20ms, .silence = 400ms, .first_packet = 5s, .stall = 5s});
@@ -168,7 +170,7 @@ TEST_CASE_TEMPLATE("connection: heartbeats keep an idle connection and are shown
     CHECK(pair.listening.packets.empty());
 }
 
-TEST_CASE_TEMPLATE("connection: the two ends may live on two threads", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("connection: the two ends may live on two threads", Place, Unix, Tcp, Tls, InProcess)
 {
     Folder folder;
     Loop here;
@@ -177,17 +179,18 @@ TEST_CASE_TEMPLATE("connection: the two ends may live on two threads", Place, Un
     End listening;
     auto listener = hive::transport::listen(
         there.context, Place::address(folder), [&](auto connection) { listening.start(std::move(connection)); },
-        patient);
+        patient, security_of(Place::address, folder));
     listening.on_packet = [&](const Packet& packet) {
         listening.send(packet.type, std::string(packet.header_text()), packet.body);
     };
     std::thread other([&] { there.until([&] { return listening.closed == 1; }, 20s); });
-    hive::transport::dial(here.context, listener->address(), 5s, [&](auto connection, std::exception_ptr) {
+    const auto begin = [&](auto connection, std::exception_ptr) {
         dialing.start(std::move(connection));
         dialing.send(PacketType::hello, "{}");
         for (int i = 0; i < 200; ++i)
             dialing.send(PacketType::event, std::to_string(i), std::string(2000, 'x'));
-    });
+    };
+    hive::transport::dial(here.context, listener->address(), 5s, begin, patient, security_of(Place::address, folder));
     CHECK(here.until([&] { return dialing.has(201); }));
     if (dialing.connection)
         dialing.connection->close({Errc::stopped, "done"});

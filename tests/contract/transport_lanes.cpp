@@ -3,7 +3,7 @@
 
 using namespace world;
 
-TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Place, Unix, Tcp, Tls, InProcess)
 {
     Pair pair(Place::address, patient, false);  // the listening end does not read yet
     int written = 0;

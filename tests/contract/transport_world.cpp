@@ -41,6 +41,19 @@ void Loop::run_for(std::chrono::milliseconds time)
     until([] { return false; }, time);
 }
 
+hive::transport::Security keyed(const Folder& folder, const std::string& name)
+{
+    const auto file = folder.path(name);
+    if (!std::filesystem::exists(file))
+        hive::write_key_file(file, {hive::new_swarm_key(1)}, hive::KeyFileMode::fresh);
+    return {.keys = std::make_shared<hive::transport::KeyRing>(file)};
+}
+
+hive::transport::Security security_of(Address (*address)(const Folder&), const Folder& folder)
+{
+    return address == Tls::address ? keyed(folder) : hive::transport::Security{};
+}
+
 void End::start(std::shared_ptr<Connection> with)
 {
     connection = std::move(with);
@@ -78,7 +91,7 @@ Pair::Pair(Address (*address)(const Folder&), const Timing& timing, bool listeni
             listening.start(std::move(connection));
             listening.send(PacketType::hello, "{}");
         },
-        timing);
+        timing, security_of(address, folder));
     hive::transport::dial(
         loop.context, listener->address(), 5s,
         [this](auto connection, std::exception_ptr error) {
@@ -86,7 +99,7 @@ Pair::Pair(Address (*address)(const Folder&), const Timing& timing, bool listeni
             dialing.start(std::move(connection));
             dialing.send(PacketType::hello, "{}");
         },
-        timing);
+        timing, security_of(address, folder));
     REQUIRE(loop.until([this] { return dialing.has(1) && listening.has(1); }));
     dialing.packets.clear();
     listening.packets.clear();

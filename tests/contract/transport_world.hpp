@@ -64,9 +64,17 @@ struct Unix {
 struct Tcp {
     static Address address(const Folder&) { return {Address::Scheme::tcp, "127.0.0.1", 0}; }
 };
+struct Tls {  ///< tcp, where both ends have a swarm key
+    static Address address(const Folder&) { return {Address::Scheme::tcp, "127.0.0.1", 0}; }
+};
 struct InProcess {
     static Address address(const Folder& folder) { return {Address::Scheme::in_process, folder.path("place"), 0}; }
 };
+
+/// The keys of a file in the folder, which is made when it is not there.
+hive::transport::Security keyed(const Folder& folder, const std::string& name = "swarm.key");
+/// For places where both ends have a key; nothing for the others.
+hive::transport::Security security_of(Address (*address)(const Folder&), const Folder& folder);
 
 /// One end of a connection and what happened to it.
 struct End {

@@ -104,6 +104,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"halt", ""},
                               {"wait", ""},
                               {"resume", ""},
+                              {"key", ""},
                               {"completion", ""},
                               {"stop", ""}};
 

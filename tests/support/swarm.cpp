@@ -64,7 +64,8 @@ fs::path Swarm::program(const std::string& name) const { return programs_ / name
 std::vector<std::string> Swarm::environment() const
 {
     const char* path = std::getenv("PATH");
-    return {"HIVE_HOME=" + home_.string(), "PATH=" + programs_.string() + ":" + (path ? path : "/usr/bin:/bin")};
+    return {"HIVE_HOME=" + home_.string(), "PATH=" + programs_.string() + ":" + (path ? path : "/usr/bin:/bin"),
+            "XDG_CONFIG_HOME=" + (home_ / "config").string(), "HIVE_KEY="};
 }
 
 Finished Swarm::run(const std::vector<std::string>& words, Milliseconds patience) const
@@ -134,11 +135,13 @@ Process Swarm::drone(const std::string& kind, const std::string& name, const std
     return process;
 }
 
+fs::path Swarm::key_file() const { return home_ / "config/hive/swarm.key"; }
+
 std::string Swarm::log(const std::string& name) const { return text_of(home_ / (name + ".log")); }
 
 Application Swarm::application(Milliseconds timeout) const
 {
-    return Application({.name = {}, .home = home_, .timeout = patient(timeout)});
+    return Application({.name = {}, .home = home_, .timeout = patient(timeout), .key = key_file()});
 }
 
 std::optional<fs::path> shared_data(const std::string& relative)

@@ -21,7 +21,8 @@ struct Finished {
     std::chrono::microseconds took{};
 };
 
-/// A fresh home directory, the built programs, and everything that was started in it; all gone at the end.
+/// A fresh home directory (with the user's configuration in it), the built programs, and everything that was started in
+/// it; all gone at the end.
 class Swarm {
 public:
     Swarm();
@@ -48,6 +49,8 @@ public:
                                 const std::vector<std::string>& settings = {},
                                 const std::vector<std::string>& more = {},
                                 const std::vector<std::string>& environment = {}) const;
+    /// Where the programs of this swarm look for its key; not there until somebody makes it.
+    [[nodiscard]] std::filesystem::path key_file() const;
     [[nodiscard]] std::string log(const std::string& name) const;
     /// An application in this swarm.
     [[nodiscard]] Application application(Milliseconds timeout = Milliseconds(5000)) const;

@@ -4,6 +4,7 @@
 
 #include <hive/interface.hpp>
 #include <hive/protocol/messages.hpp>
+#include <hive/protocol/permission.hpp>
 #include <hive/status.hpp>
 
 #include <map>
@@ -209,6 +210,35 @@ TEST_CASE("SPEC: the JSON of the worked dialogue is what the code reads")
     CHECK_EQ(registrations, 1);
     CHECK_EQ(requests, 3);
     CHECK_EQ(confirmations, 2);
+}
+
+TEST_CASE("SPEC: the table of permissions is the code's")
+{
+    using protocol::Direction;
+    std::set<std::string> found;
+    for (const auto& row : table("| packets | taken by the end that listens, of | taken by the end that dialed |")) {
+        std::istringstream types(row.at(0));
+        for (std::string type; std::getline(types, type, ',');) {
+            found.insert(trimmed(type));
+            for (int number = 0; number <= 255; ++number) {
+                const auto packet = static_cast<protocol::PacketType>(number);
+                if (token(packet) != trimmed(type))
+                    continue;
+                for (const auto role : {Role::viewer, Role::member, Role::owner}) {
+                    const auto& listener = row.at(1);
+                    const bool everybody = listener == "everybody", member = everybody || listener == "members, owners",
+                               owner = member || listener == "owners";
+                    const bool taken = role == Role::viewer ? everybody : role == Role::member ? member : owner;
+                    CHECK_MESSAGE(permits(role, Direction::to_listener, packet) == taken, type, " of ", token(role));
+                    const bool heard = row.at(2) == "yes" || (role == Role::owner && row.at(2) == "on a unix socket");
+                    CHECK_MESSAGE(permits(role, Direction::to_dialer, packet) == heard, type, " to ", token(role));
+                }
+            }
+        }
+    }
+    for (int number = 0; number <= 255; ++number)
+        if (const std::string type(token(static_cast<protocol::PacketType>(number))); !type.empty())
+            CHECK_MESSAGE(found.contains(type), type);
 }
 
 }  // namespace hive::wire

@@ -6,8 +6,15 @@
 
 namespace hive::event {
 
-Line::Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger)
-    : id_(id), receiver_(std::move(receiver)), epoch_(epoch), options_(options), ledger_(&ledger), credit_(options)
+Line::Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger,
+           bool guest)
+    : id_(id),
+      receiver_(std::move(receiver)),
+      epoch_(epoch),
+      options_(options),
+      ledger_(&ledger),
+      credit_(options),
+      guest_(guest)
 {
 }
 
@@ -110,7 +117,7 @@ void Line::written(std::size_t bytes, Decisions& decisions)
 
 bool Line::worth_keeping() const
 {
-    return takes_bodies() && (lossless_.value_or(true) || backlogged() || !std::ranges::all_of(in_hand_, &Line::live));
+    return awaited() && (lossless_.value_or(true) || backlogged() || !std::ranges::all_of(in_hand_, &Line::live));
 }
 
 bool Line::lose(Fate how, bool keep, Clock::time_point now)

@@ -20,9 +20,9 @@ void require_acceptable(const Json& header, const std::string& text, const Body&
 
 }  // namespace
 
-Link::Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits,
-           std::shared_ptr<transport::Pool> pool, bool maps)
-    : connection_(std::move(connection)), self_(self), limits_(limits), pool_(std::move(pool))
+Link::Link(std::shared_ptr<transport::Connection> connection, End end, const protocol::Hello& self,
+           protocol::Limits limits, std::shared_ptr<transport::Pool> pool, bool maps)
+    : connection_(std::move(connection)), end_(end), self_(self), limits_(limits), pool_(std::move(pool))
 {
     self_.maps = maps && connection_->can_share();
 }
@@ -37,9 +37,22 @@ void Link::start(Events events)
     connection_->send(protocol::make_packet(PacketType::hello, to_text(protocol::to_json(self_))));
 }
 
+protocol::Direction Link::to_here() const
+{
+    return end_ == End::dialed ? protocol::Direction::to_dialer : protocol::Direction::to_listener;
+}
+
+protocol::Direction Link::to_peer() const
+{
+    return end_ == End::dialed ? protocol::Direction::to_listener : protocol::Direction::to_dialer;
+}
+
 void Link::on_packet(const Packet& packet)
 {
     try {
+        // Before anything is read that the peer says.
+        if (const auto role = credentials().role; !permits(role, to_here(), packet.type))
+            throw Error(Errc::not_permitted, refusal(role, to_here(), packet.type));
         if (!open_)
             return on_hello(packet);
         if (packet.type == PacketType::event || packet.type == PacketType::notification
@@ -105,6 +118,8 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
     auto text = to_text(header);
     const auto what = std::string(protocol::token(type)) + " to " + peer_.name;
     try {
+        if (const auto role = credentials().role; !permits(role, to_peer(), type))
+            throw Error(Errc::not_permitted, refusal(role, to_peer(), type), "use the members' key: hivectl key show");
         require_acceptable(header, text, body);
     } catch (const Error& error) {
         return on_outcome(error.reworded(what + ": " + error.what()));

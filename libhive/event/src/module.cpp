@@ -14,6 +14,7 @@ namespace {
 constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
+constexpr std::size_t reserved = 32;  ///< beside them, for the local socket; as many for applications from elsewhere
 
 }  // namespace
 
@@ -57,6 +58,7 @@ void Module::leave()
 void Module::close_links()
 {
     signals_.cancel();
+    keys_timer_.cancel();
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
     for (const auto& link : std::set(links_))
         link->close(Error(Errc::stopped, options_.self.name + " is ending"));
@@ -125,15 +127,39 @@ transport::Address Module::listen(const transport::Address& address)
     listeners_.push_back(transport::listen(
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
-            if (links_.size() >= most_peers && !make_room()) {
-                log_about(connection->peer(), "refused " + connection->peer() + ": " + std::to_string(most_peers)
-                                                  + " peers are connected, and each has something to do here");
-                return;
-            }
-            adopt(make_link(std::move(connection)), [](const LinkPtr&, const Error&) {});
+            const bool local = connection->credentials().role == Role::owner;
+            if (local && links_.size() >= most_peers && !make_room() && peers(true) >= reserved)
+                return turn_away(*connection);
+            adopt(make_link(std::move(connection), Link::End::accepted),
+                  [this, local](const LinkPtr& link, const Error&) {
+                      if (link && !local && !has_place(*link)) {
+                          turn_away(link->connection());
+                          link->close(Error(Errc::refused, "there is no place left"));
+                      }
+                  });
         },
-        options_.timing));
+        options_.timing, security()));
     return listeners_.back()->address();
+}
+
+std::size_t Module::peers(bool local) const
+{
+    return static_cast<std::size_t>(std::ranges::count_if(
+        links_, [&](const LinkPtr& link) { return (link->credentials().role == Role::owner) == local; }));
+}
+
+/// Whether a peer from elsewhere, which has said what it is, may stay. Some places are kept for applications: whoever
+/// looks what is wrong must not find the door shut by those who have their work here.
+bool Module::has_place(const Link& link)
+{
+    const auto limit = most_peers + (link.peer().kind == "application" ? reserved : 0);
+    return peers(false) <= most_peers || make_room() || peers(false) <= limit;
+}
+
+void Module::turn_away(const transport::Connection& connection)
+{
+    security().refused("refused " + connection.peer() + ": " + std::to_string(most_peers)
+                       + " peers are connected, and each has something to do here");
 }
 
 /// Of the peers that have nothing registered and nothing under way, the one that has been idle for longest gives up its
@@ -222,7 +248,7 @@ void Module::emit(Outlet& outlet, EmissionPtr event)
 {
     const auto gives_events = [](const Outlet& each) { return each.carrier() == PacketType::event; };
     const bool nobody =
-        std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.wanted(); });
+        std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.awaited(); });
     // An exception is told to whoever listens, and waits for nobody.
     outlet.offer(event, gives_events(outlet) && nobody);
     arm();
@@ -231,10 +257,10 @@ void Module::emit(Outlet& outlet, EmissionPtr event)
 /// What waited for a first receiver goes when another output of this module has got one.
 void Module::release_held()
 {
-    const auto wanted = [](const Outlet& each) { return each.carrier() == PacketType::event && each.wanted(); };
-    if (std::ranges::any_of(outlets_, wanted))
+    const auto awaited = [](const Outlet& each) { return each.carrier() == PacketType::event && each.awaited(); };
+    if (std::ranges::any_of(outlets_, awaited))
         for (auto& outlet : outlets_)
-            if (!outlet.wanted())
+            if (!outlet.awaited())
                 outlet.release_held();
 }
 

@@ -10,10 +10,12 @@ namespace hive::event {
 
 using protocol::PacketType;
 
-LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection)
+LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection, Link::End end)
 {
+    if (!connection->credentials().key.empty())
+        watch_keys();
     const bool maps = !unmappable_.contains(connection->peer());
-    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits, pool_, maps);
+    return std::make_shared<Link>(std::move(connection), end, options_.self, options_.limits, pool_, maps);
 }
 
 void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)
@@ -54,7 +56,7 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
             if (connection && ending_)
                 return dialed(key, nullptr, Error(Errc::stopped, options_.self.name + " is ending"));
             if (connection)
-                return adopt(make_link(std::move(connection)),
+                return adopt(make_link(std::move(connection), Link::End::dialed),
                              [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });
             try {
                 std::rethrow_exception(problem);
@@ -62,7 +64,7 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
                 dialed(key, nullptr, error);
             }
         },
-        options_.timing);
+        options_.timing, security());
 }
 
 void Module::dialed(const std::string& key, const LinkPtr& link, const Error& error)
@@ -97,10 +99,10 @@ void Module::request(const transport::Address& address, PacketType type, Json he
 }
 
 /// A drone that is met again with a larger epoch was started again: what is left of its earlier run is dead. Names of
-/// applications are nobody's own.
+/// applications are nobody's own, and what a viewer calls itself means nothing.
 void Module::end_earlier_run(const Link& link)
 {
-    if (link.peer().kind == "application")
+    if (link.peer().kind == "application" || link.credentials().role == Role::viewer)
         return;
     for (const auto& other : std::set(links_))
         if (other.get() != &link && other->open() && other->peer().name == link.peer().name
@@ -160,7 +162,7 @@ void Module::on_closed(Link& link, const Error& reason)
     if (reason.code() == Errc::io)
         come_through_the_socket(link.connection().peer());
     if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch
-        || reason.code() == Errc::io)
+        || reason.code() == Errc::io || reason.code() == Errc::not_permitted)
         log_about(link.connection().peer(), "closed " + link.connection().peer() + ": " + reason.what());
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
     links_.erase(link.shared_from_this());

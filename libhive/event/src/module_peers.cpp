@@ -154,6 +154,7 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
         try {
             handler->second({.peer = link.peer().name,
                              .peer_epoch = link.peer().epoch,
+                             .role = link.credentials().role,
                              .header = header,
                              .body = packet.body,
                              .asked = asked,

@@ -23,6 +23,18 @@ ReceiverTable::Defences defences()
 /// Of what is said about an end; cut so that it still fits when a broken character at its end becomes longer.
 constexpr std::size_t longest_text = protocol::End::most_text - 24;
 
+/// The peer dialed in with the viewers' key.
+bool is_guest(const Link& link) { return link.credentials().role == Role::viewer; }
+
+/// What a viewer says of itself counts for nothing: it has no place to come back to, and an account of its own.
+protocol::Registration as_guest(protocol::Registration registration)
+{
+    registration.receiver += " (viewer)";
+    registration.place = 0;
+    registration.taken.reset();
+    return registration;
+}
+
 /// May a receiver that was lost come back? A drone may be started again; an application that died does not.
 bool returns(const Link& link, Fate how) { return link.peer().kind != "application" || how != Fate::lost_killed; }
 
@@ -61,6 +73,19 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
                     registration.receiver + " keeps state between events, so it must see every one: it cannot share");
     (void)choice(link, registration);
     require_few_encodings(link, registration);
+    if (is_guest(link))
+        require_modest(registration);
+}
+
+/// A viewer looks on: it takes no work, and costs no encoding that nobody else would want.
+void Outlet::require_modest(const protocol::Registration& registration) const
+{
+    if (!registration.options.group.empty())
+        throw Error(Errc::not_permitted, "a viewer may not share work");
+    if (const auto& encoding = registration.options.encoding;
+        !encoding.empty() && std::ranges::find(encoder_.encodings, encoding) == encoder_.encodings.end())
+        throw Error(Errc::not_permitted, "a viewer may not ask for the encoding " + in_quotes(encoding),
+                    "leave it out");
 }
 
 /// Each encoding is made once for all who want it; one peer that wanted many would have everybody pay for them.
@@ -84,9 +109,11 @@ std::size_t Outlet::receivers(const Link& link) const
         ids_.lower_bound({&link, 0}), ids_.upper_bound({&link, std::numeric_limits<std::uint16_t>::max()})));
 }
 
-void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration,
+void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& told,
                  const std::function<void(const Welcome&)>& confirm)
 {
+    const bool guest = is_guest(*link);
+    const auto registration = guest ? as_guest(told) : told;
     const auto id = ++next_id_;
     const Newcomer newcomer{.id = id,
                             .receiver = registration.receiver,
@@ -94,7 +121,8 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                             .options = registration.options,
                             .place = registration.place,
                             .taken = registration.taken,
-                            .unique = link->peer().kind != "application"};
+                            .unique = link->peer().kind != "application" && !guest,
+                            .guest = guest};
     if (const auto before = table_.standing(newcomer))
         detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
     Decisions decisions;

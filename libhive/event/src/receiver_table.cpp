@@ -22,7 +22,7 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
     Account& account = accounts_.open(newcomer.receiver, newcomer.epoch, newcomer.options);
     const auto welcome =
         newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
-    if (newcomer.options.delivery == Delivery::data && !held_.empty())
+    if (newcomer.options.delivery == Delivery::data && !newcomer.guest && !held_.empty())
         offer_held(newcomer, now, decisions);
     if (ended_)
         tell_end(newcomer, now, decisions);
@@ -65,8 +65,9 @@ std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& n
 
 Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decisions& decisions)
 {
-    const auto& [id, receiver, epoch, options, place, taken, unique] = newcomer;
-    if (const auto kept = kept_for(newcomer); kept != kept_.end() && options.delivery == Delivery::data) {
+    const auto& [id, receiver, epoch, options, place, taken, unique, guest] = newcomer;
+    if (const auto kept = guest ? kept_.end() : kept_for(newcomer);
+        kept != kept_.end() && options.delivery == Delivery::data) {
         Seat& seat = seats_.emplace(id, Seat{std::move(kept->second), kept->first}).first->second;
         kept_.erase(kept);
         const auto behind = seat.line.resume(id, epoch, options, seat.place == place ? taken : std::nullopt, decisions);
@@ -74,7 +75,8 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decision
         return {.place = seat.place, .taken = behind};
     }
     const auto fresh = epoch_ + static_cast<std::int64_t>(id);
-    Line& line = seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger), fresh}).first->second.line;
+    Line& line =
+        seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger, guest), fresh}).first->second.line;
     if (options.first_frame && held_.empty() && newest_ && newest_->serves(options.delivery))
         line.offer(newest_, decisions);
     return {.place = fresh};
@@ -217,7 +219,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     ended_ = false;
     for (auto& [id, seat] : seats_)
         if (event->serves(seat.line.options().delivery)) {
-            seat.line.offer(seat.line.takes_bodies() ? event : kept, decisions);
+            seat.line.offer(seat.line.awaited() ? event : kept, decisions);
             received = true;
         }
     for (auto it = kept_.begin(); whole && it != kept_.end();) {
@@ -231,7 +233,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
             group.offer(event, now, decisions);
             received = true;
         }
-    if (hold && whole && event->lossless() && !wanted())
+    if (hold && whole && event->lossless() && !awaited())
         held_.push_back(event);
     else if (!received && kept_.empty())
         ++unreceived_;

@@ -8,8 +8,13 @@ namespace hive::event {
 
 bool ReceiverTable::wanted() const noexcept
 {
+    return awaited() || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+}
+
+bool ReceiverTable::awaited() const noexcept
+{
     return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
-           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.awaited(); });
 }
 
 bool ReceiverTable::fans_out() const
@@ -20,9 +25,9 @@ bool ReceiverTable::fans_out() const
 
 bool ReceiverTable::asked() const
 {
-    const auto line_asks = [](const auto& row) { return !row.second.line.takes_bodies() || row.second.line.asks(); };
+    const auto line_asks = [](const auto& row) { return !row.second.line.awaited() || row.second.line.asks(); };
     const auto group_asks = [](const auto& row) { return !row.second.active() || row.second.asks(); };
-    return kept_.empty() && wanted() && std::ranges::all_of(seats_, line_asks)
+    return kept_.empty() && awaited() && std::ranges::all_of(seats_, line_asks)
            && std::ranges::all_of(groups_, group_asks);
 }
 
@@ -52,7 +57,7 @@ Reason ReceiverTable::why() const
         return Reason::held;
     if (ended_ && !waits())
         return Reason::source_ended;
-    if (!wanted())
+    if (!awaited())
         return seats_.empty() ? Reason::no_receiver : Reason::watched;
     if (!kept_.empty())
         return Reason::place_kept;
@@ -60,7 +65,7 @@ Reason ReceiverTable::why() const
         if (group.active() && group.why() != Reason::none)
             return group.why();
     for (const auto& [id, seat] : seats_)
-        if (seat.line.takes_bodies() && seat.line.why() != Reason::none)
+        if (seat.line.awaited() && seat.line.why() != Reason::none)
             return seat.line.why();
     return Reason::none;
 }

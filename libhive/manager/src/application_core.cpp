@@ -21,6 +21,13 @@ std::string name_of(const Application::Options& options)
     return "app-" + std::to_string(::getpid()) + (number == 1 ? "" : "-" + std::to_string(number));
 }
 
+/// Nothing is read before a drone is dialed over tcp.
+std::shared_ptr<transport::KeyRing> keys_of(const Application::Options& options)
+{
+    const auto file = options.key.empty() ? default_key_file() : options.key;
+    return file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file);
+}
+
 }  // namespace
 
 Error named(const std::string& drone, const Error& error)
@@ -35,7 +42,8 @@ Application::Core::Core(Application::Options options)
       home(options.home.empty() ? default_home() : options.home),
       module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
               .limits = {},
-              .timing = {}})
+              .timing = {},
+              .keys = keys_of(options)})
 {
     module.start();
 }

@@ -24,14 +24,34 @@ Json parameters_from(const std::vector<std::string>& assignments)
     return parameters;
 }
 
-void require_safe(const std::vector<std::string>& addresses, bool insecure)
+void require_members_key(transport::KeyRing* keys, const std::string& what)
+try {
+    if (!keys)
+        throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
+    if (keys->own().front().role != Role::member)
+        throw Error(Errc::not_permitted, keys->file().string() + " is a viewers' key, and a drone needs the members'",
+                    "copy the members' key here");
+} catch (const Error& error) {
+    throw Error(Errc::not_permitted,
+                what + ": anybody who reaches this port could control the drone, and " + error.what(),
+                error.advice() + "; or, on a network that you trust wholly, add --insecure");
+}
+
+/// The swarm's keys, as this drone uses them. Whoever listens on tcp has to have the members' key, or to say that none
+/// is wanted.
+std::shared_ptr<transport::KeyRing> keys_for(const std::vector<std::string>& addresses, const std::string& named,
+                                             bool insecure)
 {
+    if (insecure)
+        return nullptr;
+    const auto file = named.empty() ? default_key_file() : std::filesystem::path(named);
+    const auto keys = file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file);
+    if (!named.empty())
+        keys->own();
     for (const auto& text : addresses)
-        if (transport::parse_address(text).scheme == transport::Address::Scheme::tcp && !insecure)
-            throw Error(Errc::not_permitted,
-                        "--listen " + text
-                            + ": anybody who reaches this port could control the drone. Swarm keys are not built yet; "
-                              "on a network that you trust wholly, add --insecure");
+        if (transport::parse_address(text).scheme == transport::Address::Scheme::tcp)
+            require_members_key(keys.get(), "--listen " + text);
+    return keys;
 }
 
 void start_log(const std::string& name, const std::string& level)
@@ -55,6 +75,7 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     std::vector<std::string> assignments;
     std::string policy, level = "info";
     bool insecure = false;
+    std::string key;
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
     app.add_option("--set", assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
         ->type_name("NAME=VALUE");
@@ -62,6 +83,11 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
                    "a further address to be met at, tcp://HOST:PORT; beside the local socket")
         ->type_name("ADDRESS");
     app.add_flag("--insecure", insecure, "let --listen take peers without a key");
+    app.add_option("--key", key, "the swarm's key file; without it $HIVE_KEY, or ~/.config/hive/swarm.key")
+        ->type_name("FILE");
+    app.add_flag("--remote-operator", settings.remote_operator,
+                 "who has the swarm's key may also set over the network what concerns this machine (paths, URLs, "
+                 "logins)");
     app.add_option("--on-exception", policy, "when the drone's code throws: skip the input, or halt until resumed")
         ->check(CLI::IsMember({"skip", "halt"}))
         ->default_str("skip");
@@ -74,7 +100,7 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     CLI11_PARSE(app, argc, argv);
     try {
         require_name(settings.name, "drone");
-        require_safe(settings.listen, insecure);
+        settings.keys = keys_for(settings.listen, key, insecure);
         settings.parameters = parameters_from(assignments);
         if (!policy.empty())
             settings.policy = from_token<ExceptionPolicy>(policy, "policy");

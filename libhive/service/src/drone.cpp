@@ -16,7 +16,8 @@ ParameterInfo describe(const std::string& name, ParameterType type, const Constr
             .most = constraint.most,
             .choices = constraint.choices,
             .unit = constraint.unit,
-            .help = help};
+            .help = help,
+            .for_operator = constraint.for_operator};
 }
 
 /// Makes the body only when somebody is to have it.

@@ -31,6 +31,7 @@ DroneCore::Running::Running(DroneCore& core)
       module({.self = core.self_,
               .limits = {},
               .timing = {},
+              .keys = core.settings_.keys,
               .log = [&reporter = core.reporter_](const std::string& text) { reporter.log(text); }}),
       halting(core.board_, core.mailbox_, module),
       worker({.declaration = core.declaration_,
@@ -48,7 +49,8 @@ DroneCore::Running::Running(DroneCore& core)
                 .module = module,
                 .halting = halting,
                 .worker = worker,
-                .end = [&core] { core.end(); }})
+                .end = [&core] { core.end(); },
+                .remote_operator = core.settings_.remote_operator})
 {
 }
 

@@ -21,6 +21,8 @@ struct DroneSettings {
     std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
     bool halted = false;                    ///< from the start
     bool describe = false;
+    bool remote_operator = false;                   ///< members may set what is the operator's
+    std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: without a key
 };
 
 /// The user thread, but for what says otherwise.

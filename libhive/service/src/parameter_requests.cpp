@@ -34,7 +34,26 @@ void ParameterRequests::on_get(const Incoming& incoming) const
                 throw Error(Errc::malformed, "get: \"names\" must be an array of texts");
             names.push_back(name.get<std::string>());
         }
-    incoming.answer(Json{{"parameters", parts_.parameters.values(names)}});
+    auto values = parts_.parameters.values(names);
+    if (incoming.role == Role::viewer)
+        for (const auto& parameter : parts_.parameters.declared())
+            if (parameter.for_operator && values.erase(parameter.name) > 0 && !names.empty())
+                throw Error(Errc::not_permitted,
+                            parameter.name + " concerns the drone's machine, which a viewer may not know");
+    incoming.answer(Json{{"parameters", std::move(values)}});
+}
+
+/// What concerns the drone's machine is for who is on that machine.
+void ParameterRequests::require_allowed(const Incoming& incoming, const Json& wanted) const
+{
+    if (incoming.role == Role::owner || parts_.remote_operator)
+        return;
+    for (const auto& parameter : parts_.parameters.declared())
+        if (parameter.for_operator && wanted.contains(parameter.name))
+            throw Error(Errc::not_permitted,
+                        parameter.name + " concerns the machine of " + parts_.module.self().name
+                            + ", so it is not set over the network",
+                        "set it on that machine, or start the drone there with --remote-operator");
 }
 
 void ParameterRequests::on_set(const Incoming& incoming)
@@ -45,6 +64,7 @@ void ParameterRequests::on_set(const Incoming& incoming)
         return on_commit(incoming, *set.commit);
     if (set.abort)
         return on_abort(incoming, *set.abort);
+    require_allowed(incoming, set.parameters);
     Proposal::Terms terms{.values = parts_.parameters.checked(set.parameters),
                           .deadline = std::min(incoming.asked->deadline(), Clock::now() + most_patience),
                           .token = set.prepare,

@@ -19,6 +19,7 @@ public:
         event::Module& module;
         Inbox& inbox;
         StateFile& state_file;
+        bool remote_operator;  ///< members may set what is the operator's
     };
     explicit ParameterRequests(const Parts& parts) : parts_(parts) {}
 
@@ -28,6 +29,7 @@ public:
     void end();
 
 private:
+    void require_allowed(const event::Incoming& incoming, const Json& wanted) const;
     void on_commit(const event::Incoming& incoming, std::int64_t token);
     void on_abort(const event::Incoming& incoming, std::int64_t token);
     void propose(Proposal::Terms terms);

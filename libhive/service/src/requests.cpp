@@ -17,7 +17,8 @@ Requests::Requests(Parts parts)
                    .board = parts_.board,
                    .module = parts_.module,
                    .inbox = inbox_,
-                   .state_file = state_file_}),
+                   .state_file = state_file_,
+                   .remote_operator = parts_.remote_operator}),
       status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module)
 {
     add_handlers();

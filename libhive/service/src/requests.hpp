@@ -21,6 +21,7 @@ public:
         Halting& halting;
         Worker& worker;             ///< for commands alone
         std::function<void()> end;  ///< ends the drone
+        bool remote_operator;       ///< members may set what is the operator's
     };
     explicit Requests(Parts parts);
 

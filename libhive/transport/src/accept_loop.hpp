@@ -3,19 +3,24 @@
 
 #include "admissions.hpp"
 #include "socket_stream.hpp"
+#include "tls_handshake.hpp"
 
 #include <hive/transport/transport.hpp>
 
 #include <asio/posix/stream_descriptor.hpp>
 #include <asio/steady_timer.hpp>
 
+#include <map>
+
 namespace hive::transport {
 
 /// On the network side; kept alive by its own waits until stop().
 class AcceptLoop : public std::enable_shared_from_this<AcceptLoop> {
 public:
-    /// Makes a stream of an accepted socket, or nothing when that peer may not come in. May throw.
-    using Welcome = std::function<std::unique_ptr<Stream>(Socket)>;
+    /// To be called once with the stream of a peer that may come in, or nothing; then its place is free again.
+    using Welcomed = std::function<void(std::unique_ptr<Stream>)>;
+    /// Looks at an accepted socket: answers at once, or later and returns what is under way. May throw.
+    using Welcome = std::function<Handshake(Socket, Welcomed)>;
 
     /// Takes over `descriptor`, which listens and does not block.
     AcceptLoop(asio::io_context& context, int family, int descriptor, Welcome welcome, OnConnection on_connection,
@@ -29,7 +34,10 @@ private:
     void accept_waiting();
     Outcome accept_one();
     void admit(int descriptor);
-    void pause();
+    void welcomed(std::uint64_t guest, std::unique_ptr<Stream> stream, std::shared_ptr<void> admission);
+    /// Is there room for one more, or somebody who has shaken hands for too long and makes room?
+    bool make_room();
+    void pause(std::chrono::milliseconds time);
 
     asio::io_context& context_;
     const int family_;
@@ -39,6 +47,12 @@ private:
     const OnConnection on_connection_;
     const Timing timing_;
     std::shared_ptr<Admissions> admissions_ = std::make_shared<Admissions>();
+    struct Guest {
+        std::chrono::steady_clock::time_point since;
+        Handshake handshake;
+    };
+    std::map<std::uint64_t, Guest> guests_;  ///< who shakes hands, in the order of their coming
+    std::uint64_t last_guest_ = 0;
     bool busy_ = false;  ///< a wait or a pause is under way, or accepting is
 };
 

@@ -15,6 +15,7 @@ public:
         : context_(context),
           peer_(stream.peer()),
           local_(stream.local()),
+          credentials_(stream.credentials()),
           can_share_(stream.passes_descriptors()),
           unstarted_(std::move(core)),
           core_(unstarted_)
@@ -69,11 +70,14 @@ public:
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
     [[nodiscard]] bool local() const override { return local_; }
+    [[nodiscard]] const Credentials& credentials() const override { return credentials_; }
 
 private:
     asio::io_context& context_;
     std::string peer_;
-    bool local_, can_share_;
+    bool local_;
+    Credentials credentials_;
+    bool can_share_;
     std::shared_ptr<ConnectionCore> unstarted_;
     std::weak_ptr<ConnectionCore> core_;
 };

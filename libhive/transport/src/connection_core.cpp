@@ -117,7 +117,7 @@ void ConnectionCore::abandon()
     end(Error(Errc::stopped, "nobody holds the connection any more"));
 }
 
-Error ConnectionCore::about_peer(const Error& error) const { return {error.code(), peer_ + ": " + error.what()}; }
+Error ConnectionCore::about_peer(const Error& error) const { return error.reworded(peer_ + ": " + error.what()); }
 
 Error ConnectionCore::read_failure(std::error_code error) const
 {

@@ -73,6 +73,7 @@ public:
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
     [[nodiscard]] bool local() const override { return true; }
+    [[nodiscard]] Credentials credentials() const override { return {.role = Role::owner, .key = {}}; }
 
 private:
     void receive(asio::mutable_buffer into, Handler handler)

@@ -23,7 +23,7 @@ void DialAttempt::start(std::chrono::milliseconds deadline)
     try {
         begin();
     } catch (const Error& error) {
-        fail(error.code(), error.what());
+        fail(error.code(), error.what(), error.advice());
     }
 }
 
@@ -33,10 +33,10 @@ void DialAttempt::succeed(std::unique_ptr<Stream> stream)
         answer(make_connection(context_, std::move(stream), timing_, nullptr), nullptr);
 }
 
-void DialAttempt::fail(Errc code, const std::string& why)
+void DialAttempt::fail(Errc code, const std::string& why, const std::string& advice)
 {
     if (!answered())
-        answer(nullptr, std::make_exception_ptr(Error(code, "cannot reach " + to_text(address_) + ": " + why)));
+        answer(nullptr, std::make_exception_ptr(Error(code, "cannot reach " + to_text(address_) + ": " + why, advice)));
 }
 
 void DialAttempt::answer(std::shared_ptr<Connection> connection, std::exception_ptr error)

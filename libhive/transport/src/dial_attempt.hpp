@@ -21,7 +21,7 @@ protected:
     virtual void cancel() noexcept = 0;
 
     void succeed(std::unique_ptr<Stream> stream);
-    void fail(Errc code, const std::string& why);
+    void fail(Errc code, const std::string& why, const std::string& advice = {});
     [[nodiscard]] bool answered() const { return !on_dialed_; }
 
     asio::io_context& context_;

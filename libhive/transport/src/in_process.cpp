@@ -121,14 +121,14 @@ private:
 }  // namespace
 
 std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address,
-                                            OnConnection on_connection, const Timing& timing)
+                                            OnConnection on_connection, const Timing& timing, const Security&)
 {
     return std::make_unique<InProcessListener>(address,
                                                std::make_shared<Door>(context, std::move(on_connection), timing));
 }
 
 void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
-                     const Timing& timing)
+                     const Timing& timing, const Security&)
 {
     std::make_shared<InProcessDial>(context, address, std::move(on_dialed), timing)->start(deadline);
 }

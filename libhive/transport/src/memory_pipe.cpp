@@ -138,6 +138,7 @@ public:
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
     [[nodiscard]] bool local() const override { return true; }
+    [[nodiscard]] Credentials credentials() const override { return {.role = Role::owner, .key = {}}; }
 
 private:
     void begin(Waiter& waiter, asio::steady_timer& timer, Handler handler)

@@ -44,15 +44,29 @@ std::optional<protocol::Packet> PacketReader::next()
     return protocol::make_packet(prefix_.type, std::exchange(header_, {}), prefix_.channel, std::move(body));
 }
 
+/// Another protocol is refused by its first bytes, it need not fill a prefix.
+void PacketReader::require_hive() const
+{
+    const auto* at = buffer_.get() + begin_;
+    const auto bytes = end_ - begin_;
+    if (std::memcmp(at, protocol::magic.data(), std::min(bytes, protocol::magic.size())) == 0)
+        return;
+    // The records that TLS begins with: a handshake, or an alert.
+    if (first_ && bytes >= 2 && (at[0] == 0x16 || at[0] == 0x15) && at[1] == 0x03)
+        throw Error(Errc::not_permitted, "it speaks TLS, which goes with a swarm key, and this end speaks without one",
+                    "both ends need the same key: hivectl key show");
+    throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
+}
+
 bool PacketReader::take_prefix()
 {
     const auto bytes = end_ - begin_;
     if (bytes < protocol::prefix_size) {
-        // Another protocol is refused by its first bytes, it need not fill a prefix.
-        if (std::memcmp(buffer_.get() + begin_, protocol::magic.data(), std::min(bytes, protocol::magic.size())) != 0)
-            throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
+        require_hive();
         return false;
     }
+    if (first_)
+        require_hive();
     prefix_ = protocol::decode_prefix(buffer_.get() + begin_, limits_);
     require_in_place();
     begin_ += protocol::prefix_size;

@@ -33,6 +33,7 @@ public:
 private:
     enum class Part { prefix, header, body };
     bool take_prefix();
+    void require_hive() const;
     void require_in_place();
     bool take_header();
     bool take_body();

@@ -42,6 +42,7 @@ public:
     }
     [[nodiscard]] std::string peer() const override { return peer_; }
     [[nodiscard]] bool local() const override { return local_; }
+    [[nodiscard]] Credentials credentials() const override { return {.role = Role::member, .key = {}}; }
 
 private:
     Socket socket_;

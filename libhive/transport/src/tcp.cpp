@@ -3,6 +3,7 @@
 #include "dial_attempt.hpp"
 #include "name_lookup.hpp"
 #include "schemes.hpp"
+#include "tls_handshake.hpp"
 
 #include <asio/ip/tcp.hpp>
 
@@ -57,20 +58,47 @@ std::string text_of(const Endpoint& endpoint)
     return (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(endpoint.port());
 }
 
-/// The stream of a connected socket. Its peer is on this machine when it has the address of this end, or a loopback
-/// address; it may be a tunnel, which nothing tells.
-std::unique_ptr<Stream> stream_of(Socket socket)
+struct Peer {
+    std::string text;
+    bool local;  ///< it has the address of this end, or a loopback address; it may be a tunnel, which nothing tells
+};
+
+Peer peer_of(Socket& socket)
 {
     const auto here = name_of(::getsockname, socket.native_handle()),
                peer = name_of(::getpeername, socket.native_handle());
-    const bool local = is_loopback(peer) || plain_address(here) == plain_address(peer);
-    return make_socket_stream(std::move(socket), text_of(peer), local);
+    return {text_of(peer), is_loopback(peer) || plain_address(here) == plain_address(peer)};
 }
 
-std::unique_ptr<Stream> welcome(Socket socket)
+std::unique_ptr<Stream> plain_stream(Socket socket)
 {
-    tune(socket.native_handle(), name_of(::getpeername, socket.native_handle()));
-    return stream_of(std::move(socket));
+    const auto peer = peer_of(socket);
+    return make_socket_stream(std::move(socket), peer.text, peer.local);
+}
+
+/// A listener's look at who has come.
+AcceptLoop::Welcome welcome_by(const Security& security, std::chrono::milliseconds limit)
+{
+    return [security, limit](Socket socket, const AcceptLoop::Welcomed& welcomed) -> Handshake {
+        tune(socket.native_handle(), name_of(::getpeername, socket.native_handle()));
+        if (!security.keys) {
+            welcomed(plain_stream(std::move(socket)));
+            return nullptr;
+        }
+        const auto peer = peer_of(socket);
+        return shake_hands(std::move(socket),
+                           {.end = TlsEnd::listener,
+                            .keys = security.keys->accepted(),
+                            .limit = limit,
+                            .peer = peer.text,
+                            .local = peer.local},
+                           [welcomed, refused = security.refused, who = peer.text](std::unique_ptr<Stream> stream,
+                                                                                   const Error& error) {
+                               if (!stream)
+                                   refused("refused " + who + ": " + error.what());
+                               welcomed(std::move(stream));
+                           });
+    };
 }
 
 /// Where to listen. Names are looked up here and now: a module listens once, before it serves anybody.
@@ -96,11 +124,16 @@ Error listen_failure(const Address& address, int error)
 
 class TcpDial final : public DialAttempt {
 public:
-    using DialAttempt::DialAttempt;
+    TcpDial(asio::io_context& context, const Address& address, OnDialed on_dialed, const Timing& timing,
+            const Security& security)
+        : DialAttempt(context, address, std::move(on_dialed), timing), ring_(security.keys)
+    {
+    }
 
 private:
     void begin() override
     {
+        read_keys();
         std::error_code error;
         if (const auto number = asio::ip::make_address(address_.host, error); !error)
             return try_all({Endpoint(number, address_.port)});
@@ -111,9 +144,21 @@ private:
                     self->on_found(found, why);
             });
     }
+    /// Whoever has no key dials in the plain; a listener that wants one refuses.
+    void read_keys()
+    {
+        try {
+            if (ring_)
+                keys_ = ring_->own();
+        } catch (const Error& error) {
+            if (error.code() != Errc::not_found)
+                throw;
+        }
+    }
     void cancel() noexcept override
     {
         lookup_.reset();
+        handshake_.reset();
         std::error_code ignored;
         socket_.close(ignored);
     }
@@ -133,7 +178,7 @@ private:
     }
     void try_next()
     try {
-        const auto& to = endpoints_.at(next_++);
+        const auto& to = endpoints_.at(next_);
         socket_ = open_socket(context_, to.protocol().family());
         tune(socket_.native_handle(), to);
         socket_.async_connect({to.data(), to.size(), IPPROTO_TCP},
@@ -150,26 +195,54 @@ private:
         if (!error
             && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
             error = asio::error::connection_refused;
-        if (!error)
-            succeed(stream_of(std::move(socket_)));
-        else if (next_ < endpoints_.size())
+        if (error && ++next_ < endpoints_.size())
             try_next();
-        else
+        else if (error)
             fail(Errc::unreachable, error.message());
+        else if (keys_.empty())
+            succeed(plain_stream(std::move(socket_)));
+        else
+            show_key();
     } catch (const Error& lost) {
         fail(Errc::unreachable, lost.what());
+    }
+    void show_key()
+    {
+        const auto peer = peer_of(socket_);
+        handshake_ = shake_hands(
+            std::move(socket_),
+            {.end = TlsEnd::dialer,
+             .keys = {keys_.at(shown_)},
+             .limit = std::chrono::hours(1),  // the dial has a deadline of its own
+             .peer = peer.text,
+             .local = peer.local},
+            [this](std::unique_ptr<Stream> stream, const Error& error) { on_shaken(std::move(stream), error); });
+    }
+    /// A peer that does not know the newest key may know the one before.
+    void on_shaken(std::unique_ptr<Stream> stream, const Error& error)
+    {
+        const auto self = shared_from_this();
+        if (stream)
+            return succeed(std::move(stream));
+        if (error.code() == Errc::not_permitted && ++shown_ < keys_.size())
+            return try_next();
+        fail(error.code() == Errc::connection_lost ? Errc::unreachable : error.code(), error.what(), error.advice());
     }
 
     std::unique_ptr<NameLookup> lookup_;
     NameLookup::Endpoints endpoints_;
     std::size_t next_ = 0;
+    std::shared_ptr<KeyRing> ring_;
+    std::vector<SwarmKey> keys_;  ///< to be shown, one after the other
+    std::size_t shown_ = 0;
+    Handshake handshake_;
     Socket socket_{context_};
 };
 
 }  // namespace
 
 std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection,
-                                     const Timing& timing)
+                                     const Timing& timing, const Security& security)
 {
     const auto endpoint = listening_endpoint(context, address);
     const int family = endpoint.protocol().family();
@@ -182,15 +255,15 @@ std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& a
         throw listen_failure(address, errno);
     auto bound = address;
     bound.port = name_of(::getsockname, descriptor).port();
-    auto loop =
-        std::make_shared<AcceptLoop>(context, family, socket.release(), welcome, std::move(on_connection), timing);
+    auto loop = std::make_shared<AcceptLoop>(
+        context, family, socket.release(), welcome_by(security, timing.first_packet), std::move(on_connection), timing);
     return std::make_unique<SocketListener>(std::move(loop), std::move(bound));
 }
 
 void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
-              const Timing& timing)
+              const Timing& timing, const Security& security)
 {
-    std::make_shared<TcpDial>(context, address, std::move(on_dialed), timing)->start(deadline);
+    std::make_shared<TcpDial>(context, address, std::move(on_dialed), timing, security)->start(deadline);
 }
 
 }  // namespace hive::transport

@@ -29,15 +29,15 @@ const Scheme& scheme_of(const Address& address)
 }  // namespace
 
 std::unique_ptr<Listener> listen(asio::io_context& context, const Address& address, OnConnection on_connection,
-                                 Timing timing)
+                                 Timing timing, Security security)
 {
-    return scheme_of(address).listen(context, address, std::move(on_connection), timing);
+    return scheme_of(address).listen(context, address, std::move(on_connection), timing, security);
 }
 
 void dial(asio::io_context& context, const Address& address, std::chrono::milliseconds deadline, OnDialed on_dialed,
-          Timing timing)
+          Timing timing, Security security)
 {
-    scheme_of(address).dial(context, address, deadline, std::move(on_dialed), timing);
+    scheme_of(address).dial(context, address, deadline, std::move(on_dialed), timing, security);
 }
 
 }  // namespace hive::transport

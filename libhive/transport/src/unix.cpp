@@ -93,17 +93,22 @@ private:
 }  // namespace
 
 std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection,
-                                      const Timing& timing)
+                                      const Timing& timing, const Security&)
 {
     auto socket = open_socket(context, AF_UNIX);
     auto file = SocketFile::bind_and_listen(socket.native_handle(), address);
-    auto loop = std::make_shared<AcceptLoop>(context, AF_UNIX, socket.release(), stream_to_own_user,
-                                             std::move(on_connection), timing);
+    auto loop = std::make_shared<AcceptLoop>(
+        context, AF_UNIX, socket.release(),
+        [](Socket peer, const AcceptLoop::Welcomed& welcomed) -> Handshake {
+            welcomed(stream_to_own_user(std::move(peer)));
+            return nullptr;
+        },
+        std::move(on_connection), timing);
     return std::make_unique<UnixListener>(std::move(loop), address, std::move(file));
 }
 
 void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
-               const Timing& timing)
+               const Timing& timing, const Security&)
 {
     std::make_shared<UnixDial>(context, address, std::move(on_dialed), timing)->start(deadline);
 }

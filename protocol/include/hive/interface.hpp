@@ -29,6 +29,9 @@ struct ParameterInfo {
     std::vector<std::string> choices;   ///< not empty: a text that is one of these
     std::string unit;                   ///< "px", "fps", "%"
     std::string help;
+    /// It concerns the machine that the drone runs on (files, addresses, logins), and not its pictures: who comes over
+    /// the network may neither set nor, as a viewer, read it (libhive/docs/security.md).
+    bool for_operator = false;
 };
 
 /// The port called `name`. Throws Errc::not_found: "face has no input imag".

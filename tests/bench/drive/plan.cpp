@@ -16,10 +16,10 @@ Rows operator+(Rows left, const Rows& right)
 
 const Rows one_way{"raw_shm/copy", "hive/local", "raw_sock/tcp-direct-b256", "hive/tcp"};
 const Rows in_place{"raw_shm/zc", "hive/local-zc"};
-const Rows further{"raw_sock/unix-direct"};
+const Rows further{"raw_sock/unix-direct", "hive/tls"};
 const Rows peers{"iceoryx/loan", "zmq/ipc", "nng/ipc", "asio/tcp", "zmq/tcp", "nng/tcp"};
 const Rows round_trips{"raw_shm/copy", "hive/local", "raw_sock/tcp", "hive/tcp"};
-const Rows unix_round_trips{"raw_sock/unix"};
+const Rows unix_round_trips{"raw_sock/unix", "hive/tls"};
 const Rows direct{"raw_sock/tcp-direct-b256"};
 const Rows prefetching{"hive/local", "raw_shm/copy", "raw_sock/tcp-prefetch-b256", "hive/tcp"};
 const Rows with_busy_core{"iceoryx/loan", "asio/tcp", "zmq/tcp"};
@@ -28,7 +28,7 @@ std::string kind_of(const Row& row)
 {
     if (row.starts_with("raw_shm") || row.starts_with("iceoryx") || row.starts_with("hive/local"))
         return "shared memory";
-    return row.find("/tcp") == std::string::npos ? "unix" : "tcp";
+    return row.find("/tcp") == std::string::npos && row.find("/tls") == std::string::npos ? "unix" : "tcp";
 }
 
 }  // namespace
@@ -89,14 +89,23 @@ const std::vector<Column>& columns()
 
 const std::vector<Row>& rows()
 {
-    static const std::vector<Row> all{"hive/local",    "hive/local-zc",
-                                      "hive/tcp",      "raw_shm/copy",
-                                      "raw_shm/zc",    "raw_sock/unix-direct",
-                                      "raw_sock/unix", "raw_sock/tcp-direct-b256",
-                                      "raw_sock/tcp",  "raw_sock/tcp-prefetch-b256",
-                                      "iceoryx/loan",  "zmq/ipc",
-                                      "nng/ipc",       "asio/tcp",
-                                      "zmq/tcp",       "nng/tcp"};
+    static const std::vector<Row> all{"hive/local",
+                                      "hive/local-zc",
+                                      "hive/tcp",
+                                      "hive/tls",
+                                      "raw_shm/copy",
+                                      "raw_shm/zc",
+                                      "raw_sock/unix-direct",
+                                      "raw_sock/unix",
+                                      "raw_sock/tcp-direct-b256",
+                                      "raw_sock/tcp",
+                                      "raw_sock/tcp-prefetch-b256",
+                                      "iceoryx/loan",
+                                      "zmq/ipc",
+                                      "nng/ipc",
+                                      "asio/tcp",
+                                      "zmq/tcp",
+                                      "nng/tcp"};
     return all;
 }
 

@@ -27,8 +27,10 @@ void end_this_drone() { ::kill(::getpid(), SIGTERM); }
 void run_as_drone(const Run& run, const std::string& name, const std::function<void(Drone&)>& body)
 {
     std::vector<std::string> words{"bench_hive", "--name", name, "--log-level", "warning"};
-    if (run.is("tcp") && name == source_name)
-        words.insert(words.end(), {"--listen", tcp_address(run), "--insecure"});
+    if (over_tcp(run) && name == source_name)
+        words.insert(words.end(), {"--listen", tcp_address(run)});
+    if (run.is("tcp"))
+        words.emplace_back("--insecure");
     std::vector<char*> pointers;
     for (auto& word : words)
         pointers.push_back(word.data());
@@ -181,6 +183,8 @@ private:
 }  // namespace
 
 std::string sink_name(int index) { return "sink-" + std::to_string(index); }
+bool over_tcp(const Run& run) { return run.is("tcp") || run.is("tls"); }
+
 std::string tcp_address(const Run& run) { return "tcp://127.0.0.1:" + std::to_string(run.port); }
 
 std::unique_ptr<Publisher> make_source(const Run& run) { return std::make_unique<Source>(run); }

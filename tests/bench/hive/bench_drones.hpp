@@ -11,6 +11,8 @@ constexpr auto source_name = "source", frame_port = "frame", note_parameter = "n
 constexpr auto note_text = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
 
 std::string sink_name(int index);
+/// Does this variant go over TCP, in the plain or under a key?
+bool over_tcp(const Run& run);
 /// Where the source listens beside its local socket, in the variants that go over TCP.
 std::string tcp_address(const Run& run);
 

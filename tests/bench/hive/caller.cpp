@@ -14,7 +14,8 @@ public:
         : event::Module(
             {.self = {.name = "bench-caller", .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
              .limits = {},
-             .timing = {}})
+             .timing = {},
+             .keys = default_key_file().empty() ? nullptr : std::make_shared<transport::KeyRing>(default_key_file())})
     {
         start();
     }

@@ -4,6 +4,7 @@
 //     bench_hive local     drones that meet on this machine; the picture is copied into the loan
 //     bench_hive local-zc  the same, but the camera has written into the loan: only header and tail are stamped
 //     bench_hive tcp       over TCP on 127.0.0.1
+//     bench_hive tls       the same, under a swarm key
 //
 // lat: live events, streamed. thr: lossless events with a wide window, each produced when everybody has asked for it.
 // sync: the same with window=1 (the default) or window=2. rpc: Application::get of one parameter.
@@ -12,6 +13,7 @@
 #include "caller.hpp"
 
 #include <hive/application.hpp>
+#include <hive/key.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -106,7 +108,7 @@ public:
     std::unique_ptr<Server> server(const Run& run) const override { return make_answering_drone(run); }
     std::unique_ptr<Client> client(const Run& run) const override
     {
-        if (run.is("tcp"))
+        if (over_tcp(run))
             return std::make_unique<TcpClient>(run);
         return std::make_unique<LocalClient>();
     }
@@ -118,12 +120,16 @@ public:
         fs::create_directory(home_of(run));
         fs::permissions(home_of(run), fs::perms::owner_all);
         ::setenv("HIVE_HOME", home_of(run).c_str(), 1);
+        const auto key = home_of(run) / "swarm.key";
+        ::setenv("HIVE_KEY", run.is("tls") ? key.c_str() : "none", 1);
+        if (run.is("tls"))
+            write_key_file(key, {new_swarm_key(0)}, KeyFileMode::fresh);
     }
 
     void wire(const Run& run) const override
     {
         if (!answers(run))
-            run.is("tcp") ? connect_tcp(run) : connect_local(run);
+            over_tcp(run) ? connect_tcp(run) : connect_local(run);
     }
 
     void clean(const Run& run) const override { fs::remove_all(home_of(run)); }

@@ -316,4 +316,43 @@ TEST_CASE("awaited group: of those without members only the last are remembered,
     CHECK(world.add(101, "face", member_of(1)) == Got{{101, {1}}});
 }
 
+TEST_CASE("guest: it gets what there is, and neither lets a source begin nor holds it up")
+{
+    World world;
+    world.add({.id = 1, .receiver = "results (viewer)", .options = window(1), .guest = true});
+    CHECK(world.table.wanted());  // bodies are made for it
+    CHECK_FALSE(world.table.awaited());
+    CHECK_FALSE(world.table.asked());
+    CHECK(world.table.why() == Reason::watched);
+    CHECK(world.offer(1, true, true) == Got{{1, {1}}});
+    CHECK(world.table.unreceived() == 0);  // it is held for who comes to work
+    CHECK(world.add({.id = 2, .receiver = "results", .options = window(1)}) == Got{{2, {1}}});
+    CHECK(world.table.awaited());
+    CHECK(world.ask(2, {2, 1, 1}).empty());
+    CHECK(world.table.asked());  // although the guest never asked again
+    CHECK(world.offer(2, true) == Got{{2, {2}}});
+    CHECK_FALSE(world.table.backlogged());
+    CHECK(world.ask(2, {3, 2, 2}).empty());
+    CHECK(world.offer(3, true) == Got{{2, {3}}});
+    CHECK(world.ask(1, {2, 1, 1}) == Got{{1, {3}}});  // the newest
+    CHECK(world.row("results (viewer)").events.of(Fate::skipped) == 1);
+}
+
+TEST_CASE("guest: no place is kept for it, and it takes nobody's")
+{
+    World world;
+    world.add(1, "results", window(2));
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.add({.id = 2, .receiver = "results", .options = window(2), .place = place, .taken = 0, .guest = true})
+              .empty());
+    CHECK(world.welcome.place != place);
+    CHECK(world.table.why() == Reason::place_kept);
+    CHECK(world.offer(2, true) == Got{{2, {2}}});
+    world.lose(2, Fate::lost_cut_off);
+    CHECK(world.add({.id = 3, .receiver = "results", .options = window(2), .place = place, .taken = 1})
+          == Got{{3, {2}}});
+}
+
 }  // namespace hive::event

@@ -108,6 +108,7 @@ public:
         std::string name;                         ///< empty: "app-PID", of further ones "app-PID-2"
         std::filesystem::path home;               ///< empty: default_home()
         std::chrono::milliseconds timeout{5000};  ///< of every call
+        std::filesystem::path key{};  ///< the swarm's key file, for drones on other machines; empty: default_key_file()
         /// What to advise whoever names a drone that does not run, and no running one is called nearly so.
         std::function<std::string(const std::string& drone)> advice_if_missing{};
     };

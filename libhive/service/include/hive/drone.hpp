@@ -26,6 +26,7 @@ struct Constraint {
     std::optional<double> least, most;
     std::vector<std::string> choices;
     std::string unit;
+    bool for_operator = false;
 
     /// The unit, shown beside the value: "px", "fps", "%".
     [[nodiscard]] Constraint in(std::string unit_name) const
@@ -34,13 +35,21 @@ struct Constraint {
         copy.unit = std::move(unit_name);
         return copy;
     }
+    /// For what concerns the drone's machine and not its pictures, as a path or a login: it can be set at the start and
+    /// on the machine itself, and over the network only if the drone was started with --remote-operator.
+    [[nodiscard]] Constraint by_operator() const
+    {
+        Constraint copy = *this;
+        copy.for_operator = true;
+        return copy;
+    }
 };
 inline Constraint anything() { return {}; }
-inline Constraint between(double least, double most) { return {least, most, {}, {}}; }
-inline Constraint at_least(double least) { return {least, std::nullopt, {}, {}}; }
+inline Constraint between(double least, double most) { return {least, most, {}, {}, false}; }
+inline Constraint at_least(double least) { return {least, std::nullopt, {}, {}, false}; }
 inline Constraint one_of(std::initializer_list<const char*> choices)
 {
-    return {std::nullopt, std::nullopt, {choices.begin(), choices.end()}, {}};
+    return {std::nullopt, std::nullopt, {choices.begin(), choices.end()}, {}, false};
 }
 
 /// A handle on one of the drone's outputs; cheap to copy. For the user thread.

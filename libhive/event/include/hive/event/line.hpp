@@ -38,7 +38,9 @@ public:
     static constexpr int most_failures = 3;                     ///< deaths of the receiver over one lossless event
     static constexpr auto place_kept = std::chrono::seconds(30);
 
-    Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger);
+    /// @param guest  it gets what there is, and nobody waits for it: what is lossless to others is live to it
+    Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger,
+         bool guest = false);
 
     void offer(const EmissionPtr& event, Decisions& decisions);
     void request(std::int64_t epoch, const Progress& progress, Decisions& decisions);
@@ -70,6 +72,8 @@ public:
     /// Are there lossless events that it has not acknowledged, or may there be one next?
     [[nodiscard]] bool worth_keeping() const;
     [[nodiscard]] bool takes_bodies() const noexcept { return options_.delivery == Delivery::data; }
+    /// Does a source of lossless events wait for it?
+    [[nodiscard]] bool awaited() const noexcept { return takes_bodies() && !guest_; }
     /// Has it asked for an event that it has not got?
     [[nodiscard]] bool asks() const;
     /// Do lossless events wait for it?
@@ -84,7 +88,7 @@ private:
         int failures = 0;
     };
     static bool live(const Item& item) { return !item.event || !item.event->lossless(); }
-    [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && takes_bodies(); }
+    [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && awaited(); }
     bool drop_oldest();
     void wait(Item item, bool first);
     Item next();
@@ -101,7 +105,8 @@ private:
     std::deque<Item> waiting_, in_hand_;
     std::size_t waiting_bytes_ = 0;
     std::optional<bool> lossless_;  ///< was the last event offered? Then its source waits for its receivers
-    bool ending_ = false;           ///< the receiver is still to be told of the end
+    bool guest_ = false;
+    bool ending_ = false;  ///< the receiver is still to be told of the end
     std::optional<Clock::time_point> kept_until_;
     Fate lost_as_ = Fate::lost_connection;  ///< when its place was kept last
 };

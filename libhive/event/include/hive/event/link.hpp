@@ -3,6 +3,7 @@
 
 #include <hive/event/clock.hpp>
 #include <hive/protocol/messages.hpp>
+#include <hive/protocol/permission.hpp>
 #include <hive/transport/connection.hpp>
 
 #include <atomic>
@@ -57,10 +58,13 @@ public:
     /// Receives the packets (event, notification, exception, end) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;
 
+    /// Which end of the connection this one is.
+    enum class End { dialed, accepted };
+
     /// @param pool  where the bodies of this module lie that a peer on this machine may read
     /// @param maps  whether this module can map what a peer shares
-    Link(std::shared_ptr<transport::Connection> connection, const protocol::Hello& self, protocol::Limits limits,
-         std::shared_ptr<transport::Pool> pool, bool maps);
+    Link(std::shared_ptr<transport::Connection> connection, End end, const protocol::Hello& self,
+         protocol::Limits limits, std::shared_ptr<transport::Pool> pool, bool maps);
     void start(Events events);
 
     [[nodiscard]] bool open() const noexcept { return open_; }
@@ -68,9 +72,12 @@ public:
     [[nodiscard]] transport::Connection& connection() noexcept { return *connection_; }
     /// Is the peer on this machine?
     [[nodiscard]] bool local() const { return connection_->local(); }
+    /// What the peer is to this end, if it is the peer that dialed.
+    [[nodiscard]] const transport::Credentials& credentials() const { return connection_->credentials(); }
 
     /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends
-    /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large).
+    /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large) or nothing
+    /// that this end may ask (Errc::not_permitted).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
                  std::uint16_t channel = 0);
     /// Confirms a request. An answer that no peer would take (over the limits of a header) becomes Errc::too_large.
@@ -102,7 +109,11 @@ private:
     void on_confirmation(const Json& header);
     void on_closed(const Error& reason);
 
+    [[nodiscard]] protocol::Direction to_here() const;
+    [[nodiscard]] protocol::Direction to_peer() const;
+
     std::shared_ptr<transport::Connection> connection_;
+    End end_;
     protocol::Hello self_, peer_;
     protocol::Limits limits_;
     std::shared_ptr<transport::Pool> pool_;

@@ -7,6 +7,7 @@
 #include <hive/event/intake.hpp>
 #include <hive/event/line_budget.hpp>
 #include <hive/event/link.hpp>
+#include <hive/event/log_limit.hpp>
 #include <hive/event/loop.hpp>
 #include <hive/event/mailbox.hpp>
 #include <hive/event/outlet.hpp>
@@ -29,6 +30,7 @@ namespace hive::event {
 struct Incoming {
     std::string peer;
     std::int64_t peer_epoch = 0;
+    Role role = Role::viewer;  ///< of the peer
     Json header;
     Body body;
     std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
@@ -46,6 +48,7 @@ public:
         protocol::Hello self;
         protocol::Limits limits;
         transport::Timing timing;
+        std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: it is plain, and every peer is a member
         std::function<void(const std::string&)> log = [](const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
@@ -129,12 +132,18 @@ private:
     void gone(const std::shared_ptr<Intake>& intake) override;
     void release_held();
     void end_earlier_run(const Link& link);
-    LinkPtr make_link(std::shared_ptr<transport::Connection> connection);
+    LinkPtr make_link(std::shared_ptr<transport::Connection> connection, Link::End end);
+    [[nodiscard]] transport::Security security();
+    void watch_keys();
+    void recheck_keys();
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet);
     bool make_room();
+    [[nodiscard]] std::size_t peers(bool local) const;
+    bool has_place(const Link& link);
+    void turn_away(const transport::Connection& connection);
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
     [[nodiscard]] Json confirmation(const Outlet& sender, const Welcome& welcome) const;
     void require_free(const Link& link, std::uint16_t channel) const;
@@ -157,6 +166,10 @@ private:
     std::shared_ptr<Door> door_ = std::make_shared<Door>(loop_);
     asio::steady_timer timer_{context()};
     asio::steady_timer last_{context()};
+    asio::steady_timer keys_timer_{context()};
+    bool watching_keys_ = false;
+    std::string keys_trouble_;  ///< what was last said of the file
+    LogLimit refusals_{10, std::chrono::seconds(10)};
     asio::signal_set signals_{context()};
     bool armed_ = false, ending_ = false;
     LineBudget lines_;

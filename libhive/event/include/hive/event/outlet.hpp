@@ -58,6 +58,8 @@ public:
     std::size_t forget(const std::string& drone);
     void tick();
 
+    /// Does anybody receive bodies whom a source of lossless events waits for? The network side.
+    [[nodiscard]] bool awaited() const noexcept { return table_.awaited(); }
     [[nodiscard]] bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
     /// Does anybody receive it, be it headers alone?
     [[nodiscard]] bool received() const noexcept { return received_.load(std::memory_order_relaxed); }
@@ -71,6 +73,7 @@ public:
     [[nodiscard]] OutputStatus status() const;
 
 private:
+    void require_modest(const protocol::Registration& registration) const;
     using Key = std::pair<const Link*, std::uint16_t>;
     struct Place {
         LinkPtr link;

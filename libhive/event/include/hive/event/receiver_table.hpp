@@ -16,6 +16,7 @@ struct Newcomer {
     std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
     std::optional<std::int64_t> taken = {};  ///< at that place
     bool unique = false;                     ///< nobody else has this name: what stands or is kept under it is its own
+    bool guest = false;                      ///< it looks on, and nobody waits for it
 };
 
 /// What the newcomer is told.
@@ -76,7 +77,9 @@ public:
     [[nodiscard]] bool wanted() const noexcept;
     /// Does each event go to several plain receivers of bodies, those that are awaited included?
     [[nodiscard]] bool fans_out() const;
-    /// Has every receiver of bodies asked for an event that it has not got (and is there one)?
+    /// As wanted(), but for guests.
+    [[nodiscard]] bool awaited() const noexcept;
+    /// Has every receiver of bodies that is no guest asked for an event that it has not got (and is there one)?
     [[nodiscard]] bool asked() const;
     /// Do lossless events wait for somebody to ask?
     [[nodiscard]] bool backlogged() const;

@@ -71,6 +71,8 @@ public:
     [[nodiscard]] virtual std::string peer() const = 0;
     /// Is the peer on this machine: at a unix socket, inside the process, or at an address of this machine?
     [[nodiscard]] virtual bool local() const = 0;
+    /// What the end that dialed may do at the end that listens.
+    [[nodiscard]] virtual const Credentials& credentials() const = 0;
 };
 
 }  // namespace hive::transport

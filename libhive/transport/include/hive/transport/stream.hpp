@@ -4,6 +4,7 @@
 
 #include <hive/error.hpp>
 #include <hive/transport/descriptor.hpp>
+#include <hive/transport/security.hpp>
 
 #include <asio/buffer.hpp>
 #include <asio/io_context.hpp>
@@ -43,6 +44,8 @@ public:
     [[nodiscard]] virtual std::string peer() const = 0;
     /// Is the peer on this machine, as far as its address tells?
     [[nodiscard]] virtual bool local() const = 0;
+    /// What the end that dialed may do at the other.
+    [[nodiscard]] virtual Credentials credentials() const = 0;
 };
 
 }  // namespace hive::transport

@@ -20,16 +20,18 @@ public:
 using OnConnection = std::function<void(std::shared_ptr<Connection>)>;
 using OnDialed = std::function<void(std::shared_ptr<Connection>, std::exception_ptr)>;  ///< one of the two is null
 
-/// Listens. A unix socket is made with mode 0600, over a stale one only when nobody answers there; peers of another uid
+/// Listens. On tcp a peer has to prove a key of `security` before there is a connection, within `timing.first_packet`.
+/// A unix socket is made with mode 0600, over a stale one only when nobody answers there; peers of another uid
 /// are closed. A taken TCP port is Errc::name_taken. When descriptors run out, accepting pauses for 100 ms at a time
 /// and nothing else suffers. At most 64 connections may be without a hello at once; the next ones wait in the kernel's
 /// queue.
 std::unique_ptr<Listener> listen(asio::io_context& context, const Address& address, OnConnection on_connection,
-                                 Timing timing = {});
+                                 Timing timing = {}, Security security = {});
 
 /// Dials; the handler is called once, never from inside, at the latest after `deadline`. Failure is Errc::unreachable
-/// or Errc::timeout with the address in the text. Host numbers are not looked up; names are, without holding up others.
+/// or Errc::timeout with the address in the text; Errc::not_permitted when the two ends' keys do not fit. Host numbers
+/// are not looked up; names are, without holding up others.
 void dial(asio::io_context& context, const Address& address, std::chrono::milliseconds deadline, OnDialed on_dialed,
-          Timing timing = {});
+          Timing timing = {}, Security security = {});
 
 }  // namespace hive::transport

@@ -1,0 +1,55 @@
+// The swarm's keys while a module runs: who was turned away, and links whose key holds no longer.
+#include <hive/event/module.hpp>
+
+#include <vector>
+
+namespace hive::event {
+namespace {
+
+constexpr auto look_at_keys_every = std::chrono::milliseconds(1000);
+
+}  // namespace
+
+transport::Security Module::security()
+{
+    return {.keys = options_.keys, .refused = [this](const std::string& who) {
+                if (const auto line = refusals_.pass(who, Clock::now()))
+                    log(*line);
+            }};
+}
+
+/// Looks once a second as long as a link stands on a key.
+void Module::watch_keys()
+{
+    if (watching_keys_ || ending_)
+        return;
+    watching_keys_ = true;
+    keys_timer_.expires_after(look_at_keys_every);
+    keys_timer_.async_wait([this](std::error_code problem) {
+        watching_keys_ = false;
+        if (!problem)
+            recheck_keys();
+    });
+}
+
+void Module::recheck_keys()
+{
+    bool needed = false;
+    for (const auto& link : std::set(links_)) {
+        const auto& [role, key] = link->credentials();
+        if (key.empty())
+            continue;
+        needed = true;
+        if (!options_.keys->accepts(key, role))
+            link->close(Error(Errc::not_permitted, "the swarm key " + key + " holds no longer"));
+    }
+    if (options_.keys && options_.keys->trouble() != keys_trouble_) {
+        keys_trouble_ = options_.keys->trouble();
+        if (!keys_trouble_.empty())
+            log(keys_trouble_ + "; the keys that are known hold on");
+    }
+    if (needed)
+        watch_keys();
+}
+
+}  // namespace hive::event

@@ -1,0 +1,44 @@
+// The key of a swarm and its file: who has it may come in over TCP (libhive/docs/security.md).
+#pragma once
+
+#include <hive/role.hpp>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+struct SwarmKey {
+    using Secret = std::array<unsigned char, 32>;
+
+    std::string id;            ///< 16 hexadecimal digits, no secret: the same for members and viewers of one key
+    Role role = Role::member;  ///< or viewer
+    Secret secret{};
+    std::int64_t created_s = 0;  ///< seconds since 1970
+    std::int64_t until_s = 0;    ///< holds until then, in seconds since 1970; 0: without end
+};
+
+/// A fresh one for members, of random bytes.
+SwarmKey new_swarm_key(std::int64_t now_s);
+/// What viewers get: made of the members' key, which cannot be told from it.
+SwarmKey viewers_key(const SwarmKey& members);
+/// Does it hold at that time?
+inline bool holds(const SwarmKey& key, std::int64_t now_s) { return key.until_s == 0 || now_s < key.until_s; }
+
+/// Where the keys of this user are: $HIVE_KEY, or $XDG_CONFIG_HOME/hive/swarm.key, or ~/.config/hive/swarm.key. Empty
+/// when HIVE_KEY is "none": then there is no key, whatever lies there.
+std::filesystem::path default_key_file();
+
+/// The keys of a file, newest first, at least one; all have the same role. Throws Errc::not_found when there is no such
+/// file, Errc::not_permitted when others than its owner may read it, and Errc::malformed.
+std::vector<SwarmKey> read_key_file(const std::filesystem::path& file);
+
+enum class KeyFileMode { fresh, replace };
+/// Writes the file with mode 0600, at once as a whole, and makes its folder. Throws Errc::name_taken when a fresh one
+/// is there already, and Errc::io.
+void write_key_file(const std::filesystem::path& file, const std::vector<SwarmKey>& keys, KeyFileMode mode);
+
+}  // namespace hive

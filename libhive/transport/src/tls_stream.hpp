@@ -1,0 +1,68 @@
+// A connected socket under TLS as a Stream. Large bodies are encrypted and sent in large pieces.
+#pragma once
+
+#include "socket_stream.hpp"
+#include "tls_session.hpp"
+
+#include <vector>
+
+namespace hive::transport {
+
+/// OpenSSL works on the socket directly, without an asio::ssl::stream between them, whose records of 17 KiB make one
+/// system call and one copy each.
+class TlsStream final : public Stream {
+public:
+    /// @param talk  whose keys the handshake is about
+    TlsStream(Socket socket, TlsEnd end, KeyTalk talk, std::string peer, bool local);
+
+    /// Shakes hands; before anything is read or written. Afterwards established() tells whether the peer has proved a
+    /// key, and reason() why not.
+    void handshake(Handler handler);
+    [[nodiscard]] bool established() const { return proved(*session_, talk_); }
+    /// OpenSSL's reason for the failure; 0: none.
+    [[nodiscard]] int reason() const noexcept { return reason_; }
+    /// The dialer: did the answer begin as a plain packet does?
+    [[nodiscard]] bool plain_peer() const noexcept { return plain_peer_; }
+    [[nodiscard]] const KeyTalk& talk() const noexcept { return talk_; }
+
+    void read_some(asio::mutable_buffer into, Handler handler) override;
+    void write_some(std::span<const asio::const_buffer> from, Handler handler) override;
+    void close() noexcept override;
+    [[nodiscard]] std::string peer() const override { return peer_; }
+    [[nodiscard]] bool local() const override { return local_; }
+    [[nodiscard]] Credentials credentials() const override;
+
+private:
+    struct Step {  ///< what came of a call into OpenSSL
+        std::size_t bytes = 0;
+        std::error_code error;
+        [[nodiscard]] bool waits() const { return bytes == 0 && !error; }
+    };
+    void shake(Handler handler);
+    void shake_on(bool done, std::error_code error, Handler handler);
+    void look_for_plain_peer();
+    Step decrypt(asio::mutable_buffer into);
+    std::error_code encrypt(const void* bytes, std::size_t size);
+    Step encrypt(std::span<const asio::const_buffer> from);
+    void wait_to_read(asio::mutable_buffer into, Handler handler);
+    /// Sends what is encrypted; the handler is told `bytes`.
+    void flush(std::size_t bytes, Handler handler);
+    std::error_code send();
+    std::error_code failure(int result);
+    void post(Handler handler, std::error_code error, std::size_t bytes);
+
+    Socket socket_;
+    KeyTalk talk_;
+    std::string peer_;
+    bool local_;
+    std::vector<unsigned char> outgoing_, staged_;
+    std::size_t sent_ = 0;  ///< of outgoing_
+    SslPtr session_;
+    int reason_ = 0;
+    bool plain_peer_ = false;
+};
+
+/// What a broken seal is called, for errors of a connection.
+const std::error_category& tls_category();
+
+}  // namespace hive::transport

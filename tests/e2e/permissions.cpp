@@ -1,0 +1,188 @@
+// What each kind of stranger can do to a drone that listens on tcp: tried out on a running drone, packet by packet, and
+// printed as a table.
+#include "swarm.hpp"
+
+#include <hive/protocol/messages.hpp>
+#include <hive/protocol/permission.hpp>
+#include <hive/transport/transport.hpp>
+
+#include <asio/io_context.hpp>
+#include <doctest/doctest.h>
+
+#include <iostream>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+using hive::Role;
+using hive::protocol::Direction;
+using hive::protocol::PacketType;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What came of a packet.
+enum class Fate { taken, closed, kept_out };
+
+std::string word(Fate fate) { return fate == Fate::taken ? "taken" : fate == Fate::closed ? "closed" : "kept out"; }
+
+/// A header that this type is read with; what it asks for need not be there.
+std::string header_for(PacketType type)
+{
+    switch (type) {
+    case PacketType::ping:
+    case PacketType::pong:
+    case PacketType::release: return {};
+    case PacketType::request: return R"({"epoch":1,"id":1})";
+    case PacketType::register_receiver: return R"({"id":1,"epoch":1,"output":"nothing","receiver":"stranger"})";
+    default: return R"({"id":1})";
+    }
+}
+
+/// Dials the drone, says hello, sends one packet, and looks whether a question is still answered after it.
+class Try {
+public:
+    Try(const std::string& address, const fs::path& key)
+    {
+        using namespace hive::transport;
+        const Security security{.keys = key.empty() ? nullptr : std::make_shared<KeyRing>(key)};
+        bool answered = false;
+        dial(
+            context_, parse_address(address), patient(5000ms),
+            [&](std::shared_ptr<Connection> connection, std::exception_ptr) {
+                answered = true;
+                connection_ = std::move(connection);
+            },
+            Timing{.silence = patient(5000ms), .first_packet = patient(5000ms)}, security);
+        until([&] { return answered; });
+        if (!connection_)
+            return;
+        connection_->start({.packet = [this](hive::protocol::Packet&& packet) { on_packet(packet); },
+                            .closed = [this](const hive::Error&) { closed_ = true; }});
+        send(PacketType::hello, hive::to_text(to_json(hive::protocol::Hello{
+                                    .name = "stranger", .kind = "application", .epoch = 1, .pid = 1})));
+        until([&] { return met_ || closed_; });
+    }
+
+    Fate of(PacketType type)
+    {
+        if (!met_)
+            return Fate::kept_out;
+        if (type != PacketType::hello)
+            send(type, header_for(type));
+        until([&] { return unwritten_ == 0 || closed_; });  // or the question would overtake an event
+        send(PacketType::describe, R"({"id":2})");
+        until([&] { return described_ || closed_; });
+        return described_ ? Fate::taken : Fate::closed;
+    }
+
+private:
+    void on_packet(const hive::protocol::Packet& packet)
+    {
+        if (packet.type == PacketType::hello) {
+            met_ = true;
+            connection_->open({});
+        } else if (packet.type == PacketType::confirmation) {
+            described_ = described_ || hive::parse_json(packet.header_text()).at("id") == 2;
+        }
+    }
+    void send(PacketType type, std::string header)
+    {
+        ++unwritten_;
+        connection_->send(hive::protocol::make_packet(type, std::move(header)), [this](bool) { --unwritten_; });
+    }
+    template <class Condition>
+    void until(const Condition& condition)
+    {
+        const auto end = Clock::now() + patient(10'000ms);
+        while (!condition() && Clock::now() < end) {
+            if (context_.stopped())
+                context_.restart();
+            context_.run_one_for(5ms);
+        }
+        REQUIRE(condition());
+    }
+
+    asio::io_context context_;
+    std::shared_ptr<hive::transport::Connection> connection_;
+    int unwritten_ = 0;
+    bool met_ = false, closed_ = false, described_ = false;
+};
+
+/// The drone under test; it is started again when somebody was allowed to stop it.
+class Target {
+public:
+    explicit Target(const Swarm& swarm) : swarm_(swarm) { start(); }
+    [[nodiscard]] const std::string& address() const { return address_; }
+    /// @return  whether the drone was stopped
+    bool restarted_if_stopped()
+    {
+        if (!process_->wait(patient(3000ms)))
+            return false;
+        start();
+        return true;
+    }
+
+private:
+    void start()
+    {
+        process_.emplace(swarm_.drone("sleeper", "sleeper", {}, {"--listen", "tcp://127.0.0.1:0"}));
+        const std::string text = swarm_.log("sleeper"), before = "listening at ";
+        const auto begin = text.rfind(before + "tcp://") + before.size();
+        address_ = text.substr(begin, text.find('\n', begin) - begin);
+    }
+
+    const Swarm& swarm_;
+    std::optional<Process> process_;
+    std::string address_;
+};
+
+std::string padded(std::string text)
+{
+    text.resize(std::max<std::size_t>(14, text.size() + 1), ' ');
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("permissions: what strangers, viewers and members can do to a running drone is what the table says")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"key", "new"});
+    swarm.hivectl_done({"key", "view"});
+    const auto wrong = swarm.home() / "wrong.key", viewer = swarm.key_file().parent_path() / "viewer.key";
+    swarm.hivectl_done({"key", "new", "--file", wrong.string()});
+    struct Column {
+        std::string title;
+        fs::path key;
+        std::optional<Role> role;
+    };
+    const std::vector<Column> columns{{"no key", "", std::nullopt},
+                                      {"another key", wrong, std::nullopt},
+                                      {"viewers' key", viewer, Role::viewer},
+                                      {"members' key", swarm.key_file(), Role::member}};
+    Target target(swarm);
+    std::string table = padded("packet");
+    for (const auto& column : columns)
+        table += padded(column.title);
+    table += "\n";
+    for (int number = 0; number <= 255; ++number) {
+        const auto type = static_cast<PacketType>(number);
+        if (hive::protocol::token(type).empty())
+            continue;
+        table += padded(std::string(hive::protocol::token(type)));
+        for (const auto& [title, key, role] : columns) {
+            auto fate = Try(target.address(), key).of(type);
+            if (type == PacketType::stop && role == Role::member && target.restarted_if_stopped())
+                fate = Fate::taken;
+            table += padded(word(fate));
+            const auto expected = !role                                                          ? Fate::kept_out
+                                  : hive::protocol::permits(*role, Direction::to_listener, type) ? Fate::taken
+                                                                                                 : Fate::closed;
+            CHECK_MESSAGE(fate == expected, title, ": ", hive::protocol::token(type), " was ", word(fate));
+        }
+        table += "\n";
+    }
+    std::cout << table;
+}
