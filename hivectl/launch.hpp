@@ -3,6 +3,8 @@
 
 #include "background.hpp"
 
+#include <hive/application.hpp>
+
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -45,6 +47,10 @@ private:
     BackgroundProcess process_;
     bool was_ready_ = false;
 };
+
+/// Throws Errc::name_taken, with its place, when a drone of the swarm has the name.
+void require_free(hive::Application& application, std::string_view verb, const std::string& kind,
+                  const std::string& name);
 
 /// Starts a drone for good and prints its name when it is ready. Returns the exit code.
 int start_in_background(Session& session, const LaunchPlan& plan);

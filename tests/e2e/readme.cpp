@@ -103,6 +103,8 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"disconnect", ""},
                               {"halt", ""},
                               {"wait", ""},
+                              {"place", ""},
+                              {"logs", ""},
                               {"resume", ""},
                               {"completion", ""},
                               {"stop", ""}};

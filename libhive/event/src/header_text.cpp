@@ -111,13 +111,19 @@ public:
     template <class Integer>
     bool integer(Integer& value, std::int64_t most = max_json_integer)
     {
-        const bool zero_first = rest_.starts_with('0'), negative = rest_.starts_with('-');
+        return !rest_.starts_with('-') && any_integer(value, most);
+    }
+    template <class Integer>
+    bool any_integer(Integer& value, std::int64_t most = max_json_integer)
+    {
+        const auto digits_of = rest_.substr(rest_.starts_with('-') ? 1 : 0);
+        const bool zero_first = digits_of.starts_with('0');
         std::int64_t number = 0;
         const auto [end, problem] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), number);
-        const auto digits = static_cast<std::size_t>(end - rest_.data());
-        if (problem != std::errc() || negative || (zero_first && digits > 1) || number > most)
+        const auto size = static_cast<std::size_t>(end - rest_.data());
+        if (problem != std::errc() || (zero_first && size > 1) || number > most || number < -most)
             return false;
-        rest_.remove_prefix(digits);
+        rest_.remove_prefix(size);
         value = static_cast<Integer>(number);
         return true;
     }
@@ -213,6 +219,7 @@ constexpr std::array known_fields{
     Field{"\"seq\":", [](Plain& text, Event& event) { return text.integer(event.identity.sequence); }},
     Field{"\"time_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.captured_us); }},
     Field{"\"mono_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.monotonic_us); }},
+    Field{"\"offset_us\":", [](Plain& text, Event& event) { return text.any_integer(event.identity.offset_us); }},
     Field{"\"size\":", [](Plain& text, Event& event) { return event.sized = text.integer(event.size); }},
     Field{"\"lossless\":", [](Plain& text, Event& event) { return text.flag(event.identity.lossless); }},
     Field{"\"part\":", [](Plain& text, Event& event) { return text.integer(event.identity.part, most_part); }},
@@ -239,6 +246,8 @@ std::string header_text(const Event& event, const Share* own)
     header.number(",\"seq\":", identity.sequence);
     header.number(",\"time_us\":", identity.captured_us);
     header.number(",\"mono_us\":", identity.monotonic_us);
+    if (identity.offset_us != 0)
+        header.number(",\"offset_us\":", identity.offset_us);
     if (event.sized || !event.body.empty())
         header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
     if (identity.lossless)

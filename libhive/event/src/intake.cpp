@@ -19,6 +19,15 @@ constexpr auto patience = 3s;               // for one attempt to dial and regis
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 
+/// A socket file is the name of its drone; a port may be another one's by now.
+std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
+{
+    if (spec.address.scheme != transport::Address::Scheme::tcp || link.peer().name == spec.sender)
+        return std::nullopt;
+    return Error(Errc::unreachable,
+                 "at " + to_text(spec.address) + " is " + link.peer().name + ", and not " + spec.sender);
+}
+
 Backoff backoff_for(const transport::Address& address)
 {
     // A local socket that is not there costs nothing to try, so a restarted drone is met again at once.
@@ -59,10 +68,12 @@ void Intake::attempt()
                     [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
                         if (self->stopped_)
                             return;
-                        if (link)
-                            self->register_on(link, deadline);
-                        else
+                        if (!link)
                             self->failed(error);
+                        else if (const auto wrong = met_another(self->spec_, *link))
+                            self->failed(*wrong);
+                        else
+                            self->register_on(link, deadline);
                     });
 }
 
@@ -123,6 +134,21 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
     if (const auto first = std::exchange(first_, {}))
         first(result);
     flush();
+    keep_time();
+}
+
+/// The ages of events need the clock of a sender on another machine, for as long as it sends.
+void Intake::keep_time()
+{
+    if (!connected_ || stopped_ || link_->local())
+        return;
+    link_->ask_time();
+    host_.arm();
+    timer_.expires_at(std::max(link_->peer_clock().due(), Clock::now() + 10ms));
+    timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
+        if (const auto self = weak.lock(); self && !problem)
+            self->keep_time();
+    });
 }
 
 /// What this end has in hand stays in hand only where the sender goes on behind it.
@@ -241,6 +267,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     ++received_;
+    event.identity.offset_us += link_ ? link_->peer_clock().offset_us() : 0;
     age_us_ = event.age().count();
     event.input = spec_.input;
     note_share(event);
@@ -370,6 +397,8 @@ InputStatus Intake::status() const
                        .dropped = ended(Ending::dropped),
                        .unmatched = ended(Ending::unmatched),
                        .last_age_us = age_us_,
+                       .round_trip_us = link_ ? link_->peer_clock().round_trip_us() : 0,
+                       .clock_offset_us = link_ ? link_->peer_clock().offset_us() : 0,
                        .error = problem_ ? problem_->what() : ""};
     status.in_hand = received_;
     for (const auto count : ended_)

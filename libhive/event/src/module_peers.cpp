@@ -153,6 +153,7 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
         try {
             handler->second({.peer = link.peer().name,
                              .peer_epoch = link.peer().epoch,
+                             .peer_place = link.connection().peer(),
                              .header = header,
                              .body = packet.body,
                              .asked = asked,

@@ -24,14 +24,29 @@ Json parameters_from(const std::vector<std::string>& assignments)
     return parameters;
 }
 
-void require_safe(const std::vector<std::string>& addresses, bool insecure)
+void require_safe(const service::ListenWish& wish)
 {
-    for (const auto& text : addresses)
-        if (transport::parse_address(text).scheme == transport::Address::Scheme::tcp && !insecure)
+    for (const auto& text : wish.listen)
+        if (service::listen_address(text).scheme == transport::Address::Scheme::tcp && !wish.insecure)
             throw Error(Errc::not_permitted,
                         "--listen " + text
                             + ": anybody who reaches this port could control the drone. Swarm keys are not built yet; "
                               "on a network that you trust wholly, add --insecure");
+}
+
+/// An address for others: of the network, and one that they can dial.
+void require_advertisable(const service::ListenWish& wish)
+{
+    for (const auto& text : wish.advertise) {
+        const auto address = service::listen_address(text);
+        if (address.scheme != transport::Address::Scheme::tcp || address.host == "0.0.0.0" || address.host == "::")
+            throw Error(Errc::invalid_argument, "--advertise " + text + ": nobody could dial that",
+                        "write tcp://HOST or tcp://HOST:PORT, as other machines know this one");
+        if (wish.listen.empty())
+            throw Error(Errc::invalid_argument,
+                        "--advertise " + text + " says where a port is found, but there is none",
+                        "add --listen tcp://HOST:PORT");
+    }
 }
 
 void start_log(const std::string& name, const std::string& level)
@@ -54,14 +69,17 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     settings.name = program.kind;
     std::vector<std::string> assignments;
     std::string policy, level = "info";
-    bool insecure = false;
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
     app.add_option("--set", assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
         ->type_name("NAME=VALUE");
-    app.add_option("--listen", settings.listen,
-                   "a further address to be met at, tcp://HOST:PORT; beside the local socket")
+    app.add_option("--listen", settings.listen.listen,
+                   "a further address to be met at, beside the local socket: tcp://HOST:PORT, or tcp://HOST for a port "
+                   "from 7700 on, which it keeps after a crash")
         ->type_name("ADDRESS");
-    app.add_flag("--insecure", insecure, "let --listen take peers without a key");
+    app.add_option("--advertise", settings.listen.advertise,
+                   "where other machines find it, if that is not where it listens: tcp://HOST or tcp://HOST:PORT")
+        ->type_name("ADDRESS");
+    app.add_flag("--insecure", settings.listen.insecure, "let --listen take peers without a key");
     app.add_option("--on-exception", policy, "when the drone's code throws: skip the input, or halt until resumed")
         ->check(CLI::IsMember({"skip", "halt"}))
         ->default_str("skip");
@@ -73,7 +91,8 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     CLI11_PARSE(app, argc, argv);
     try {
         require_name(settings.name, "drone");
-        require_safe(settings.listen, insecure);
+        require_safe(settings.listen);
+        require_advertisable(settings.listen);
         settings.parameters = parameters_from(assignments);
         if (!policy.empty())
             settings.policy = from_token<ExceptionPolicy>(policy, "policy");

@@ -21,6 +21,7 @@ struct DroneCore::Running {
     event::Home home{event::default_home()};
     event::NameClaim claim;
     event::Module module;
+    service::Listening listening;
     Halting halting;
     Worker worker;
     Requests requests;
@@ -32,6 +33,7 @@ DroneCore::Running::Running(DroneCore& core)
               .limits = {},
               .timing = {},
               .log = [&reporter = core.reporter_](const std::string& text) { reporter.log(text); }}),
+      listening(module, home, core.reporter_),
       halting(core.board_, core.mailbox_, module),
       worker({.declaration = core.declaration_,
               .board = core.board_,
@@ -44,6 +46,7 @@ DroneCore::Running::Running(DroneCore& core)
                 .board = core.board_,
                 .reporter = core.reporter_,
                 .home = home,
+                .listening = listening,
                 .mailbox = core.mailbox_,
                 .module = module,
                 .halting = halting,
@@ -136,9 +139,7 @@ void DroneCore::serve(const Json& state)
     module.start();
     module.call([&] {
         module.on_signal([this](int) { end(); });
-        module.listen(running_->home.address(settings_.name));
-        for (const auto& address : settings_.listen)
-            reporter_.log("listening at " + to_text(module.listen(transport::parse_address(address))));
+        running_->listening.begin(settings_.listen, state);
         running_->requests.restore(state);
     });
 }

@@ -3,10 +3,9 @@
 
 #include "emitter.hpp"
 #include "last_grace.hpp"
+#include "listening.hpp"
 #include "reporter.hpp"
 #include "status_board.hpp"
-
-#include <hive/event/home.hpp>
 
 #include <memory>
 #include <optional>
@@ -16,7 +15,7 @@ namespace hive {
 /// What the command line of a drone says.
 struct DroneSettings {
     std::string name;
-    std::vector<std::string> listen;        ///< further addresses beside the local socket
+    service::ListenWish listen;
     Json parameters = Json::object();       ///< --set
     std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
     bool describe = false;

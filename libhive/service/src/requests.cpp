@@ -11,14 +11,14 @@ using protocol::PacketType;
 Requests::Requests(Parts parts)
     : parts_(std::move(parts)),
       inbox_(parts_.mailbox, parts_.worker),
-      state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.reporter),
+      state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.listening, parts_.reporter),
       wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
       parameters_({.parameters = parts_.declaration.parameters,
                    .board = parts_.board,
                    .module = parts_.module,
                    .inbox = inbox_,
                    .state_file = state_file_}),
-      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module)
+      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module, parts_.listening)
 {
     add_handlers();
 }

@@ -75,6 +75,7 @@ private:
     void attempt();
     void register_on(const LinkPtr& link, Clock::time_point deadline);
     void confirmed(const LinkPtr& link, const Json& result);
+    void keep_time();
     void failed(const Error& error);
     void retry();
     void on_packet(const protocol::Packet& packet);

@@ -1,7 +1,7 @@
 // A connection to a peer that has said who it is: requests and their answers, channels of events.
 #pragma once
 
-#include <hive/event/clock.hpp>
+#include <hive/event/peer_clock.hpp>
 #include <hive/protocol/messages.hpp>
 #include <hive/transport/connection.hpp>
 
@@ -70,6 +70,11 @@ public:
     /// Is the peer on this machine?
     [[nodiscard]] bool local() const { return connection_->local(); }
 
+    /// Of a peer on another machine; one on this machine has the same clock.
+    [[nodiscard]] const PeerClock& peer_clock() const noexcept { return peer_clock_; }
+    /// Asks for the peer's time if it is on another machine and that is due.
+    void ask_time();
+
     /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends
     /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
@@ -97,6 +102,8 @@ private:
         Clock::time_point deadline;
         OnOutcome on_outcome;
         std::string what;
+        Clock::time_point asked;
+        std::int64_t asked_wall_us;
     };
     void on_packet(const protocol::Packet& packet);
     void on_hello(const protocol::Packet& packet);
@@ -108,6 +115,8 @@ private:
     protocol::Limits limits_;
     std::shared_ptr<transport::Pool> pool_;
     Events events_;
+    PeerClock peer_clock_;
+    bool asking_time_ = false;
     bool open_ = false;
     Clock::time_point used_{};
     std::int64_t next_id_ = 0;
