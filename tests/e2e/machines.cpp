@@ -70,10 +70,10 @@ struct Machine {
         : net(swarm, hub.name() + "-" + name), address("10.77." + std::to_string(number) + ".2")
     {
         const std::string link = "h" + std::to_string(number), ends = "10.77." + std::to_string(number);
-        hub.run("ip link add " + link + " type veth peer name up netns " + net.name() + "; ip address add " + ends
+        hub.run("ip link add " + link + " type veth peer name uplink netns " + net.name() + "; ip address add " + ends
                 + ".1/24 dev " + link + "; ip link set " + link + " up");
         net.run("ip link set lo up; ip address add " + address
-                + "/24 dev up; ip link set up up; ip route add default via " + ends + ".1");
+                + "/24 dev uplink; ip link set uplink up; ip route add default via " + ends + ".1");
     }
 
     Swarm swarm;
