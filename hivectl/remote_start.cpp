@@ -47,6 +47,16 @@ hive::StatusAnswer answer_from(hive::Application& application, const hive::Place
     return application.status(std::vector{place.drone}).at(0);
 }
 
+/// The key that is missing there is the one of this swarm, so a new one would not do.
+void advise_key(const RemotePlan& plan, const CommandResult& result)
+{
+    const bool key_missing = result.exit_code == exit_code_of(hive::Errc::not_permitted)
+                             && result.err.find("swarm key") != std::string::npos;
+    if (key_missing)
+        complain("start", "hand the key of this swarm to it: ssh " + plan.ssh + " mkdir -p .config/hive && scp "
+                              + "~/.config/hive/swarm.key " + plan.ssh + ":.config/hive/");
+}
+
 }  // namespace
 
 int start_remotely(Session& session, const RemotePlan& plan)
@@ -66,8 +76,10 @@ int start_remotely(Session& session, const RemotePlan& plan)
     words.insert(words.end(), plan.words.begin(), plan.words.end());
     const auto result = remote.hivectl(words, limit + 12s);
     repeat_complaints("start", remote.host(), result.err);
-    if (result.exit_code != exit_code::done)
+    if (result.exit_code != exit_code::done) {
+        advise_key(plan, result);
         return result.exit_code;
+    }
     const hive::Json started = hive::parse_json(result.out);
     const hive::Place place{
         .drone = plan.name, .host = remote.host(), .address = address_of(started, remote, limit), .ssh = plan.ssh};

@@ -1,5 +1,6 @@
 // The commands of README's "Several machines" between machines: network namespaces, each with an sshd of its own. Root
 // is needed, and iproute2 and openssh-server; where that is not to be had, the tests say so and end.
+#include "delay_relay.hpp"
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -121,6 +122,8 @@ public:
         REQUIRE_MESSAGE(done.exit_code == 0, words, ": ", done.out, done.err);
         return done.out;
     }
+    /// The namespace in the middle, to which all are linked.
+    [[nodiscard]] const std::string& hub() const { return hub_.name(); }
     [[nodiscard]] const Machine& machine(std::size_t index) const { return *machines_.at(index); }
     [[nodiscard]] fs::path directory() const { return laptop_home_.home(); }
 
@@ -228,4 +231,36 @@ TEST_CASE("machines: a drone that is killed is unreachable, and is where it was 
     };
     CHECK(eventually(received, 10'000ms));
     CHECK(has(lab.hivectl_done("results sleeper -n 1"), "\"seq\""));
+}
+
+TEST_CASE("machines: a long way is measured, and a larger window lets more through, as edges advises")
+{
+    if (!possible())
+        return;
+    const Lab lab({"cam1", "gpu1"});
+    lab.hivectl_done("start ticker --on cam1 --insecure fps=200");
+    lab.hivectl_done("start sleeper --on gpu1 --insecure");
+    // Far away is where the hub has it: 50 ms there and 50 ms back.
+    const DelayRelay relay(lab.hub(), {"10.77.2.1", 7700}, {lab.machine(0).address, 7700}, 50ms);
+    lab.hivectl_done("place remove ticker");
+    lab.hivectl_done("place add ticker tcp://10.77.2.1:7700");
+    const auto& gpu1 = lab.machine(1);
+    auto application = gpu1.swarm.application();
+    const auto input = [&] { return application.status("sleeper").inputs.at(0); };
+    lab.hivectl_done("connect ticker sleeper");
+    REQUIRE(eventually([&] { return input().round_trip_us > 0 && input().received > 5; }, 10'000ms));
+    CHECK(input().round_trip_us >= 100'000);
+    CHECK(input().options.window == 1);
+    const auto edges = lab.hivectl("edges");
+    CHECK_MESSAGE(has(edges.err, "hivectl connect ticker.tick sleeper.image --window "), edges.err);
+    const auto rate = [&] {
+        const auto before = input().received;
+        const auto begin = Clock::now();
+        REQUIRE(eventually([&] { return input().received >= before + 10; }, 10'000ms));
+        return 10.0 / std::chrono::duration<double>(Clock::now() - begin).count();
+    };
+    const auto narrow = rate();
+    CHECK(narrow < 11);
+    lab.hivectl_done("connect ticker sleeper --window 16");
+    CHECK(rate() > 2 * narrow);
 }

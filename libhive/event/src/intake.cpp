@@ -15,7 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto patience = 3s;               // for one attempt to dial and register
+constexpr auto patience = 3s;      // for one attempt to dial and register
+constexpr auto short_break = 10s;  // so long after a loss it is tried more often: most networks are back by then
+constexpr auto patience_in_break = 600ms;   // for one attempt to dial then, and six round trips more
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 
@@ -42,6 +44,7 @@ Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink)
       spec_(std::move(spec)),
       sink_(std::move(sink)),
       backoff_(backoff_for(spec_.address)),
+      quick_backoff_(100ms, 200ms, static_cast<std::uint32_t>(wall_us())),
       timer_(host.context())
 {
 }
@@ -61,9 +64,16 @@ void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
     register_on(link_, Clock::now() + patience);
 }
 
+/// What the kernel sent while there was no network it sends again only after one second, and then after two more.
+bool Intake::in_short_break() const
+{
+    return lost_ && spec_.address.scheme == transport::Address::Scheme::tcp && Clock::now() < *lost_ + short_break;
+}
+
 void Intake::attempt()
 {
-    const auto deadline = Clock::now() + patience;
+    const std::chrono::microseconds round_trips(6 * round_trip_us_);
+    const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
     host_.with_link(spec_.address, deadline,
                     [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
                         if (self->stopped_)
@@ -73,7 +83,7 @@ void Intake::attempt()
                         else if (const auto wrong = met_another(self->spec_, *link))
                             self->failed(*wrong);
                         else
-                            self->register_on(link, deadline);
+                            self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
                     });
 }
 
@@ -131,6 +141,8 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
     before_.reset();
     problem_.reset();
     backoff_.reset();
+    quick_backoff_.reset();
+    lost_.reset();
     if (const auto first = std::exchange(first_, {}))
         first(result);
     flush();
@@ -180,7 +192,7 @@ void Intake::failed(const Error& error)
 
 void Intake::retry()
 {
-    timer_.expires_after(backoff_.next());
+    timer_.expires_after(in_short_break() ? quick_backoff_.next() : backoff_.next());
     timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
         if (const auto self = weak.lock(); self && !problem && !self->stopped_)
             self->attempt();
@@ -253,6 +265,8 @@ void Intake::link_closed(const Link& link)
     if (!std::exchange(connected_, false))
         return;  // the pending registration reports it
     problem_ = Error(Errc::connection_lost, "connection lost");
+    lost_ = Clock::now();
+    round_trip_us_ = link.peer_clock().round_trip_us();
     if (stopped_)
         try_to_leave();
     else
