@@ -1,5 +1,6 @@
 // The JSON of hello, register, request and confirmation.
 #include <hive/name.hpp>
+#include <hive/plain_text.hpp>
 #include <hive/protocol/messages.hpp>
 
 namespace hive::protocol {
@@ -69,13 +70,31 @@ Registration registration_from_json(const Json& object)
 
 std::string to_text(const Request& request)
 {
-    std::string text = "{\"epoch\":" + std::to_string(request.epoch) + ",\"id\":" + std::to_string(request.id)
-                       + ",\"done\":" + std::to_string(request.done);
+    std::string text;
+    text.reserve(128);
+    PlainWriter fields(text);
+    fields.number(",\"epoch\":", request.epoch);
+    fields.number(",\"id\":", request.id);
+    fields.number(",\"done\":", request.done);
     if (request.worked != request.done)
-        text += ",\"worked\":" + std::to_string(request.worked);
+        fields.number(",\"worked\":", request.worked);
     if (!request.back.empty())
-        text += ",\"back\":" + hive::to_text(Json(request.back));
-    return text + "}";
+        fields.raw(",\"back\":", hive::to_text(Json(request.back)));
+    fields.close();
+    return text;
+}
+
+Request request_from_text(std::string_view text)
+{
+    PlainReader place(text);
+    Request request;
+    if (!place.skip("{\"epoch\":") || !place.integer(request.epoch) || !place.skip(",\"id\":")
+        || !place.integer(request.id) || !place.skip(",\"done\":") || !place.integer(request.done))
+        return request_from_json(parse_json(text));
+    request.worked = request.done;
+    if ((place.skip(",\"worked\":") && !place.integer(request.worked)) || !place.skip("}") || !place.at_end())
+        return request_from_json(parse_json(text));
+    return request;
 }
 
 Request request_from_json(const Json& object)

@@ -30,7 +30,7 @@ Json reread(unsigned message, const Json& header)
     switch (message % 9) {
     case 0: return to_json(hello_from_json(header));
     case 1: return to_json(registration_from_json(header));
-    case 2: return hive::parse_json(to_text(request_from_json(header)));
+    case 2: return hive::parse_json(to_text(request_from_text(hive::to_text(header))));
     case 3: return to_json(confirmation_from_json(header));
     case 4: return to_json(hive::connection_options(header));
     case 5: return to_json(connect_from_json(header));

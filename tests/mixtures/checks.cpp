@@ -150,4 +150,13 @@ bool connected(const Statuses& statuses, const Edge& edge)
               });
 }
 
+bool heard(const Statuses& statuses, const std::string& drone)
+{
+    const auto found = statuses.find(drone);
+    return found != statuses.end() && std::ranges::any_of(found->second.outputs, [](const OutputStatus& output) {
+               return output.name == "exceptions"
+                      && std::ranges::any_of(output.edges, [](auto& edge) { return edge.connected; });
+           });
+}
+
 }  // namespace hive::mixtures

@@ -28,9 +28,13 @@ bool Round::source_done(const Statuses& statuses) const
     return found != statuses.end() && found->second.outputs.at(0).produced >= running_.fed();
 }
 
-/// Are all edges of a drone ("": of all) there?
+/// Are all edges of a drone ("": of all) there, and are the exceptions heard that it may throw?
 bool Round::whole(const Statuses& statuses, const std::string& drone) const
 {
+    for (const auto& stage : plan_.topology.stages)
+        for (const auto& worker : stage.drones)
+            if (stage.throw_every > 0 && (drone.empty() || worker == drone) && !heard(statuses, worker))
+                return false;
     return std::ranges::all_of(plan_.topology.edges(), [&](const Edge& edge) {
         return (!drone.empty() && edge.sender != drone && edge.receiver != drone) || connected(statuses, edge);
     });

@@ -2,45 +2,13 @@
 #include "header_text.hpp"
 
 #include <hive/error.hpp>
-#include <hive/name.hpp>
+#include <hive/plain_text.hpp>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 namespace hive::event {
 namespace {
-
-constexpr auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
-
-/// Writes the fields of one object; each key is given as it stands in the text, with the comma before it.
-class Writer {
-public:
-    explicit Writer(std::string& text) : text_(text), begin_(text.size()) {}
-    void close()
-    {
-        text_[begin_] = '{';  // the first comma
-        text_ += '}';
-    }
-
-    void raw(std::string_view key, std::string_view value) { (text_ += key) += value; }
-    void number(std::string_view key, std::int64_t value)
-    {
-        std::array<char, 24> digits{};
-        raw(key, {digits.data(), std::to_chars(digits.begin(), digits.end(), value).ptr});
-    }
-    void string(std::string_view key, const std::string& value)
-    {
-        if (std::ranges::all_of(value, plain))
-            (((text_ += key) += '"') += value) += '"';
-        else
-            raw(key, to_text(Json(value)));
-    }
-
-private:
-    std::string& text_;
-    std::size_t begin_;
-};
 
 void write_hops(std::string& text, const std::vector<Hop>& hops)
 {
@@ -48,7 +16,7 @@ void write_hops(std::string& text, const std::vector<Hop>& hops)
     for (std::size_t i = hops.size() - std::min(hops.size(), most_hops); i < hops.size(); ++i) {
         if (text.back() != '[')
             text += ',';
-        Writer hop(text);
+        PlainWriter hop(text);
         hop.string(",\"drone\":", hops[i].drone);
         hop.number(",\"wait_us\":", hops[i].wait_us);
         hop.number(",\"work_us\":", hops[i].work_us);
@@ -63,7 +31,7 @@ void write_shares(std::string& text, const std::vector<Share>& shares, const Sha
     const auto write = [&](const Share& each) {
         if (text.back() != '[')
             text += ',';
-        Writer share(text);
+        PlainWriter share(text);
         share.string(",\"of\":", each.of);
         share.number(",\"epoch\":", each.epoch);
         share.number(",\"turn\":", each.turn);
@@ -83,126 +51,85 @@ void write_shares(std::string& text, const std::vector<Share>& shares, const Sha
     text += ']';
 }
 
-/// A place in a text; every function moves on when it finds what it looks for, and gives false or nothing otherwise.
-class Plain {
-public:
-    explicit Plain(std::string_view rest) : rest_(rest) {}
-
-    [[nodiscard]] bool at_end() const { return rest_.empty(); }
-    bool skip(std::string_view word)
-    {
-        if (!rest_.starts_with(word))
-            return false;
-        rest_.remove_prefix(word.size());
-        return true;
-    }
-    bool string(std::string& value)
-    {
-        if (!skip("\""))
-            return false;
-        const auto end = static_cast<std::size_t>(std::ranges::find_if_not(rest_, plain) - rest_.begin());
-        if (end > JsonLimits{}.string_bytes)
-            return false;
-        value.assign(rest_, 0, end);
-        rest_.remove_prefix(end);
-        return skip("\"");
-    }
-    bool name(std::string& value) { return string(value) && is_name(value); }
-    template <class Integer>
-    bool integer(Integer& value, std::int64_t most = max_json_integer)
-    {
-        return !rest_.starts_with('-') && any_integer(value, most);
-    }
-    template <class Integer>
-    bool any_integer(Integer& value, std::int64_t most = max_json_integer)
-    {
-        const auto digits_of = rest_.substr(rest_.starts_with('-') ? 1 : 0);
-        const bool zero_first = digits_of.starts_with('0');
-        std::int64_t number = 0;
-        const auto [end, problem] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), number);
-        const auto size = static_cast<std::size_t>(end - rest_.data());
-        if (problem != std::errc() || (zero_first && size > 1) || number > most || number < -most)
-            return false;
-        rest_.remove_prefix(size);
-        value = static_cast<Integer>(number);
-        return true;
-    }
-    bool flag(bool& value)
-    {
-        value = rest_.starts_with('t');
-        return skip(value ? "true" : "false");
-    }
-    bool shares(std::vector<Share>& shares)
-    {
-        if (!skip("["))
-            return false;
-        do {
-            Share& share = shares.emplace_back();
-            if (!skip("{\"of\":") || !string(share.of) || !is_share_name(share.of) || !skip(",\"epoch\":")
-                || !integer(share.epoch) || !skip(",\"turn\":") || !integer(share.turn)
-                || (skip(",\"attempt\":") && !integer(share.attempt, most_attempts))
-                || (skip(",\"closed\":") && !integer(share.closed))
-                || (skip(",\"part\":") && !integer(share.part, most_part)) || (skip(",\"to\":") && !name(share.to))
-                || !skip("}"))
-                return false;
-        } while (skip(","));
-        return skip("]") && shares.size() <= most_shares;
-    }
-    bool hops(std::vector<Hop>& hops)
-    {
-        if (!skip("["))
-            return false;
-        do {
-            Hop& hop = hops.emplace_back();
-            if (!skip("{\"drone\":") || !name(hop.drone) || !skip(",\"wait_us\":") || !integer(hop.wait_us)
-                || !skip(",\"work_us\":") || !integer(hop.work_us) || !skip("}"))
-                return false;
-        } while (skip(","));
-        return skip("]") && hops.size() <= most_hops;
-    }
-    /// Any object, with the limits of one that is inside another.
-    bool object(Json& value)
-    try {
-        if (skip("{}")) {
-            value = Json::object();
-            return true;
-        }
-        const auto size = object_size();
-        JsonLimits inside;
-        --inside.depth;
-        value = parse_json(rest_.substr(0, size), inside);
-        rest_.remove_prefix(size);
-        return value.is_object();
-    } catch (const Error&) {
+bool read_signed(PlainReader& text, std::int64_t& value)
+{
+    const bool negative = text.skip("-");
+    if (!text.integer(value) || (negative && value == 0))
         return false;
+    value = negative ? -value : value;
+    return true;
+}
+
+bool read_shares(PlainReader& text, std::vector<Share>& shares)
+{
+    if (!text.skip("["))
+        return false;
+    do {
+        Share& share = shares.emplace_back();
+        if (!text.skip("{\"of\":") || !text.string(share.of) || !is_share_name(share.of) || !text.skip(",\"epoch\":")
+            || !text.integer(share.epoch) || !text.skip(",\"turn\":") || !text.integer(share.turn)
+            || (text.skip(",\"attempt\":") && !text.integer(share.attempt, most_attempts))
+            || (text.skip(",\"closed\":") && !text.integer(share.closed))
+            || (text.skip(",\"part\":") && !text.integer(share.part, most_part))
+            || (text.skip(",\"to\":") && !text.name(share.to)) || !text.skip("}"))
+            return false;
+    } while (text.skip(","));
+    return text.skip("]") && shares.size() <= most_shares;
+}
+
+bool read_hops(PlainReader& text, std::vector<Hop>& hops)
+{
+    if (!text.skip("["))
+        return false;
+    do {
+        Hop& hop = hops.emplace_back();
+        if (!text.skip("{\"drone\":") || !text.name(hop.drone) || !text.skip(",\"wait_us\":")
+            || !text.integer(hop.wait_us) || !text.skip(",\"work_us\":") || !text.integer(hop.work_us)
+            || !text.skip("}"))
+            return false;
+    } while (text.skip(","));
+    return text.skip("]") && hops.size() <= most_hops;
+}
+
+/// Up to the bracket that closes the first one; parse_json judges what is between.
+std::size_t object_size(std::string_view text)
+{
+    std::size_t depth = 0;
+    bool quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (quoted && c == '\\')
+            ++i;
+        else if (c == '"')
+            quoted = !quoted;
+        else if (!quoted && (c == '{' || c == '['))
+            ++depth;
+        else if (!quoted && (c == '}' || c == ']') && --depth == 0)
+            return i + 1;
+        if (depth == 0)
+            return 0;
     }
+    return 0;
+}
 
-private:
-    /// Up to the bracket that closes the first one; parse_json judges what is between.
-    [[nodiscard]] std::size_t object_size() const
-    {
-        std::size_t depth = 0;
-        bool quoted = false;
-        for (std::size_t i = 0; i < rest_.size(); ++i) {
-            const char c = rest_[i];
-            if (quoted && c == '\\')
-                ++i;
-            else if (c == '"')
-                quoted = !quoted;
-            else if (!quoted && (c == '{' || c == '['))
-                ++depth;
-            else if (!quoted && (c == '}' || c == ']') && --depth == 0)
-                return i + 1;
-            if (depth == 0)
-                return 0;
-        }
-        return 0;
+/// Any object, with the limits of one that is inside another.
+bool read_object(PlainReader& text, Json& value)
+try {
+    if (text.skip("{}")) {
+        value = Json::object();
+        return true;
     }
+    const auto size = object_size(text.rest());
+    JsonLimits inside;
+    --inside.depth;
+    value = parse_json(text.rest().substr(0, size), inside);
+    text.leave_out(size);
+    return value.is_object();
+} catch (const Error&) {
+    return false;
+}
 
-    std::string_view rest_;
-};
-
-using Read = bool (*)(Plain&, Event&);
+using Read = bool (*)(PlainReader&, Event&);
 struct Field {
     std::string_view key;  ///< as it stands in the text
     Read read;
@@ -210,22 +137,23 @@ struct Field {
 
 // The required ones first.
 constexpr std::array known_fields{
-    Field{"\"sender\":", [](Plain& text, Event& event) { return text.name(event.sender); }},
-    Field{"\"kind\":", [](Plain& text, Event& event) { return text.name(event.kind); }},
-    Field{"\"output\":", [](Plain& text, Event& event) { return text.name(event.output); }},
-    Field{"\"type\":", [](Plain& text, Event& event) { return text.string(event.type); }},
-    Field{"\"source\":", [](Plain& text, Event& event) { return text.name(event.identity.source); }},
-    Field{"\"epoch\":", [](Plain& text, Event& event) { return text.integer(event.identity.epoch); }},
-    Field{"\"seq\":", [](Plain& text, Event& event) { return text.integer(event.identity.sequence); }},
-    Field{"\"time_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.captured_us); }},
-    Field{"\"mono_us\":", [](Plain& text, Event& event) { return text.integer(event.identity.monotonic_us); }},
-    Field{"\"offset_us\":", [](Plain& text, Event& event) { return text.any_integer(event.identity.offset_us); }},
-    Field{"\"size\":", [](Plain& text, Event& event) { return event.sized = text.integer(event.size); }},
-    Field{"\"lossless\":", [](Plain& text, Event& event) { return text.flag(event.identity.lossless); }},
-    Field{"\"part\":", [](Plain& text, Event& event) { return text.integer(event.identity.part, most_part); }},
-    Field{"\"shares\":", [](Plain& text, Event& event) { return text.shares(event.identity.shares); }},
-    Field{"\"hops\":", [](Plain& text, Event& event) { return text.hops(event.identity.hops); }},
-    Field{"\"header\":", [](Plain& text, Event& event) { return text.object(event.header); }},
+    Field{"\"sender\":", [](PlainReader& text, Event& event) { return text.name(event.sender); }},
+    Field{"\"kind\":", [](PlainReader& text, Event& event) { return text.name(event.kind); }},
+    Field{"\"output\":", [](PlainReader& text, Event& event) { return text.name(event.output); }},
+    Field{"\"type\":", [](PlainReader& text, Event& event) { return text.string(event.type); }},
+    Field{"\"source\":", [](PlainReader& text, Event& event) { return text.name(event.identity.source); }},
+    Field{"\"epoch\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.epoch); }},
+    Field{"\"seq\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.sequence); }},
+    Field{"\"time_us\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.captured_us); }},
+    Field{"\"mono_us\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.monotonic_us); }},
+    Field{"\"offset_us\":",
+          [](PlainReader& text, Event& event) { return read_signed(text, event.identity.offset_us); }},
+    Field{"\"size\":", [](PlainReader& text, Event& event) { return event.sized = text.integer(event.size); }},
+    Field{"\"lossless\":", [](PlainReader& text, Event& event) { return text.flag(event.identity.lossless); }},
+    Field{"\"part\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.part, most_part); }},
+    Field{"\"shares\":", [](PlainReader& text, Event& event) { return read_shares(text, event.identity.shares); }},
+    Field{"\"hops\":", [](PlainReader& text, Event& event) { return read_hops(text, event.identity.hops); }},
+    Field{"\"header\":", [](PlainReader& text, Event& event) { return read_object(text, event.header); }},
 };
 constexpr unsigned required_fields = (1u << 7) - 1;
 
@@ -236,7 +164,7 @@ std::string header_text(const Event& event, const Share* own)
     const Identity& identity = event.identity;
     std::string text;
     text.reserve(512);
-    Writer header(text);
+    PlainWriter header(text);
     header.string(",\"sender\":", event.sender);
     header.string(",\"kind\":", event.kind);
     header.string(",\"output\":", event.output);
@@ -267,7 +195,7 @@ bool read_plain_header(std::string_view text, Event& event)
 {
     if (text.size() > JsonLimits{}.bytes)
         return false;
-    Plain place(text);
+    PlainReader place(text);
     unsigned seen = 0;
     std::size_t next = 0;
     if (!place.skip("{"))

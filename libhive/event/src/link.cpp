@@ -47,12 +47,11 @@ void Link::on_packet(const Packet& packet)
             return;
         }
         used_ = Clock::now();
-        const Json header = parse_json(packet.header_text());
         if (packet.type == PacketType::confirmation)
-            return on_confirmation(header);
+            return on_confirmation(parse_json(packet.header_text()));
         if (packet.type == PacketType::hello)
             throw Error(Errc::malformed, "a second hello");
-        events_.packet(*this, packet, header);
+        events_.packet(*this, packet);
     } catch (const Error& error) {
         connection_->close(error);
     }

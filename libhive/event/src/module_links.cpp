@@ -25,8 +25,7 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
                          end_earlier_run(opened);
                          ready(opened.shared_from_this(), Error(Errc::failed, ""));
                      },
-                 .packet = [this](Link& from, const protocol::Packet& packet,
-                                  const Json& header) { on_packet(from, packet, header); },
+                 .packet = [this](Link& from, const protocol::Packet& packet) { on_packet(from, packet); },
                  .closed =
                      [this, ready, told](Link& closed, const Error& reason) {
                          const auto keep = closed.shared_from_this();

@@ -42,17 +42,18 @@ std::vector<std::string> names_of(const std::list<Outlet>& outlets)
 
 }  // namespace
 
-void Module::on_packet(Link& link, const protocol::Packet& packet, const Json& header)
+void Module::on_packet(Link& link, const protocol::Packet& packet)
 {
-    switch (packet.type) {
-    case PacketType::register_receiver: return on_register(link, packet, header);
-    case PacketType::deregister: return on_deregister(link, packet, header);
-    case PacketType::request: {
-        const auto request = protocol::request_from_json(header);
+    if (packet.type == PacketType::request) {
+        const auto request = protocol::request_from_text(packet.header_text());
         for (auto& outlet : outlets_)
             outlet.request(link, packet.channel, request);
         return arm();
     }
+    const Json header = parse_json(packet.header_text());
+    switch (packet.type) {
+    case PacketType::register_receiver: return on_register(link, packet, header);
+    case PacketType::deregister: return on_deregister(link, packet, header);
     default: return on_request_packet(link, packet, header);
     }
 }

@@ -62,10 +62,6 @@ std::size_t Outlet::receivers(const Link& link) const
 void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration,
                  const std::function<void(const Welcome&)>& confirm)
 {
-    Decisions decisions;
-    // It has other options now, or comes back before this end has seen that it went.
-    if (const auto before = registration.place == 0 ? std::nullopt : table_.holder(registration.place))
-        detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
     const auto id = ++next_id_;
     const Newcomer newcomer{.id = id,
                             .receiver = registration.receiver,
@@ -74,6 +70,9 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                             .place = registration.place,
                             .taken = registration.taken,
                             .unique = link->peer().kind != "application"};
+    if (const auto before = table_.standing(newcomer))
+        detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
+    Decisions decisions;
     const auto welcome = table_.add(newcomer, Clock::now(), decisions);
     confirm(welcome);
     ids_[{link.get(), channel}] = id;

@@ -6,49 +6,20 @@
 
 namespace hive::event {
 
-ReceiverTable::Account& ReceiverTable::account(const std::string& receiver, std::int64_t epoch,
-                                               const ConnectionOptions& options)
+void ReceiverTable::close_account(const Accounts::Key& key, bool left)
 {
-    Account& account = accounts_[{receiver, options.group}];
-    account.options = options;
-    account.registration = std::max(account.registration, epoch);
-    ++account.registrations;
-    return account;
-}
-
-/// Who left has no account any longer, unless a place is kept that writes into it; of those that were lost the oldest
-/// goes when there are too many.
-void ReceiverTable::close_account(const Key& key, bool left)
-{
-    const auto found = accounts_.find(key);
-    if (found == accounts_.end() || --found->second.registrations > 0)
-        return;
-    const auto writes = [&](const auto& row) { return Key(row.second.receiver(), row.second.options().group) == key; };
-    if (left && std::ranges::none_of(kept_, writes)) {
-        accounts_.erase(found);
-        return;
-    }
-    found->second.lost = ++order_;
-    forget_old_accounts();
-}
-
-/// A kept place still writes into its account.
-void ReceiverTable::forget_old_accounts()
-{
-    std::set<Key> used;
-    for (const auto& [place, line] : kept_)
-        used.insert({line.receiver(), line.options().group});
-    std::map<std::uint64_t, Key> old;  // the oldest first
-    for (const auto& [key, account] : accounts_)
-        if (account.lost != 0 && account.registrations == 0 && !used.contains(key))
-            old.emplace(account.lost, key);
-    for (auto oldest = old.begin(); old.size() > most_old_accounts; oldest = old.erase(oldest))
-        accounts_.erase(oldest->second);
+    accounts_.close(key, left, [this](const Accounts::Key& account) {
+        return std::ranges::any_of(kept_, [&](const auto& row) {
+            return Accounts::Key(row.second.receiver(), row.second.options().group) == account;
+        });
+    });
 }
 
 Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
-    Account& account = this->account(newcomer.receiver, newcomer.epoch, newcomer.options);
+    if (const auto before = standing(newcomer))
+        displace(*before, newcomer, now, decisions);
+    Account& account = accounts_.open(newcomer.receiver, newcomer.epoch, newcomer.options);
     const auto welcome =
         newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
     if (newcomer.options.delivery == Delivery::data && !held_.empty())
@@ -56,19 +27,36 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
     return welcome;
 }
 
+std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcomer) const
+{
+    const bool data = newcomer.options.delivery == Delivery::data;  // who merely watches pushes nobody from its place
+    for (const auto& [id, seat] : seats_)
+        if (seat.line.receiver() == newcomer.receiver && (newcomer.unique || (data && seat.place == newcomer.place)))
+            return id;
+    for (const auto& [id, name] : members_)
+        if (newcomer.unique && groups_.at(name).receiver(id) == newcomer.receiver)
+            return id;
+    return std::nullopt;
+}
+
+/// It has other options now, or is back before anybody saw that its old connection is dead. Lossless events wait for
+/// it as for any that comes back.
+void ReceiverTable::displace(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    const auto seat = seats_.find(before);
+    if (seat == seats_.end() || !seat->second.line.takes_bodies() || !newcomer.options.group.empty()
+        || newcomer.options.delivery != Delivery::data)
+        return lose(before, Fate::lost_connection, false, now, decisions);
+    kept_.emplace(seat->second.place, std::move(seat->second.line));
+    seats_.erase(seat);
+    close_account({newcomer.receiver, ""}, false);
+}
+
 std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
 {
-    const auto before = newcomer.place == 0 ? std::nullopt : holder(newcomer.place);
-    if (before && seats_.at(*before).line.receiver() == newcomer.receiver
-        && newcomer.options.delivery == Delivery::data) {
-        auto seat = seats_.extract(*before);
-        close_account({seat.mapped().line.receiver(), ""}, false);
-        kept_.emplace(newcomer.place, std::move(seat.mapped().line));
-    }
-    if (newcomer.place != 0) {
-        const auto kept = kept_.find(newcomer.place);
-        return kept != kept_.end() && kept->second.receiver() == newcomer.receiver ? kept : kept_.end();
-    }
+    const auto kept = kept_.find(newcomer.place);
+    if (kept != kept_.end() && kept->second.receiver() == newcomer.receiver)
+        return kept;
     return std::ranges::find_if(
         kept_, [&](const auto& row) { return newcomer.unique && row.second.receiver() == newcomer.receiver; });
 }
@@ -77,10 +65,10 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decision
 {
     const auto& [id, receiver, epoch, options, place, taken, unique] = newcomer;
     if (const auto kept = kept_for(newcomer); kept != kept_.end() && options.delivery == Delivery::data) {
-        const Seat& seat = seats_.emplace(id, Seat{std::move(kept->second), kept->first}).first->second;
+        Seat& seat = seats_.emplace(id, Seat{std::move(kept->second), kept->first}).first->second;
         kept_.erase(kept);
-        const auto behind = seats_.at(id).line.resume(id, epoch, options, place != 0 ? taken : std::nullopt, decisions);
-        seats_.at(id).line.pump(decisions);
+        const auto behind = seat.line.resume(id, epoch, options, seat.place == place ? taken : std::nullopt, decisions);
+        seat.line.pump(decisions);
         return {.place = seat.place, .taken = behind};
     }
     const auto fresh = epoch_ + static_cast<std::int64_t>(id);
@@ -95,9 +83,8 @@ Welcome ReceiverTable::join(const Newcomer& newcomer, Account& account, Clock::t
     const std::string& name = newcomer.options.group;
     auto found = groups_.find(name);
     if (found == groups_.end()) {
-        Account& all = accounts_[{"group " + name, name}];
-        all.options.group = name;
-        found = groups_.try_emplace(name, output_ + "#" + name, epoch_, all.ledger, defences_.leases).first;
+        Ledger& all = accounts_.group(name).ledger;
+        found = groups_.try_emplace(name, output_ + "#" + name, epoch_, all, defences_.leases).first;
     }
     const Welcome welcome{.group = found->second.standing()};
     emptied_.erase(name);
@@ -132,7 +119,7 @@ void ReceiverTable::leave(Id id, Clock::time_point now, Decisions& decisions)
         return;
     }
     if (Group* group = group_of(id)) {
-        const Key key{group->receiver(id), members_.at(id)};
+        const Accounts::Key key{group->receiver(id), members_.at(id)};
         group->leave(id, now, decisions);
         members_.erase(id);
         close_account(key, true);
@@ -145,14 +132,14 @@ void ReceiverTable::lose(Id id, Fate how, bool returns, Clock::time_point now, D
     if (const auto found = seats_.find(id); found != seats_.end()) {
         Seat seat = std::move(found->second);
         seats_.erase(found);
-        const Key key{seat.line.receiver(), ""};
+        const Accounts::Key key{seat.line.receiver(), ""};
         if (seat.line.lose(how, returns && defences_.places, now))
             kept_.emplace(seat.place, std::move(seat.line));
         close_account(key, false);
         return;
     }
     if (Group* group = group_of(id)) {
-        const Key key{group->receiver(id), members_.at(id)};
+        const Accounts::Key key{group->receiver(id), members_.at(id)};
         group->lose(id, how, now, decisions);
         members_.erase(id);
         close_account(key, false);
@@ -170,7 +157,7 @@ void ReceiverTable::forget_oldest(Decisions& decisions)
         const auto oldest = std::ranges::min_element(emptied_, {}, [](const auto& row) { return row.second; });
         groups_.at(oldest->first).forget(decisions);
         groups_.erase(oldest->first);
-        accounts_.erase({"group " + oldest->first, oldest->first});
+        accounts_.forget_group(oldest->first);
         emptied_.erase(oldest);
     }
 }
@@ -257,95 +244,6 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
             ++forgotten;
         }
     return forgotten;
-}
-
-std::optional<ReceiverTable::Id> ReceiverTable::holder(std::int64_t place) const
-{
-    const auto found = std::ranges::find(seats_, place, [](const auto& row) { return row.second.place; });
-    return found == seats_.end() ? std::nullopt : std::optional(found->first);
-}
-
-bool ReceiverTable::wanted() const noexcept
-{
-    return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
-           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
-}
-
-bool ReceiverTable::asked() const
-{
-    const auto line_asks = [](const auto& row) { return !row.second.line.takes_bodies() || row.second.line.asks(); };
-    const auto group_asks = [](const auto& row) { return !row.second.active() || row.second.asks(); };
-    return kept_.empty() && wanted() && std::ranges::all_of(seats_, line_asks)
-           && std::ranges::all_of(groups_, group_asks);
-}
-
-bool ReceiverTable::backlogged() const
-{
-    return !held_.empty() || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.backlogged(); })
-           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.backlogged(); })
-           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.backlogged(); });
-}
-
-bool ReceiverTable::timed() const
-{
-    return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.leasing(); });
-}
-
-Reason ReceiverTable::why() const
-{
-    if (!held_.empty())
-        return Reason::held;
-    if (!wanted())
-        return Reason::no_receiver;
-    if (!kept_.empty())
-        return Reason::place_kept;
-    for (const auto& [name, group] : groups_)
-        if (group.active() && group.why() != Reason::none)
-            return group.why();
-    for (const auto& [id, seat] : seats_)
-        if (seat.line.takes_bodies() && seat.line.why() != Reason::none)
-            return seat.line.why();
-    return Reason::none;
-}
-
-std::vector<ReceiverTable::Row> ReceiverTable::rows() const
-{
-    std::map<Key, Row> rows;
-    for (const auto& [key, account] : accounts_) {
-        Row& row = rows[key];
-        row.status.receiver = key.first;
-        row.status.connected = account.registrations > 0;
-        row.status.registration = account.registration;
-        row.status.options = account.options;
-        row.status.events = account.ledger;
-    }
-    for (const auto& [id, seat] : seats_) {
-        Row& row = rows[{seat.line.receiver(), ""}];
-        row.id = id;
-        row.status.waiting += seat.line.waiting();
-        row.status.why = seat.line.why();
-    }
-    for (const auto& [place, line] : kept_) {
-        rows[{line.receiver(), ""}].status.waiting += line.waiting();
-        rows[{line.receiver(), ""}].status.why = line.why();
-    }
-    for (const auto& [id, name] : members_) {
-        Row& row = rows[{groups_.at(name).receiver(id), name}];
-        row.id = id;
-        row.status.why = groups_.at(name).why(id);
-    }
-    for (const auto& [name, group] : groups_) {
-        Row& row = rows[{"group " + name, name}];
-        row.status.group = true;
-        row.status.connected = group.active();
-        row.status.waiting = group.waiting();
-        row.status.why = group.active() ? group.why() : Reason::none;
-    }
-    std::vector<Row> list;
-    for (auto& [key, row] : rows)
-        list.push_back(std::move(row));
-    std::ranges::stable_sort(list, {}, [](const Row& row) { return std::pair(row.id == 0, row.status.group); });
-    return list;
 }
 
 }  // namespace hive::event

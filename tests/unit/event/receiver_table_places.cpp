@@ -30,7 +30,7 @@ TEST_CASE("kept place: a receiver of lossless events that comes back with its pl
     world.ask(2, {5, 3, 3});
     CHECK(world.row("results").events.of(Fate::acknowledged) == 3);
     CHECK(world.row("results").events.in_flight() == 0);
-    CHECK(world.table.holder(place) == ReceiverId{2});
+    CHECK(world.standing(place) == ReceiverId{2});
 }
 
 TEST_CASE("kept place: a restarted receiver takes up the place of its name if nobody else has that name")
@@ -59,7 +59,7 @@ TEST_CASE("kept place: nobody takes up the place of another")
     CHECK(world.add({.id = 2, .receiver = "thief", .options = window(2), .place = place, .taken = 0}).empty());
     CHECK(world.welcome.place != place);
     CHECK(world.welcome.taken == 0);
-    CHECK_FALSE(world.table.holder(place));
+    CHECK_FALSE(world.standing(place));
 }
 
 TEST_CASE("kept place: a receiver that is back before its end was noticed goes on at its place")
@@ -70,10 +70,46 @@ TEST_CASE("kept place: a receiver that is back before its end was noticed goes o
     world.offer(1, true);
     CHECK(world.add({.id = 2, .receiver = "results", .options = window(2), .place = place, .taken = 0})
           == Got{{2, {1}}});
-    CHECK(world.table.holder(place) == ReceiverId{2});
+    CHECK(world.standing(place) == ReceiverId{2});
     world.lose(1, Fate::lost_cut_off);
     CHECK(world.row("results").connected);
     CHECK(world.offer(2, true) == Got{{2, {2}}});
+}
+
+TEST_CASE("displaced: a drone that registers again is received once, before its old connection is seen to be dead")
+{
+    auto watching = window(4);
+    watching.delivery = Delivery::notification;
+    for (const auto& options : {watching, streaming(Delivery::data), sharing()}) {
+        World world;
+        world.add({.id = 1, .receiver = "face.image", .options = options, .unique = true});
+        world.offer(1);
+        const auto again = world.add({.id = 2, .receiver = "face.image", .options = options, .unique = true});
+        CHECK(again == (options.group.empty() ? Got{} : Got{{2, {1}}}));
+        world.ask(2, {8, 1, 1});
+        CHECK(world.row("face.image").connected);
+        CHECK(world.offer(2) == Got{{2, {2}}});
+        world.lose(1, Fate::lost_cut_off);
+        CHECK(world.row("face.image").connected);
+        CHECK(world.row("face.image").events.total() <= (options.group.empty() ? 2 : 3));
+        world.leave(2);
+        CHECK_FALSE(world.table.wanted());
+    }
+}
+
+TEST_CASE("displaced: a restarted drone gets again what its old connection had in hand, and its place is its own")
+{
+    World world;
+    world.add({.id = 1, .receiver = "face.image", .options = window(2), .unique = true});
+    world.offer(1, true);
+    world.offer(2, true);
+    CHECK(world.add({.id = 2, .receiver = "face.image", .options = window(2), .unique = true}) == Got{{2, {1, 2}}});
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.table.why() == Reason::not_asked);
+    world.ask(2, {4, 2, 2});
+    CHECK(world.row("face.image").events.of(Fate::acknowledged) == 2);
+    CHECK(world.row("face.image").events.in_flight() == 0);
+    CHECK(world.table.asked());
 }
 
 TEST_CASE("kept place: nobody pushes another from its place, nor by merely watching")
@@ -85,7 +121,7 @@ TEST_CASE("kept place: nobody pushes another from its place, nor by merely watch
     auto watching = window(2);
     watching.delivery = Delivery::notification;
     world.add({.id = 3, .receiver = "results", .options = watching, .place = place, .taken = 0});
-    CHECK(world.table.holder(place) == ReceiverId{1});
+    CHECK(world.standing(place) == ReceiverId{1});
     CHECK(world.table.why() == Reason::none);
     CHECK(world.offer(1, true).at(1) == Sequences{1});
     world.leave(1);
@@ -174,11 +210,11 @@ TEST_CASE("kept place: its account is not forgotten before it, however many rece
     world.lose(1, Fate::lost_cut_off);
     auto watching = window(1);
     watching.delivery = Delivery::notification;
-    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::most_old_accounts; ++i) {
+    for (ReceiverId i = 2; i <= 2 + 2 * Accounts::most_old; ++i) {
         world.add(i, "watcher-" + std::to_string(i), watching);
         world.lose(i, Fate::lost_connection);
     }
-    CHECK(world.rows().size() <= ReceiverTable::most_old_accounts + 1);
+    CHECK(world.rows().size() <= Accounts::most_old + 1);
     CHECK(world.row("results").events.in_flight() == 1);
     CHECK(world.add({.id = 999, .receiver = "results", .options = window(1), .place = place, .taken = 1}).empty());
     world.ask(999, {2, 1, 1});
@@ -191,7 +227,7 @@ TEST_CASE("awaited group: its account stays as long as the group does, however m
     world.add(1, "face-1", sharing());
     auto watching = window(1);
     watching.delivery = Delivery::notification;
-    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::most_old_accounts; ++i) {
+    for (ReceiverId i = 2; i <= 2 + 2 * Accounts::most_old; ++i) {
         world.add(i, "watcher-" + std::to_string(i), watching);
         world.lose(i, Fate::lost_connection);
     }

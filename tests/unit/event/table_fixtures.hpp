@@ -59,6 +59,11 @@ public:
         return forgotten;
     }
 
+    /// Who stands at a place of "results".
+    [[nodiscard]] std::optional<ReceiverId> standing(std::int64_t place) const
+    {
+        return table.standing({.receiver = "results", .place = place});
+    }
     [[nodiscard]] std::vector<EdgeStatus> rows() const
     {
         std::vector<EdgeStatus> rows;

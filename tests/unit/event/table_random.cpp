@@ -42,11 +42,11 @@ public:
             hold(id == 0 || seats_.contains(id), "who is gone has no row as one that is there");
             away += !status.connected && !status.group ? 1 : 0;
         }
-        hold(away <= ReceiverTable::most_old_accounts + places_.size(), "who was lost is forgotten in the end");
+        hold(away <= Accounts::most_old + places_.size(), "who was lost is forgotten in the end");
         hold(!table_.asked() || table_.wanted(), "nobody asks for what nobody wants");
         for (const auto& [id, seat] : seats_)
             if (seat.place != 0)
-                hold(table_.holder(seat.place) == id, "each place has one holder");
+                hold(table_.standing({.receiver = seat.name, .place = seat.place}) == id, "each place has one holder");
     }
 
 private:
@@ -78,10 +78,14 @@ private:
                           .receiver = "face-" + std::to_string(dice_.between(1, 5)),
                           .epoch = 1000 + static_cast<std::int64_t>(last_id_),
                           .options = options};
-        newcomer.unique =
-            std::ranges::none_of(seats_, [&](const auto& row) { return row.second.name == newcomer.receiver; });
         if (!places_.empty() && options.group.empty() && dice_.yes(50))
             come_back(newcomer);
+        const auto others =
+            std::ranges::count_if(seats_, [&](const auto& row) { return row.second.name == newcomer.receiver; });
+        const bool kept = newcomer.place != 0 || std::ranges::any_of(places_, [&](const auto& row) {
+                              return row.second.name == newcomer.receiver;
+                          });
+        newcomer.unique = others == 0 || (others == 1 && !kept && dice_.yes(20));
         Seat& seat = seats_[last_id_];
         seat = {.name = newcomer.receiver,
                 .registration = newcomer.epoch,
@@ -96,13 +100,16 @@ private:
             hold(options.group.empty() == (welcome.place != 0), "plain receivers have places, members have none");
             hold(options.group.empty() != welcome.group.has_value(), "members are told how far their group is");
         });
-        replace_earlier(last_id_, seat.place);
+        replace_earlier(newcomer, seat.place);
     }
-    /// Who takes up a place before its end was noticed has it alone; that end is then noticed, and means nothing.
-    void replace_earlier(ReceiverId id, std::int64_t place)
+    /// Who is back before its end was noticed stands alone; that end is then noticed, and means nothing.
+    void replace_earlier(const Newcomer& newcomer, std::int64_t place)
     {
-        const auto earlier = std::ranges::find_if(
-            seats_, [&](const auto& row) { return place != 0 && row.first != id && row.second.place == place; });
+        const auto earlier = std::ranges::find_if(seats_, [&](const auto& row) {
+            const auto& [id, seat] = row;
+            return id != newcomer.id
+                   && ((place != 0 && seat.place == place) || (newcomer.unique && seat.name == newcomer.receiver));
+        });
         if (earlier == seats_.end())
             return;
         const auto gone = earlier->first;

@@ -91,6 +91,22 @@ TEST_CASE("request: every field survives the way")
     CHECK(read.back == request.back);
 }
 
+TEST_CASE("request: its text is read alike whether it is written as Hive writes it or as others may")
+{
+    for (const std::string text :
+         {R"({"epoch":1,"id":9,"done":3})", R"({"epoch":1,"id":9,"done":3,"worked":5})",
+          R"({ "id": 9, "done": 3, "epoch": 1 })", R"({"epoch":1,"id":9})", R"({"epoch":1,"id":9,"done":3,"more":{}})",
+          R"({"epoch":1,"id":9,"done":3,"worked":5,"back":[7]})"}) {
+        const auto quick = protocol::request_from_text(text), slow = protocol::request_from_json(parse_json(text));
+        CHECK_EQ(protocol::to_text(quick), protocol::to_text(slow));
+        CHECK_EQ(quick.id, 9);
+    }
+    for (const std::string text :
+         {R"({"epoch":1,"id":-9,"done":3})", R"({"epoch":1,"id":09,"done":3})", R"({"epoch":1,"id":9,"done":3)",
+          R"({"epoch":1,"id":9,"done":3}})", R"({"epoch":1,"id":9,"done":99999999999999999})"})
+        CHECK_THROWS_AS(protocol::request_from_text(text), Error);
+}
+
 TEST_CASE("confirmation: every error code survives the way")
 {
     for (int i = 0; i <= static_cast<int>(Errc::io); ++i) {

@@ -18,14 +18,14 @@
 namespace hive::event {
 
 struct IntakeSpec {
-    std::string sender;  ///< the drone
-    std::string output;
-    transport::Address address;  ///< where it is met
-    std::string input;           ///< of this module
-    std::string receiver;        ///< this end as the sender knows it: "face.image"
+    std::string sender = {};  ///< the drone
+    std::string output = {};
+    transport::Address address = {};  ///< where it is met
+    std::string input = {};           ///< of this module
+    std::string receiver = {};        ///< this end as the sender knows it: "face.image"
     std::string accepts = "*/*";
     bool stateful = false;
-    ConnectionOptions options;
+    ConnectionOptions options = {};
 };
 
 /// How far the turns of a group are, as one of its members knows it.

@@ -50,10 +50,9 @@ private:
 class Link : public std::enable_shared_from_this<Link> {
 public:
     struct Events {
-        std::function<void(Link&)> opened;  ///< the peer's hello is here
-        std::function<void(Link&, const protocol::Packet&, const Json&)>
-            packet;                                       ///< registrations and requests of the peer
-        std::function<void(Link&, const Error&)> closed;  ///< once, the last
+        std::function<void(Link&)> opened;                           ///< the peer's hello is here
+        std::function<void(Link&, const protocol::Packet&)> packet;  ///< registrations and requests of the peer
+        std::function<void(Link&, const Error&)> closed;             ///< once, the last
     };
     /// Receives the packets (event, notification, exception) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;

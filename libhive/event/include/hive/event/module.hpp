@@ -129,7 +129,7 @@ private:
     void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
-    void on_packet(Link& link, const protocol::Packet& packet, const Json& header);
+    void on_packet(Link& link, const protocol::Packet& packet);
     bool make_room();
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
     [[nodiscard]] Json confirmation(const Outlet& sender, const Welcome& welcome) const;

@@ -1,6 +1,7 @@
 // Who receives an output: plain receivers, groups, and the account of each (SPEC.md, sections 5 and 8).
 #pragma once
 
+#include <hive/event/accounts.hpp>
 #include <hive/event/group.hpp>
 #include <hive/event/line.hpp>
 
@@ -14,7 +15,7 @@ struct Newcomer {
     ConnectionOptions options = {};
     std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
     std::optional<std::int64_t> taken = {};  ///< at that place
-    bool unique = false;                     ///< nobody else has this name, so a place kept for the name is its own
+    bool unique = false;                     ///< nobody else has this name: what stands or is kept under it is its own
 };
 
 /// What the newcomer is told.
@@ -30,7 +31,6 @@ public:
     using Id = ReceiverId;
 
     static constexpr std::size_t most_empty_groups = 16;  ///< remembered, with their turns and what waits in them
-    static constexpr std::size_t most_old_accounts = 64;  ///< of receivers that were lost
 
     struct Row {
         Id id;  ///< 0: a group, or a receiver that is not registered now
@@ -65,8 +65,8 @@ public:
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
 
-    /// Who is registered at that place now, if anybody.
-    [[nodiscard]] std::optional<Id> holder(std::int64_t place) const;
+    /// Which registration does this newcomer take the place of, if any?
+    [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
     /// Does anybody receive bodies, or is to have them when it is back?
     [[nodiscard]] bool wanted() const noexcept;
     /// Has every receiver of bodies asked for an event that it has not got (and is there one)?
@@ -81,24 +81,15 @@ public:
     [[nodiscard]] std::vector<Row> rows() const;
 
 private:
-    using Key = std::pair<std::string, std::string>;  ///< receiver, group
-    struct Account {
-        Ledger ledger;
-        ConnectionOptions options;
-        std::int64_t registration = 0;
-        int registrations = 0;   ///< now
-        std::uint64_t lost = 0;  ///< order in which accounts lost their last registration
-    };
     struct Seat {
         Line line;
         std::int64_t place;
     };
 
-    Account& account(const std::string& receiver, std::int64_t epoch, const ConnectionOptions& options);
-    void close_account(const Key& key, bool left);
-    void forget_old_accounts();
+    void close_account(const Accounts::Key& key, bool left);
     Welcome seat(const Newcomer& newcomer, Account& account, Decisions& decisions);
     Welcome join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
+    void displace(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void forget_oldest(Decisions& decisions);
@@ -107,7 +98,7 @@ private:
     std::string output_;
     std::int64_t epoch_;
     Defences defences_;
-    std::map<Key, Account> accounts_;
+    Accounts accounts_;
     std::map<Id, Seat> seats_;
     std::map<std::int64_t, Line> kept_;  ///< by place
     std::map<std::string, Group> groups_;

@@ -1,0 +1,65 @@
+// JSON objects that are written and read often, as text: without a JSON value in between.
+#pragma once
+
+#include <hive/json.hpp>
+
+#include <charconv>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hive {
+
+/// Writes the fields of one object behind `text`; each key is given as it stands in the text, with the comma before it:
+/// `,"epoch":`.
+class PlainWriter {
+public:
+    explicit PlainWriter(std::string& text) : text_(text), begin_(text.size()) {}
+    void close();
+
+    void raw(std::string_view key, std::string_view value) { (text_ += key) += value; }
+    void number(std::string_view key, std::int64_t value);
+    void string(std::string_view key, const std::string& value);
+
+private:
+    std::string& text_;
+    std::size_t begin_;
+};
+
+/// A place in a text that is written without white space and without escapes. Every function moves on when it finds
+/// what it looks for, and gives false otherwise: then the reader of all JSON has to say what the text is.
+class PlainReader {
+public:
+    explicit PlainReader(std::string_view rest) : rest_(rest) {}
+
+    [[nodiscard]] bool at_end() const { return rest_.empty(); }
+    [[nodiscard]] std::string_view rest() const { return rest_; }
+    bool skip(std::string_view word)
+    {
+        if (!rest_.starts_with(word))
+            return false;
+        rest_.remove_prefix(word.size());
+        return true;
+    }
+    void leave_out(std::size_t bytes) { rest_.remove_prefix(bytes); }
+    bool string(std::string& value);
+    bool name(std::string& value);
+    bool flag(bool& value);
+    /// From 0 to `most`.
+    template <class Integer>
+    bool integer(Integer& value, std::int64_t most = max_json_integer)
+    {
+        std::int64_t number = 0;
+        if (!read(number) || number > most)
+            return false;
+        value = static_cast<Integer>(number);
+        return true;
+    }
+
+private:
+    bool read(std::int64_t& number);
+
+    std::string_view rest_;
+};
+
+}  // namespace hive
