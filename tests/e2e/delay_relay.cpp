@@ -52,8 +52,10 @@ int open_socket()
     return descriptor;
 }
 
+}  // namespace
+
 /// One direction of a connection. Blocking writes: nobody here stops reading.
-struct Way {
+struct RelayedWay {
     struct Piece {
         Clock::time_point due;
         std::vector<char> bytes;  ///< empty: the end
@@ -81,8 +83,6 @@ struct Way {
         }
     }
 };
-
-}  // namespace
 
 class DelayRelay::Impl {
 public:
@@ -167,7 +167,7 @@ private:
     std::thread thread_;
     std::atomic<bool> stopping_ = false;
     int listening_ = -1;
-    std::list<Way> ways_;
+    std::list<RelayedWay> ways_;
 };
 
 DelayRelay::DelayRelay(const std::string& network_namespace, const Address& at, const Address& to,

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <unistd.h>
 
@@ -111,10 +113,7 @@ public:
     /// hivectl on the laptop.
     [[nodiscard]] Finished hivectl(const std::string& words) const
     {
-        return laptop_->swarm.run(
-            laptop_->net.inside(
-                {"/bin/sh", "-c", "PATH=" + (directory() / "bin").string() + ":$PATH; hivectl " + words}),
-            60'000ms);
+        return laptop_->swarm.run(on_laptop(words), 60'000ms);
     }
     std::string hivectl_done(const std::string& words) const
     {
@@ -122,12 +121,26 @@ public:
         REQUIRE_MESSAGE(done.exit_code == 0, words, ": ", done.out, done.err);
         return done.out;
     }
+    /// hivectl on the laptop, beside the test: what it prints goes to NAME.log in directory().
+    [[nodiscard]] Process hivectl_running(const std::string& words, const std::string& name) const
+    {
+        return {on_laptop(words), {"HIVE_HOME=" + laptop_->swarm.home().string()}, directory() / (name + ".log")};
+    }
+    /// Takes a machine off the network, and puts it back.
+    void cut(std::size_t machine) const { hub_.run("ip link set h" + std::to_string(machine + 2) + " down"); }
+    void mend(std::size_t machine) const { hub_.run("ip link set h" + std::to_string(machine + 2) + " up"); }
     /// The namespace in the middle, to which all are linked.
     [[nodiscard]] const std::string& hub() const { return hub_.name(); }
     [[nodiscard]] const Machine& machine(std::size_t index) const { return *machines_.at(index); }
     [[nodiscard]] fs::path directory() const { return laptop_home_.home(); }
 
 private:
+    [[nodiscard]] std::vector<std::string> on_laptop(const std::string& words) const
+    {
+        const auto path =
+            (directory() / "bin").string() + ":" + laptop_->swarm.program("hivectl").parent_path().string();
+        return laptop_->net.inside({"/bin/sh", "-c", "PATH=" + path + ":$PATH; exec hivectl " + words});
+    }
     void run(const std::string& commands) const
     {
         const auto done = laptop_home_.run({"/bin/sh", "-ec", "cd " + directory().string() + "; " + commands});
@@ -263,4 +276,45 @@ TEST_CASE("machines: a long way is measured, and a larger window lets more throu
     CHECK(narrow < 11);
     lab.hivectl_done("connect ticker sleeper --window 16");
     CHECK(rate() > 2 * narrow);
+}
+
+TEST_CASE(
+    "machines: a partition is noticed and mended in time, and of a source on demand nothing is lost or comes twice")
+{
+    if (!possible())
+        return;
+    const char* many = std::getenv("HIVE_TEST_PARTITIONS");
+    const int partitions = many ? std::atoi(many) : 1;
+    const std::int64_t events = 200 + 100 * partitions;
+    const Lab lab({"cam1", "gpu1"});
+    lab.hivectl_done("start ticker --on cam1 --insecure pace=demand count=" + std::to_string(events));
+    lab.hivectl_done("start sleeper --on gpu1 --insecure work_ms=10");
+    auto application = lab.machine(1).swarm.application();
+    auto results = lab.hivectl_running("results sleeper -n " + std::to_string(events) + " --timeout 30", "results");
+    REQUIRE(eventually([&] { return !application.status("sleeper").outputs.at(0).edges.empty(); }));
+    lab.hivectl_done("connect ticker sleeper");
+    const auto input = [&] { return application.status("sleeper").inputs.at(0); };
+
+    for (int i = 0; i < partitions; ++i) {
+        const auto before = input().received;
+        REQUIRE(eventually([&] { return input().received >= before + 10; }));
+        lab.cut(0);
+        const auto cut = Clock::now();
+        REQUIRE(eventually([&] { return !input().connected; }, 5000ms));
+        const auto noticed = Clock::now() - cut;
+        lab.mend(0);
+        const auto mended = Clock::now();
+        REQUIRE(eventually([&] { return input().connected; }, 5000ms));
+        const auto back = Clock::now() - mended;
+        CHECK_MESSAGE(noticed < patient(2500ms), std::chrono::duration<double>(noticed).count());
+        CHECK_MESSAGE(back < patient(1500ms), std::chrono::duration<double>(back).count());
+    }
+    CHECK(results.wait(patient(40'000ms)) == 0);
+    std::istringstream lines(text_of(lab.directory() / "results.log"));
+    std::vector<std::int64_t> indices;
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with('{'))
+            indices.push_back(Json::parse(line).at("header").at("index").get<std::int64_t>());
+    CHECK(static_cast<std::int64_t>(indices.size()) == events);
+    CHECK(std::ranges::adjacent_find(indices, std::greater_equal()) == indices.end());
 }
