@@ -68,7 +68,7 @@ std::string_view sentence(Reason reason) noexcept
     case Reason::place_kept: return "a place is kept for a receiver that was cut off";
     case Reason::lease_running: return "the last attempt at an event is still under way";
     case Reason::halted: return "the drone has halted";
-    case Reason::backlog: return "lossless results wait at an output, so the drone takes nothing more";
+    case Reason::backlog: return "the drone waits until the lossless events that it has made are asked for";
     case Reason::dialing: return "the sender is not connected";
     case Reason::refused: return "the sender refused the connection";
     case Reason::no_input: return "nothing is connected to its inputs";

@@ -60,6 +60,18 @@ const OutputStatus* output_of(const Statuses& statuses, const std::string& drone
     return nullptr;
 }
 
+/// Does the receiver say why it does not acknowledge what comes from there? If it waits for its own receivers, that is
+/// a question for those edges.
+bool explains(const Status& receiver, const std::string& from)
+{
+    return receiver.why != Reason::none
+           || std::ranges::any_of(receiver.inputs,
+                                  [&](auto& input) { return input.from == from && input.why != Reason::none; })
+           || std::ranges::any_of(receiver.outputs, [](auto& output) {
+                  return std::ranges::any_of(output.edges, [](auto& edge) { return edge.events.in_flight() != 0; });
+              });
+}
+
 }  // namespace
 
 Problems unbalanced(const Statuses& statuses)
@@ -127,12 +139,15 @@ Problems without_reason(const Statuses& statuses)
     Problems problems;
     for (const auto& [name, status] : statuses)
         for (const auto& output : status.outputs)
-            for (const auto& edge : output.edges)
-                if ((edge.waiting != 0 || statuses.contains(edge.receiver.substr(0, edge.receiver.find('.'))))
-                    && edge.events.in_flight() != 0 && edge.why == Reason::none && output.why == Reason::none
-                    && status.why == Reason::none)
+            for (const auto& edge : output.edges) {
+                const auto receiver = statuses.find(edge.receiver.substr(0, edge.receiver.find('.')));
+                const bool answers = receiver != statuses.end();
+                if ((edge.waiting != 0 || answers) && edge.events.in_flight() != 0 && edge.why == Reason::none
+                    && output.why == Reason::none && status.why == Reason::none
+                    && !(answers && explains(receiver->second, name + "." + output.name)))
                     problems.push_back(name + "." + output.name + " -> " + edge.receiver
                                        + " stands still without a reason: " + to_text(edge));
+            }
     return problems;
 }
 

@@ -108,7 +108,12 @@ Problems Round::at_rest(const Statuses& statuses, bool complete)
             problems.push_back("the source's count is " + count.dump() + "; " + std::to_string(running_.fed())
                                + " was confirmed");
     const auto counts = collecting_.counts();
-    if (complete && plan_.topology.demand && !model_.was_excused() && counts.missing + counts.dropped > 0)
+    // A collector in order learns with the first result whose exceptions it has to hear.
+    const auto& stages = plan_.topology.stages;
+    const bool all_heard =
+        std::none_of(stages.begin(), stages.end() - 1, [](const Stage& stage) { return stage.throw_every > 0; });
+    const auto lost = counts.dropped + (all_heard ? counts.missing : 0);
+    if (complete && plan_.topology.demand && !model_.was_excused() && lost > 0)
         problems.push_back("the collector counts " + std::to_string(counts.missing) + " missing and "
                            + std::to_string(counts.dropped) + " dropped");
     return problems;

@@ -30,10 +30,10 @@ Line::Item Line::next()
 
 void Line::offer(const EmissionPtr& event, Decisions& decisions)
 {
-    if (kept() && !must_stay(event))
+    lossless_ = must_stay(event);
+    if (kept() && !*lossless_)
         return;  // it would be old when the receiver is back
     ledger_->came();
-    lossless_ = must_stay(event);
     if (!credit_.streaming() && !must_stay(event) && !waiting_.empty() && !must_stay(waiting_.back().event)) {
         waiting_bytes_ -= waiting_.back().event->size();
         waiting_.pop_back();
@@ -99,10 +99,14 @@ void Line::written(std::size_t bytes, Decisions& decisions)
     pump(decisions);
 }
 
+bool Line::worth_keeping() const
+{
+    return takes_bodies() && (lossless_.value_or(true) || backlogged() || !std::ranges::all_of(in_hand_, &Line::live));
+}
+
 bool Line::lose(Fate how, bool keep, Clock::time_point now)
 {
-    const auto live = [](const Item& item) { return !item.event || !item.event->lossless(); };
-    if (!keep || !takes_bodies() || !(lossless_ || backlogged() || !std::ranges::all_of(in_hand_, live))) {
+    if (!keep || !worth_keeping()) {
         clear(how);
         return false;
     }

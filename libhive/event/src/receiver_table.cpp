@@ -190,9 +190,12 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
             seat.line.offer(seat.line.takes_bodies() ? event : kept, decisions);
             received = true;
         }
-    for (auto& [place, line] : kept_)
-        if (whole)
-            line.offer(event, decisions);
+    for (auto it = kept_.begin(); whole && it != kept_.end();) {
+        const auto place = it++;
+        place->second.offer(event, decisions);
+        if (!place->second.worth_keeping())
+            expire(place);
+    }
     for (auto& [name, group] : groups_)
         if (whole && group.active()) {
             group.offer(event, now, decisions);
@@ -215,13 +218,17 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
 {
     for (auto it = kept_.begin(); it != kept_.end();) {
         const auto place = it++;
-        if (place->second.overdue(now)) {
-            place->second.expire();
-            kept_.erase(place);
-        }
+        if (place->second.overdue(now))
+            expire(place);
     }
     for (auto& [name, group] : groups_)
         group.tick(now, decisions);
+}
+
+void ReceiverTable::expire(std::map<std::int64_t, Line>::iterator place)
+{
+    place->second.expire();
+    kept_.erase(place);
 }
 
 std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions)

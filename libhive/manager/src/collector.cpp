@@ -204,18 +204,37 @@ std::vector<InputStatus> MailboxCollector::inputs() const
     return rows;
 }
 
+/// The drones that events come through on their way to these, near and far.
+std::set<std::string> upstream_of(Application& application, std::vector<std::string> drones)
+{
+    std::set<std::string> found;
+    while (!drones.empty()) {
+        const auto answers = application.status(std::exchange(drones, {}));
+        for (const auto& answer : answers)
+            for (const auto& input : answer.error ? std::vector<InputStatus>{} : answer.status.inputs)
+                if (auto name = input.from.substr(0, input.from.find('.')); !name.empty() && found.insert(name).second)
+                    drones.push_back(std::move(name));
+    }
+    return found;
+}
+
 }  // namespace
 
 std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& outputs, const CollectOptions& options)
 {
     auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, options);
     const auto until = core_->deadline();
+    std::vector<std::string> drones;
     for (const auto& output : outputs) {
         const auto [drone, port] = core_->with_output(output);
         if (options.ordered)
             collector->hear_exceptions(drone_of(drone));
         collector->receive(drone, core_->place(drone), port, options.connection, until);
+        drones.push_back(drone);
     }
+    if (options.ordered)
+        for (const auto& drone : upstream_of(*this, drones))
+            collector->hear_exceptions(drone);
     return collector;
 }
 

@@ -23,11 +23,11 @@ bool Reorder::push(Event event, TimePoint now)
     Line& line = lines_[key_of(*share)];
     line.lossless = event.identity.lossless;
     line.closed = std::max(line.closed, share->closed);
-    if (line.expected == 0) {
-        line.expected = std::min(line.closed + 1, share->turn);
+    if (line.first == 0) {
+        line.first = line.expected = std::min(line.closed + 1, share->turn);
         line.stuck_since = now;
     }
-    if (line.passed.contains(share->turn) || line.failed.contains(share->turn))
+    if (share->turn < line.first || line.passed.contains(share->turn) || line.failed.contains(share->turn))
         return false;
     line.waiting.emplace(share->turn, std::move(event));
     advance(line, now);
@@ -53,7 +53,7 @@ void Reorder::fail(const Identity& identity, TimePoint now)
 void Reorder::advance(Line& line, TimePoint now)
 {
     const auto before = line.expected;
-    for (bool moved = line.expected != 0; moved;) {
+    for (bool moved = line.first != 0; moved;) {
         moved = line.failed.contains(line.expected);
         if (moved)
             ++line.expected;

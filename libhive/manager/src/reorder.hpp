@@ -32,7 +32,8 @@ public:
     /// What a worker told when this began to receive its results: how far the group was, and the turns that it had in
     /// hand, whose results will come.
     void expect(const Share& standing, const std::vector<std::int64_t>& open);
-    /// @return  false: it comes after its turn was given up or had failed, and is left out
+    /// @return  false: it comes after its turn was given up or had failed, or after this began behind it, and is left
+    /// out
     bool push(Event event, TimePoint now);
     /// This turn has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
@@ -53,7 +54,8 @@ public:
 private:
     using Key = std::pair<std::string, std::int64_t>;  ///< whose turns, in which epoch
     struct Line {
-        std::int64_t expected = 0;  ///< the next turn; 0: not known yet
+        std::int64_t first = 0;     ///< the turn that this began with; 0: not known yet
+        std::int64_t expected = 0;  ///< the next turn
         std::int64_t closed = 0;    ///< this turn and all before it have had their answer
         std::int64_t joined = 0;    ///< the last that had been given out when this began to receive
         bool lossless = false;

@@ -52,16 +52,16 @@ private:
         sent_ = 0;
         known_ = {.asked = options_.window, .worked = 0, .done = 0};
         lane_ = {};
-        last_was_lossless_ = false;
+        last_was_lossless_ = true;
     }
 
     void offer()
     {
         const bool lossless = dice_.yes(60);
         const auto event = any_emission(dice_, ++sequence_, lossless);
+        last_was_lossless_ = lossless;
         if (!line_->kept() || lossless) {
             books_.came();
-            last_was_lossless_ = lossless;
             const bool replaces = options_.transfer == Transfer::synchronized && !lossless && !waiting_.empty()
                                   && !waiting_.back().event->lossless();
             if (replaces) {
@@ -251,7 +251,7 @@ private:
     std::int64_t registration_ = 100, sequence_ = 0, sent_ = 0;
     Progress known_;
     Lane lane_;
-    bool last_was_lossless_ = false;
+    bool last_was_lossless_ = true;  ///< or may be, as long as there was none
     Fate lost_as_{};
     std::deque<Item> waiting_, in_hand_;
     Sequences expected_failures_;

@@ -160,6 +160,7 @@ TEST_CASE("receiver table: the accounts of receivers that were lost are bounded,
     const auto most = Accounts::most_old;
     for (std::size_t i = 1; i <= most + 5; ++i) {
         world.add(i, "face-" + std::to_string(i), window(1));
+        world.offer(static_cast<std::int64_t>(i));
         world.lose(i, Fate::lost_connection);
     }
     CHECK(world.rows().size() == most);

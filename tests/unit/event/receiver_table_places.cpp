@@ -129,6 +129,24 @@ TEST_CASE("kept place: nobody pushes another from its place, nor by merely watch
     CHECK_FALSE(world.table.wanted());
 }
 
+TEST_CASE("kept place: also for a receiver that is lost before the first event, until that shows what the output is")
+{
+    World lossless;
+    lossless.add({.id = 1, .receiver = "face.image", .options = window(1), .unique = true});
+    lossless.add(2, "other", window(1));
+    lossless.lose(1, Fate::lost_killed);
+    CHECK(lossless.table.why() == Reason::place_kept);
+    CHECK(lossless.offer(1, true) == Got{{2, {1}}});
+    CHECK(lossless.add({.id = 3, .receiver = "face.image", .options = window(1), .unique = true}) == Got{{3, {1}}});
+    World live;
+    live.add({.id = 1, .receiver = "face.image", .options = window(1), .unique = true});
+    live.lose(1, Fate::lost_killed);
+    CHECK(live.table.wanted());
+    CHECK(live.offer(1).empty());
+    CHECK_FALSE(live.table.wanted());
+    CHECK(live.table.unreceived() == 1);
+}
+
 TEST_CASE("kept place: none for live events, for a receiver that will not return, or without that defence")
 {
     World live;

@@ -242,6 +242,16 @@ TEST_CASE("reorder: without a word from the workers the first result says what m
     CHECK(reorder.missing() == 0);
 }
 
+TEST_CASE("reorder: what another stage still has in hand of live turns from before the first result is left out")
+{
+    Reorder reorder(30s);
+    CHECK(push(reorder, {30, 31}, {.closed = 29, .lossless = false}));
+    CHECK_FALSE(push(reorder, {2}, {.closed = 31, .lossless = false}));
+    CHECK(push(reorder, {32}, {.closed = 31, .lossless = false}));
+    CHECK(drain(reorder) == Turns{30, 31, 32});
+    CHECK(reorder.missing() == 0);
+}
+
 TEST_CASE("reorder: two outputs of one turn both come, also when they had to wait, and further parts as they come")
 {
     Reorder reorder(30s);

@@ -62,6 +62,8 @@ public:
     [[nodiscard]] std::int64_t epoch() const noexcept { return epoch_; }
     [[nodiscard]] bool kept() const noexcept { return kept_until_.has_value(); }
     [[nodiscard]] bool overdue(Clock::time_point now) const { return kept_until_ && *kept_until_ <= now; }
+    /// Are there lossless events that it has not acknowledged, or may there be one next?
+    [[nodiscard]] bool worth_keeping() const;
     [[nodiscard]] bool takes_bodies() const noexcept { return options_.delivery == Delivery::data; }
     /// Has it asked for an event that it has not got?
     [[nodiscard]] bool asks() const;
@@ -76,6 +78,7 @@ private:
         int attempt = 0;    ///< deliveries so far
         int failures = 0;
     };
+    static bool live(const Item& item) { return !item.event || !item.event->lossless(); }
     [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && takes_bodies(); }
     bool drop_oldest();
     void wait(Item item, bool first);
@@ -92,7 +95,7 @@ private:
     Credit credit_;
     std::deque<Item> waiting_, in_hand_;
     std::size_t waiting_bytes_ = 0;
-    bool lossless_ = false;  ///< the last event offered was: its source waits for its receivers
+    std::optional<bool> lossless_;  ///< was the last event offered? Then its source waits for its receivers
     std::optional<Clock::time_point> kept_until_;
     Fate lost_as_ = Fate::lost_connection;  ///< when its place was kept last
 };

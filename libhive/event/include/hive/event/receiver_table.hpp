@@ -91,6 +91,7 @@ private:
     Welcome join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
     void displace(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);
+    void expire(std::map<std::int64_t, Line>::iterator place);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void forget_oldest(Decisions& decisions);
     Group* group_of(Id id);
