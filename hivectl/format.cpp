@@ -1,9 +1,11 @@
 // Durations, sizes, rates and times as texts.
 #include "format.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 
 namespace hivectl {
 namespace {
@@ -25,8 +27,8 @@ std::tm local(std::time_t seconds)
 
 std::string duration_text(std::int64_t microseconds)
 {
-    if (microseconds < 0)
-        return "-" + duration_text(-microseconds);
+    if (microseconds < 0)  // the least number has no opposite
+        return "-" + duration_text(-std::max(microseconds, -std::numeric_limits<std::int64_t>::max()));
     if (microseconds < 1000)
         return std::to_string(microseconds) + " us";
     if (microseconds < 1'000'000)

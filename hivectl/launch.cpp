@@ -135,6 +135,25 @@ void Launch::show_last_words() const
         complain(plan_.verb, "  " + printable(line));
 }
 
+Removal::~Removal()
+{
+    launch_.process().end();
+    std::error_code ignored;
+    if (!runs(application_, launch_.name()))
+        std::filesystem::remove(launch_.log(), ignored);
+}
+
+int as_first_free(const std::string& name, const std::function<int(const std::string&)>& call)
+{
+    for (int number = 1;; ++number)
+        try {
+            return call(number == 1 ? name : name + "-" + std::to_string(number));
+        } catch (const hive::Error& error) {
+            if (error.code() != hive::Errc::name_taken)
+                throw;
+        }
+}
+
 int start_in_background(Session& session, const LaunchPlan& plan)
 {
     Launch launch(session, plan);

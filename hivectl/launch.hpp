@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ public:
     int died(int status) const;
     [[nodiscard]] BackgroundProcess& process() { return process_; }
     [[nodiscard]] std::filesystem::path log() const;
+    [[nodiscard]] const std::string& name() const { return plan_.name; }
 
 private:
     [[nodiscard]] bool ready();
@@ -51,6 +53,23 @@ private:
 /// Throws Errc::name_taken, with its place, when a drone of the swarm has the name.
 void require_free(hive::Application& application, std::string_view verb, const std::string& kind,
                   const std::string& name);
+
+/// Ends a drone that is tied to a command, whichever way the command ends; nothing of it is left. The log belongs to
+/// whoever has the name.
+class Removal {
+public:
+    Removal(Launch& launch, hive::Application& application) : launch_(launch), application_(application) {}
+    ~Removal();
+    Removal(const Removal&) = delete;
+    Removal& operator=(const Removal&) = delete;
+
+private:
+    Launch& launch_;
+    hive::Application& application_;
+};
+
+/// Calls it with the first of NAME, NAME-2, NAME-3 ... that nobody has: it throws Errc::name_taken for the others.
+int as_first_free(const std::string& name, const std::function<int(const std::string&)>& call);
 
 /// Starts a drone for good and prints its name when it is ready. Returns the exit code.
 int start_in_background(Session& session, const LaunchPlan& plan);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/json.hpp>
+#include <hive/printable.hpp>
 
 #include <string>
 #include <string_view>
@@ -16,9 +17,7 @@ void complain(std::string_view verb, std::string_view text);
 /// Is stdout a terminal?
 bool on_terminal();
 
-/// The text with control characters, line ends, bidirectional overrides and bytes that are not UTF-8 written as
-/// escapes.
-std::string printable(std::string_view text);
+using hive::printable;
 /// One JSON text without line ends, in which every control character is an escape.
 std::string json_text(const hive::Json& value);
 /// A value as the shell wants it: texts bare, everything else as JSON. On a terminal it is made printable.

@@ -17,8 +17,8 @@ void append(std::string& text, const std::string& part)
         text += (text.empty() ? "" : "; ") + part;
 }
 
-/// " (s1.image, s2.image and 4 more)": the edges that stand still for the reason of their output.
-std::string named(const hive::OutputStatus& output)
+/// "s1.image, s2.image and 4 more": the edges that stand still for the reason of their output.
+std::string receivers(const hive::OutputStatus& output)
 {
     std::string text;
     std::size_t count = 0;
@@ -27,7 +27,15 @@ std::string named(const hive::OutputStatus& output)
             text += (text.empty() ? "" : ", ") + edge.receiver;
     if (count > most_named)
         text += " and " + std::to_string(count - most_named) + " more";
-    return text.empty() ? "" : " (" + text + ")";
+    return text;
+}
+
+std::string sentence_about(const hive::OutputStatus& output)
+{
+    const auto names = receivers(output);
+    if (output.why == Reason::not_asked && !names.empty())
+        return output.name + ": waits for " + names + " to ask";
+    return output.name + ": " + std::string(sentence(output.why)) + (names.empty() ? "" : " (" + names + ")");
 }
 
 /// By the drone's own clock, which began at its epoch.
@@ -41,7 +49,7 @@ bool quiet(const hive::Status& status, const hive::OutputStatus& output)
 bool may_be_left_alone(const hive::Status& status, const hive::OutputStatus& output)
 {
     const auto left_alone = [](const hive::OutputStatus& other) {
-        return other.name == "exceptions" || other.why == Reason::no_receiver;
+        return other.name == "exceptions" || other.why == Reason::no_receiver || other.why == Reason::watched;
     };
     return output.name == "exceptions"
            || (left_alone(output) && (!status.inputs.empty() || !std::ranges::all_of(status.outputs, left_alone)));
@@ -73,6 +81,7 @@ std::string_view sentence(Reason reason) noexcept
     case Reason::refused: return "the sender refused the connection";
     case Reason::no_input: return "nothing is connected to its inputs";
     case Reason::source_ended: return "the source has come to its end";
+    case Reason::watched: return "only watchers receive it, and on demand it waits for a receiver of bodies";
     }
     return {};
 }
@@ -81,8 +90,9 @@ std::string standstill(const hive::Status& status)
 {
     std::string text = of_drone(status);
     for (const auto& output : status.outputs)
-        if (output.why != Reason::none && quiet(status, output) && !may_be_left_alone(status, output))
-            append(text, output.name + ": " + std::string(sentence(output.why)) + named(output));
+        if (output.why != Reason::none && output.why != Reason::source_ended && quiet(status, output)
+            && !may_be_left_alone(status, output))
+            append(text, sentence_about(output));
     for (const auto& input : status.inputs)
         if (input.why != Reason::none && input.why != status.why)
             append(text, input.input + " from " + input.from + ": " + std::string(sentence(input.why)));

@@ -8,8 +8,20 @@
 
 namespace hivectl {
 
-/// What their drones say of themselves, and where to look further: "axis: no camera: set url; see what is connected:
-/// hivectl edges".
+/// What stands still behind some outputs.
+struct Standstill {
+    std::string text;   ///< what the drones say of themselves: "camera: image: waits for face.image to ask"
+    bool held = false;  ///< lossless results wait for a receiver of bodies
+};
+
+/// Asks the drones of the outputs, then those that they receive from, and so on up to the sources.
+Standstill standstill_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
+
+/// The same, and where to look further: "axis: no camera: set url; see what is connected: hivectl edges".
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
+
+/// Says on stderr what stands still, if anything does.
+void tell_standstill(const std::string& verb, hive::Application& application,
+                     const std::vector<hive::Endpoint>& outputs);
 
 }  // namespace hivectl

@@ -27,6 +27,7 @@
     VERB(put)                                                                                                          \
     VERB(top)                                                                                                          \
     VERB(record)                                                                                                       \
+    VERB(save)                                                                                                         \
     VERB(replay)                                                                                                       \
     VERB(exceptions)                                                                                                   \
     VERB(halt)                                                                                                         \

@@ -21,7 +21,7 @@ public:
 private:
     void draw(cv::Mat& picture, const Mark& mark) const;
     void draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colour) const;
-    void write(cv::Mat& picture, const Mark& mark, const cv::Scalar& colour) const;
+    static void write(cv::Mat& picture, const Mark& mark, const cv::Scalar& colour);
 };
 
 }  // namespace annotate

@@ -78,7 +78,8 @@ void AxisDrone::declare()
     drone_.parameter("url", place_.url, hive::anything(),
                      "http:// or https:// and the host of the camera; empty: no camera");
     drone_.parameter("credentials", place_.credentials, hive::anything(),
-                     "file with user:password, chmod 600; empty: HIVE_AXIS_USER and HIVE_AXIS_PASSWORD");
+                     "file with user:password and in the next line the url, chmod 600; empty: HIVE_AXIS_USER and "
+                     "HIVE_AXIS_PASSWORD");
     drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}),
                      "live: the camera's stream; demand: one picture each time all receivers have asked");
     drone_.parameter("resolution", resolution_, hive::anything(),
@@ -94,7 +95,7 @@ void AxisDrone::declare()
     drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything(),
                      "send the password unencrypted if the camera does not support digest authentication");
     drone_.parameter("certificate", place_.certificate, hive::anything(),
-                     "file of the certificate to trust for https; empty: those of the system");
+                     "file of the certificate to trust for https, and no other; empty: those of the system");
     drone_.parameter("allow_address", place_.allow_address, hive::anything(),
                      "loopback, link-local or multicast addresses that the drone may connect to, separated by commas");
 }
@@ -118,6 +119,22 @@ Access AxisDrone::access() const
 {
     return {parse_camera_url(place_.url), read_credentials(place_.credentials), place_.basic_over_http,
             place_.certificate, AddressRule(place_.allow_address)};
+}
+
+/// A login goes to the camera that it was given for, and to nobody who is named later, perhaps from another machine:
+/// that is the camera that its file names, or else the one that the drone was started with.
+void AxisDrone::require_own_login(const Access& access) const
+{
+    if (!access.credentials)
+        return;
+    const auto& named = access.credentials->camera;
+    const bool own = named.empty() ? place_.url == started_->url && place_.credentials == started_->credentials
+                                   : named == access.url.text();
+    if (!own)
+        throw hive::Error(
+            hive::Errc::refused,
+            "the login was given for " + (named.empty() ? "another camera" : named) + ", not for " + access.url.text(),
+            "write " + access.url.text() + " into the second line of its file, or start another drone for this camera");
 }
 
 void AxisDrone::apply()
@@ -145,11 +162,15 @@ void AxisDrone::change()
 void AxisDrone::open()
 {
     check_certificate(place_.certificate);
+    if (!started_)
+        started_ = place_;
     std::optional<Access> found;
     if (!place_.url.empty())
         found = access();
     else
         AddressRule(place_.allow_address);
+    if (found)
+        require_own_login(*found);
     link_.reset();
     told_ = wanted();
     if (found)

@@ -30,6 +30,7 @@ private:
     void open();
     void tell_camera(const Parameters& changed);
     [[nodiscard]] Access access() const;
+    void require_own_login(const Access& access) const;
     [[nodiscard]] Parameters wanted() const;
     void take_over(const Parameters& applied);
     std::chrono::microseconds step();
@@ -43,8 +44,9 @@ private:
     int compression_ = -1, fps_ = -1, brightness_ = -1, colour_ = -1;
 
     std::optional<Place> opened_;
-    Parameters told_;       ///< what the link has been told to make of the camera
-    bool refused_ = false;  ///< the last change; the next one puts everything back
+    std::optional<Place> started_;  ///< where whoever started the drone sent it, with which login
+    Parameters told_;               ///< what the link has been told to make of the camera
+    bool refused_ = false;          ///< the last change; the next one puts everything back
     std::unique_ptr<CameraLink> link_;
     std::string condition_;
 };

@@ -212,7 +212,8 @@ void CameraLink::Work::look_for_credentials()
     try {
         auto now = read_credentials(settings_.credentials_path);
         const auto written = written_at(settings_.credentials_path);
-        if (now == settings_.access.credentials && written == credentials_written_)
+        const bool foreign = now && !now->camera.empty() && now->camera != settings_.access.url.text();
+        if (foreign || (now == settings_.access.credentials && written == credentials_written_))
             return;
         settings_.access.credentials = std::move(now);
         credentials_written_ = written;

@@ -1,6 +1,8 @@
 // Opens the file before it checks it, so that the file that was checked is the one that is read.
 #include "credentials.hpp"
 
+#include "camera_url.hpp"
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -27,7 +29,7 @@ public:
     const int descriptor;
 };
 
-std::string first_line(const std::string& path)
+std::string text_of(const std::string& path)
 {
     const File file(path);
     struct stat facts {};
@@ -40,8 +42,16 @@ std::string first_line(const std::string& path)
                                  + ", as its owner");
     std::array<char, 1024> buffer{};
     const auto size = ::read(file.descriptor, buffer.data(), buffer.size());
-    const std::string text(buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
-    return text.substr(0, text.find_first_of("\r\n"));
+    return {buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
+}
+
+/// Takes the first line away from the text.
+std::string next_line(std::string& text)
+{
+    const std::string line = text.substr(0, text.find_first_of("\r\n"));
+    const auto next = text.find('\n');
+    text.erase(0, next == std::string::npos ? next : next + 1);
+    return line;
 }
 
 std::string variable(const char* name)
@@ -69,11 +79,13 @@ std::optional<Credentials> read_credentials(const std::string& path)
 {
     if (path.empty())
         return credentials_of_environment();
-    const std::string line = first_line(path);
+    std::string text = text_of(path);
+    const std::string line = next_line(text), camera = next_line(text);
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon == 0)
         throw std::runtime_error("credentials: the first line of " + path + " must be user:password");
-    return Credentials{line.substr(0, colon), line.substr(colon + 1)};
+    const bool says = camera.starts_with("http://") || camera.starts_with("https://");
+    return Credentials{line.substr(0, colon), line.substr(colon + 1), says ? parse_camera_url(camera).text() : ""};
 }
 
 std::filesystem::file_time_type written_at(const std::string& path)

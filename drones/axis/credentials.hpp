@@ -9,13 +9,15 @@ namespace axis {
 
 struct Credentials {
     std::string user, password;
+    std::string camera = {};  ///< the URL of the camera that they are for; empty: the file does not say
     bool operator==(const Credentials&) const = default;
 };
 
 inline constexpr const char* user_variable = "HIVE_AXIS_USER";
 inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
 
-/// @param path  a file whose first line is user:password; empty: the environment variables above
+/// @param path  a file whose first line is user:password, and whose second line may be the URL of the camera that they
+/// are for; empty: the environment variables above
 /// @return  nothing when neither is there
 /// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
 /// variable is missing

@@ -154,8 +154,10 @@ void Http::Transfer::prepare(const std::string& target)
     option(CURLOPT_HEADERDATA, this);
     option(CURLOPT_WRITEFUNCTION, &Transfer::on_body);
     option(CURLOPT_WRITEDATA, this);
-    if (!access_.certificate.empty())
+    if (!access_.certificate.empty()) {
         option(CURLOPT_CAINFO, access_.certificate.c_str());
+        option(CURLOPT_CAPATH, nullptr);  // or else those of the system would be trusted as well
+    }
     prepare_login();
 }
 

@@ -24,7 +24,7 @@ struct Access {
     CameraUrl url;
     std::optional<Credentials> credentials;
     bool basic_over_http = false;  ///< may the password travel readable? Otherwise only as a digest, or inside https
-    std::string certificate;       ///< file of the certificate to trust for https; empty: those of the system
+    std::string certificate;       ///< file of the one certificate to trust for https; empty: those of the system
     AddressRule addresses;
 };
 

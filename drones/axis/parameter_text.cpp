@@ -7,6 +7,8 @@
 namespace axis {
 namespace {
 
+constexpr std::size_t most_reason = 4000;
+
 /// Is it UTF-8? Good enough to tell it from Latin-1: every lead byte is followed by as many continuations as it says.
 bool is_utf8(std::string_view text)
 {
@@ -43,6 +45,16 @@ std::string to_utf8(std::string_view text)
     return result;
 }
 
+/// Names, values and reasons are short; whatever else a camera writes is cut off here.
+std::string_view cut(std::string_view text)
+{
+    constexpr std::size_t most = 2000;  // of Latin-1, which becomes twice as long
+    auto end = std::min(text.size(), most);
+    for (int i = 0; i < 3 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80; ++i)
+        --end;  // not through a character of UTF-8
+    return text.substr(0, end);
+}
+
 std::string_view without_ends(std::string_view line)
 {
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())))
@@ -76,13 +88,13 @@ ParameterList parse_parameters(std::string_view body)
     ParameterList list;
     each_line(body, [&](std::string_view line) {
         if (line.starts_with('#'))
-            return list.errors.push_back(to_utf8(without_ends(line.substr(1))));
+            return list.errors.push_back(to_utf8(cut(without_ends(line.substr(1)))));
         const std::size_t equals = line.find('=');
         std::string_view name = line.substr(0, equals);
         if (name.starts_with("root."))
             name.remove_prefix(5);
         if (equals != std::string_view::npos && is_name(name))
-            list.values[std::string(name)] = to_utf8(line.substr(equals + 1));
+            list.values[std::string(name)] = to_utf8(cut(line.substr(equals + 1)));
     });
     return list;
 }
@@ -92,7 +104,8 @@ std::optional<std::string> refusal_of(std::string_view body)
     const ParameterList list = parse_parameters(body);
     std::string text;
     for (const auto& error : list.errors)
-        text += (text.empty() ? "" : "; ") + error;
+        if (text.size() + error.size() < most_reason)
+            text += (text.empty() ? "" : "; ") + error;
     if (!text.empty())
         return text;
     const std::string_view all = without_ends(body);

@@ -1,6 +1,8 @@
 // Applies OpenCV's subtractors, then morphology, then looks for connected parts.
 #include "foreground_finder.hpp"
 
+#include "light.hpp"
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -25,6 +27,8 @@ cv::Ptr<cv::BackgroundSubtractor> make(const ModelSettings& settings)
 /// a tenth of the history from the beginning. The samples of knn have to be filled quickly first.
 double learning_rate(const ModelSettings& settings) { return settings.method == "mog2" ? 1.0 / settings.history : -1; }
 
+constexpr int settled = 50;  ///< pictures after which KNN learns slowly enough
+
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
 
 }  // namespace
@@ -35,6 +39,10 @@ Foreground ForegroundFinder::find(const cv::Mat& picture)
         begin(picture);
     Foreground result;
     subtractor_->apply(picture, result.mask, learning_rate(model));
+    if (learned_ >= young && relight(picture, result.mask)) {
+        subtractor_->apply(picture, result.mask, learning_rate(model));
+        result.light_changed = true;
+    }
     result.learned = ++learned_;
     if (learned_ <= young)
         result.mask.setTo(0);  // there is hardly anything yet that it could differ from
@@ -50,6 +58,26 @@ void ForegroundFinder::begin(const cv::Mat& picture)
     size_ = picture.size();
     type_ = picture.type();
     learned_ = 0;
+}
+
+/// If the light has changed, the model is begun anew with the background that it knew, in the new light: so what stands
+/// before it stays foreground. (Of a grey picture KNN cannot tell what it knows.)
+bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
+{
+    const bool told = model.method == "mog2" || picture.channels() == 3;
+    if (!told || 100.0 * cv::countNonZero(mask == foreground) <= light * static_cast<double>(mask.total()))
+        return false;
+    cv::Mat known, ignored;
+    subtractor_->getBackgroundImage(known);
+    const auto lit = in_the_light_of(picture, known);
+    if (!lit)
+        return false;
+    subtractor_ = make(model);
+    // Of one picture a mixture takes the noise for large, which suits. A young KNN takes in whatever stays for a
+    // moment.
+    for (int i = 0; i < (model.method == "mog2" ? 1 : settled); ++i)
+        subtractor_->apply(*lit, ignored, learning_rate(model));
+    return true;
 }
 
 /// Works on the foreground alone; what stays of the shadows is what the foreground does not cover.

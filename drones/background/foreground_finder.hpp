@@ -31,9 +31,10 @@ struct Blob {
 
 /// One picture's foreground.
 struct Foreground {
-    cv::Mat mask;              ///< grey: 255 foreground, 0 background, 127 shadow
-    std::vector<Blob> blobs;   ///< at most most_blobs, the largest; from top to bottom, then from left to right
-    std::int64_t learned = 0;  ///< pictures that the model has seen, this one included
+    cv::Mat mask;                ///< grey: 255 foreground, 0 background, 127 shadow
+    std::vector<Blob> blobs;     ///< at most most_blobs, the largest; from top to bottom, then from left to right
+    std::int64_t learned = 0;    ///< pictures that the model has seen, this one included
+    bool light_changed = false;  ///< at this picture: the model was begun anew, from what it knew in the new light
 };
 
 class ForegroundFinder {
@@ -46,13 +47,16 @@ public:
     int open = 1;        ///< specks thinner than about twice this are erased, px; 0: none
     int close = 5;       ///< gaps narrower than about twice this are filled, px; 0: none
     int min_area = 300;  ///< of a blob, px
+    double light = 50;   ///< so much foreground, % of the picture, may be a change of the light; 100: nothing is
 
-    /// The next picture. The first one, and one of another size or number of channels, begins a new model.
+    /// The next picture. The first one, and one of another size or number of channels, begins a new model; so does one
+    /// that is mostly the known background in another light.
     /// @param picture  8 bit, BGR or grey; not changed
     [[nodiscard]] Foreground find(const cv::Mat& picture);
 
 private:
     void begin(const cv::Mat& picture);
+    [[nodiscard]] bool relight(const cv::Mat& picture, const cv::Mat& mask);
     void tidy(cv::Mat& mask) const;
     [[nodiscard]] std::vector<Blob> blobs_of(const cv::Mat& mask) const;
 

@@ -1,9 +1,12 @@
 // The background drone receives pictures, and publishes the mask of the foreground and its boxes.
 #include "foreground_finder.hpp"
 
+#include <colours.hpp>
 #include <hive/drone.hpp>
+#include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <media_fields.hpp>
 
 #include <opencv2/core/utility.hpp>
 
@@ -12,11 +15,16 @@ namespace {
 using background::Foreground;
 using background::ForegroundFinder;
 
-hive::Json boxes_header(const Foreground& found)
+hive::Json boxes_header(const Foreground& found, const cv::Mat& picture)
 {
     hive::Json boxes = hive::Json::array();
     for (const auto& [box, area] : found.blobs)
-        boxes.push_back({{"x", box.x}, {"y", box.y}, {"w", box.width}, {"h", box.height}, {"area", area}});
+        boxes.push_back({{"x", box.x},
+                         {"y", box.y},
+                         {"w", box.width},
+                         {"h", box.height},
+                         {"area", area},
+                         {"colours", colours::of(picture, box, found.mask)}});
     return {{"boxes", std::move(boxes)},
             {"width", found.mask.cols},
             {"height", found.mask.rows},
@@ -51,21 +59,39 @@ void background_drone(hive::Drone& drone)
     drone.parameter("close", finder.close, hive::between(0, 100).in("px"), "radius: narrower gaps are filled; 0: none");
     drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"),
                     "smallest area of foreground that makes a box");
+    drone.parameter("light", finder.light, hive::between(1, 100).in("%"),
+                    "so much foreground may be a change of the light, to which the model is moved; 100: nothing is");
     const hive::Output boxes =
         drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
     const hive::Output mask =
         drone.output("mask", hive::vision::image_types, "255 where there is foreground", hive::vision::encoder());
+    const hive::Output foreground =
+        drone.output("foreground", hive::vision::image_types, "the picture, black where there is background",
+                     hive::vision::encoder());
+    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return foreground.loan(bytes); });
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core
     drone.on_event(
         "image", hive::vision::image_types,
         [&](const hive::Event& event) {
-            const Foreground found = finder.find(hive::vision::view(event));
+            const cv::Mat picture = hive::vision::view(event);
+            const Foreground found = finder.find(picture);
             if (found.learned == 1)
                 drone.log("learns a background of " + std::to_string(found.mask.cols) + "x"
                           + std::to_string(found.mask.rows) + " px");
-            boxes.emit(boxes_header(found));
+            if (found.light_changed)
+                drone.log("the light changed at picture " + std::to_string(event.identity.sequence)
+                          + ": goes on with the known background in the new light");
+            hive::Json of_boxes = boxes_header(found, picture), of_mask = mask_header(found);
+            media_fields::pass_on(event.header, of_boxes);
+            media_fields::pass_on(event.header, of_mask);
+            boxes.emit(std::move(of_boxes));
             mask.emit(
-                mask_header(found), [&] { return mask_body(mask, found.mask); }, "image/raw");
+                std::move(of_mask), [&] { return mask_body(mask, found.mask); }, "image/raw");
+            hive::Json of_picture{{"width", picture.cols}, {"height", picture.rows}, {"learned", found.learned}};
+            media_fields::pass_on(event.header, of_picture);
+            hive::vision::emit_annotated(foreground, loans, std::move(of_picture), picture, [&](cv::Mat& canvas) {
+                canvas.setTo(0, found.mask != ForegroundFinder::foreground);
+            });
         },
         "pictures of a camera that stands still");
     drone.run();

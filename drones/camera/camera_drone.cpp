@@ -14,6 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr double usual_fps = 30;  ///< of the scene and of pictures
+
 /// The size a picture of size `own` is sent with; a side of 0 follows the other, or stays as it is.
 cv::Size size_to_send(cv::Size own, int width, int height)
 {
@@ -114,6 +116,9 @@ void CameraDrone::apply()
     if (opened_ == now)
         return;
     open(now);
+    // The same scene with other things in it is no other source.
+    if (opened_ && !(is_scene(source_) && opened_->source.text == source_))
+        image_.begin_source();
     opened_ = now;
     say("");
 }
@@ -129,6 +134,9 @@ void CameraDrone::open(const Wanted& wanted)
     auto source = is_live(kind) ? nullptr : open_source(wanted.source, memory_.get());
     on_demand_.reset();
     capture_.reset();
+    ended_ = false;
+    reported_.clear();
+    drone_.source_events(source ? source->count() : 0);
     if (wanted.pace == "demand")
         on_demand_ = std::move(source);
     else
@@ -142,46 +150,79 @@ std::chrono::microseconds CameraDrone::step() { return capture_ ? step_live() : 
 /// Looks twice a second even without a picture, to notice a stall.
 std::chrono::microseconds CameraDrone::step_live()
 {
+    const bool ended = capture_->ended();  // if so, what can be taken now is the last
     const auto frame = capture_->take();
-    say(capture_->condition());
+    if (!ended)
+        say(capture_->condition());
+    report(capture_->problems());
     if (frame)
         send(*frame, false);
+    if (ended)
+        end(capture_->cut_short());
     return 500ms;
 }
 
+/// A file that cannot be read has its place in the sequence, so that nobody waits for it.
 std::chrono::microseconds CameraDrone::step_on_demand()
 {
     if (!on_demand_ || !image_.asked())
         return 1s;
-    if (const auto frame = next_on_demand()) {
-        send(*frame, true);
-        return 0s;
+    const auto captured = std::chrono::system_clock::now();
+    std::optional<Frame> frame;
+    try {
+        frame = on_demand_->next();
+    } catch (const std::exception& problem) {
+        return lack(captured, true, hive::Errc::failed, problem.what());
     }
-    on_demand_.reset();
-    say("end of source");
+    report(on_demand_->news());
+    if (frame)
+        return send(*frame, true);
+    end(std::exchange(on_demand_, nullptr)->cut_short());
     return 1s;
 }
 
-/// A file that cannot be read has its place in the sequence, so that nobody waits for it.
-std::optional<Frame> CameraDrone::next_on_demand()
+void CameraDrone::end(const std::string& cut_short)
 {
-    const auto captured = std::chrono::system_clock::now();
-    try {
-        return on_demand_->next();
-    } catch (const std::exception& problem) {
-        image_.fail(captured, true, hive::Errc::failed, problem.what());
-    }
+    if (std::exchange(ended_, true))
+        return;
+    if (!cut_short.empty())
+        report({cut_short});
+    say("end of source" + (cut_short.empty() ? "" : "; " + cut_short), hive::Reason::source_ended);
+    image_.end(cut_short);
 }
 
 /// So has a file that cannot be decoded.
-void CameraDrone::send(const Frame& frame, bool lossless)
+std::chrono::microseconds CameraDrone::send(const Frame& frame, bool lossless)
 {
     try {
         emit(frame, lossless);
+        return 0s;
     } catch (const hive::Error& problem) {
-        image_.fail(frame.captured, lossless, problem.code(),
+        return lack(frame.captured, lossless, problem.code(),
                     (frame.file.empty() ? "" : frame.file + ": ") + problem.what());
     }
+}
+
+/// There is no picture, and everybody is told why; when a file is played again and again, the first time only.
+std::chrono::microseconds CameraDrone::lack(std::chrono::system_clock::time_point captured, bool lossless,
+                                            hive::Errc code, const std::string& text)
+{
+    if (is_news(text))
+        image_.fail(captured, lossless, code, text);
+    return 10ms;  // where nothing but such pictures comes, that is no reason to spin
+}
+
+bool CameraDrone::is_news(const std::string& text)
+{
+    constexpr std::size_t most = 10'000;
+    return reported_.size() < most && reported_.insert(text).second;
+}
+
+void CameraDrone::report(const std::vector<std::string>& sentences)
+{
+    for (const auto& sentence : sentences)
+        if (is_news(sentence))
+            drone_.report(hive::Errc::failed, sentence);
 }
 
 /// A JPEG that keeps its size travels as it is; everything else as pixels, which connections may have encoded.
@@ -192,16 +233,34 @@ void CameraDrone::emit(const Frame& frame, bool lossless)
     const bool untouched = frame.jpeg && size == own;
     const auto form = untouched
                           ? hive::vision::PlainForm{"image/jpeg", {{"width", size.width}, {"height", size.height}}}
-                          : hive::vision::plain_form(size, frame.jpeg ? 3 : frame.image.channels());
+                          : hive::vision::plain_form(size, frame.jpeg ? 3 : frame.image.channels(),
+                                                     frame.image.depth() == CV_16U ? 16 : 8);
     hive::Json header = form.header;
-    header.update({{"index", frame.index}, {"source", shown_source(source_)}});
+    header.update(about(frame));
+    if (frame.begins_again)
+        image_.begin_source();
+    image_.emit_captured(
+        frame.captured, lossless, std::move(header),
+        [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
+}
+
+/// What the picture is, beside its form.
+hive::Json CameraDrone::about(const Frame& frame) const
+{
+    hive::Json header{{"index", frame.index}, {"source", shown_source(source_)}};
     if (frame.knows_truth)
         header["truth"] = truth_of(frame);
     if (hand_ && frame.knows_truth)
         header["hands"] = hands_of(frame);
-    image_.emit_captured(
-        frame.captured, lossless, std::move(header),
-        [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
+    if (!frame.file.empty())
+        header["file"] = frame.file;
+    if (frame.fps > 0)
+        header["fps"] = frame.fps;
+    if (frame.media_time)
+        header["media_time_us"] = frame.media_time->count();
+    else if (frame.knows_truth || (fps_ > 0 && !loop_ && !frame.file.empty()))  // drawn or shown picture by picture
+        header["media_time_us"] = std::llround(static_cast<double>(frame.index) / (fps_ > 0 ? fps_ : usual_fps) * 1e6);
+    return header;
 }
 
 hive::Body CameraDrone::pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size)
@@ -214,12 +273,12 @@ hive::Body CameraDrone::pixels(const Frame& frame, const hive::vision::PlainForm
     return form.body(resized);
 }
 
-void CameraDrone::say(const std::string& condition)
+void CameraDrone::say(const std::string& condition, hive::Reason why)
 {
     if (condition == condition_)
         return;
     condition_ = condition;
-    drone_.condition(condition);
+    drone_.condition(condition, why);
 }
 
 }  // namespace camera

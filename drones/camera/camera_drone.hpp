@@ -9,7 +9,9 @@
 #include <hive/vision/loans.hpp>
 
 #include <memory>
+#include <set>
 #include <string>
+#include <vector>
 
 namespace camera {
 
@@ -39,11 +41,16 @@ private:
     std::chrono::microseconds step();
     std::chrono::microseconds step_live();
     std::chrono::microseconds step_on_demand();
-    std::optional<Frame> next_on_demand();
-    void send(const Frame& frame, bool lossless);
+    std::chrono::microseconds send(const Frame& frame, bool lossless);
+    std::chrono::microseconds lack(std::chrono::system_clock::time_point captured, bool lossless, hive::Errc code,
+                                   const std::string& text);
     void emit(const Frame& frame, bool lossless);
+    [[nodiscard]] hive::Json about(const Frame& frame) const;
     [[nodiscard]] hive::Body pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size);
-    void say(const std::string& condition);
+    bool is_news(const std::string& text);
+    void report(const std::vector<std::string>& sentences);
+    void end(const std::string& cut_short);
+    void say(const std::string& condition, hive::Reason why = hive::Reason::none);
 
     hive::Drone& drone_;
     hive::Output image_;
@@ -56,6 +63,8 @@ private:
     std::optional<Wanted> opened_;
     std::unique_ptr<Capture> capture_;   ///< pace=live
     std::unique_ptr<Source> on_demand_;  ///< pace=demand; gone at its end
+    bool ended_ = false;
+    std::set<std::string> reported_;  ///< about this source
     std::string condition_;
 };
 

@@ -16,6 +16,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds stalled_after{2};
 constexpr std::chrono::milliseconds shortest_pause{500}, longest_pause{10'000};
 constexpr double usual_fps = 30;
+constexpr std::size_t most_problems = 100;  ///< that wait to be taken
 
 }  // namespace
 
@@ -24,6 +25,24 @@ public:
     Work(Opener open, double fps, AtEnd at_end, std::function<void()> notice)
         : PictureWork(std::move(notice)), open_(std::move(open)), fps_(fps), at_end_(at_end)
     {
+    }
+
+    std::vector<std::string> problems()
+    {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(problems_, {});
+    }
+
+    [[nodiscard]] std::string cut_short() const
+    {
+        const std::lock_guard lock(mutex_);
+        return cut_short_;
+    }
+
+    [[nodiscard]] bool ended() const
+    {
+        const std::lock_guard lock(mutex_);
+        return file_ended_;
     }
 
     [[nodiscard]] std::string condition(Clock::time_point now) const
@@ -45,9 +64,41 @@ private:
         notify();
     }
 
+    void end(std::string cut_short)
+    {
+        const std::lock_guard lock(mutex_);
+        cut_short_ = std::move(cut_short);
+        file_ended_ = true;
+        trouble_ = "end of source";
+        notify();
+    }
+
+    void report(const std::string& problem)
+    {
+        const std::lock_guard lock(mutex_);
+        if (problems_.size() < most_problems)
+            problems_.push_back(problem);
+        notify();
+    }
+
+    /// A picture that cannot be read is passed over. As long as others come, that is no state of the source.
+    void pass_over(const std::string& problem)
+    {
+        const bool alone = !std::exchange(gives_pictures_, false);
+        const std::lock_guard lock(mutex_);
+        if (problems_.size() < most_problems)
+            problems_.push_back(problem);
+        if (alone) {
+            trouble_ = problem;
+            last_news_ = Clock::now();
+        }
+        notify();
+    }
+
     void post(Frame frame)
     {
         backoff_.reset();
+        gives_pictures_ = true;
         const std::lock_guard lock(mutex_);
         newest_ = std::move(frame);
         trouble_.clear();
@@ -62,11 +113,13 @@ private:
         for (; wait_until(schedule.due()); schedule.take(Clock::now()))
             try {
                 auto frame = source.next();
+                for (const auto& sentence : source.news())
+                    report(sentence);
                 if (!frame)
                     return Outcome::ended;
                 post(std::move(*frame));
             } catch (const std::exception& problem) {
-                say(problem.what());
+                pass_over(problem.what());
             }
         return Outcome::stopped;
     }
@@ -96,7 +149,10 @@ private:
             const bool camera = at_end_ == AtEnd::open_again;
             if ((camera ? read_camera(*source) : read_file(*source)) == Outcome::stopped)
                 return false;
-            say(camera ? "connection to the source lost" : "end of source");
+            if (camera)
+                say("connection to the source lost");
+            else
+                end(source->cut_short());
             return camera;
         } catch (const std::exception& problem) {
             say(problem.what());
@@ -115,9 +171,13 @@ private:
     double fps_;
     AtEnd at_end_;
     hive::Backoff backoff_{shortest_pause, longest_pause};  ///< begins anew with each picture
+    bool gives_pictures_ = false;                           ///< the last attempt at one did
 
     // under the mutex
     std::string trouble_;  ///< empty while the source is open
+    bool file_ended_ = false;
+    std::string cut_short_;
+    std::vector<std::string> problems_;
     Clock::time_point last_news_ = Clock::now();
 };
 
@@ -127,6 +187,12 @@ Capture::Capture(Opener open, double fps, AtEnd at_end, std::function<void()> no
 }
 
 std::optional<Frame> Capture::take() { return work_->take(); }
+
+std::vector<std::string> Capture::problems() { return work_->problems(); }
+
+std::string Capture::cut_short() const { return work_->cut_short(); }
+
+bool Capture::ended() const { return work_->ended(); }
 
 std::string Capture::condition(Clock::time_point now) const { return work_->condition(now); }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace camera {
 
@@ -25,6 +26,12 @@ public:
 
     /// The newest picture that was not yet taken.
     std::optional<Frame> take();
+    /// What is to be reported and was not taken yet: pictures that cannot be read, what was left out.
+    std::vector<std::string> problems();
+    /// Why the end came too early; empty if it did not.
+    [[nodiscard]] std::string cut_short() const;
+    /// Has a file come to its end? What take() gives after that is its last picture.
+    [[nodiscard]] bool ended() const;
     /// Empty when pictures come; otherwise what is wrong: "stalled", "end of source", or why it does not open.
     [[nodiscard]] std::string
     condition(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;

@@ -25,6 +25,17 @@ std::vector<unsigned char> read_file(const fs::path& path)
     return bytes;
 }
 
+/// As cv::imread gives it, but for grey pictures of 16 bits, which keep them.
+void decode(const std::vector<unsigned char>& bytes, cv::Mat& picture)
+{
+    if (bytes.empty())
+        return;
+    if (const cv::Mat whole = cv::imdecode(bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR); whole.type() == CV_16UC1)
+        whole.copyTo(picture);
+    else
+        cv::imdecode(bytes, cv::IMREAD_COLOR, &picture);
+}
+
 /// JPEG files are given as they are, for whoever passes them on; everything else is decoded here.
 Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
 {
@@ -37,8 +48,7 @@ Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
         frame.jpeg = std::make_shared<const std::vector<unsigned char>>(std::move(bytes));
         return frame;
     }
-    if (!bytes.empty())
-        cv::imdecode(bytes, cv::IMREAD_COLOR, &frame.image);
+    decode(bytes, frame.image);
     if (frame.image.empty())
         throw std::runtime_error(path.string() + " is not a picture, or damaged");
     return frame;
@@ -70,9 +80,11 @@ private:
 /// Picture files one after the other; one file is a folder of one.
 class FileSource : public Source {
 public:
-    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory)
+    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory, const std::string& left_out = "")
         : files_(std::move(files)), loop_(loop), memory_(memory)
     {
+        if (!left_out.empty())
+            tell(left_out);
     }
 
     std::optional<Frame> next() override
@@ -87,6 +99,8 @@ public:
         return frame;
     }
 
+    [[nodiscard]] std::int64_t count() const override { return loop_ ? 0 : std::ssize(files_); }
+
 private:
     std::vector<fs::path> files_;
     bool loop_;
@@ -94,16 +108,35 @@ private:
     std::size_t index_ = 0;
 };
 
-std::vector<fs::path> pictures_in(const fs::path& folder)
+/// "pictures: 3 files are no pictures that can be read, and left out: a.heic, notes.txt and 1 more"
+std::string sentence_about(const fs::path& folder, const std::vector<fs::path>& left_out)
 {
-    std::vector<fs::path> files;
+    constexpr std::size_t most_named = 5;
+    if (left_out.empty())
+        return "";
+    std::string text = folder.string() + ": left out, because OpenCV reads no picture from it: ";
+    for (std::size_t i = 0; i < std::min(left_out.size(), most_named); ++i)
+        text += (i > 0 ? ", " : "") + left_out[i].filename().string();
+    if (left_out.size() > most_named)
+        text += " and " + std::to_string(left_out.size() - most_named) + " more";
+    return text;
+}
+
+bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+std::unique_ptr<Source> open_folder(const fs::path& folder, bool loop, cv::MatAllocator* memory)
+{
+    std::vector<fs::path> files, left_out;
     for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.is_regular_file() && source_kind(entry.path().string()) == SourceKind::image)
-            files.push_back(entry.path());
-    if (files.empty())
-        throw std::runtime_error("no pictures in " + fs::absolute(folder).string());
+        if (entry.is_regular_file() && !hidden(entry.path()))
+            (is_picture(entry.path()) ? files : left_out).push_back(entry.path());
     std::ranges::sort(files);
-    return files;
+    std::ranges::sort(left_out);
+    const auto sentence = sentence_about(folder, left_out);
+    if (files.empty())
+        throw std::runtime_error("no pictures in " + fs::absolute(folder).string()
+                                 + (sentence.empty() ? "" : "; " + sentence));
+    return std::make_unique<FileSource>(std::move(files), loop, memory, sentence);
 }
 
 std::unique_ptr<Source> open_scene(const SourceSettings& settings, cv::MatAllocator* memory)
@@ -138,7 +171,7 @@ std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAlloc
     case SourceKind::scene: return open_scene(settings, memory);
     case SourceKind::image:
         return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop, memory);
-    case SourceKind::folder: return std::make_unique<FileSource>(pictures_in(settings.text), settings.loop, memory);
+    case SourceKind::folder: return open_folder(settings.text, settings.loop, memory);
     case SourceKind::video: return open_video(settings.text, settings.loop, memory);
     case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps, memory);
     case SourceKind::url: return open_url(settings.text, memory);

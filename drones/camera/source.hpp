@@ -7,22 +7,27 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace camera {
 
 /// One picture as a source gives it: pixels, or the untouched bytes of a JPEG file.
 struct Frame {
-    cv::Mat image;                                           ///< BGR or grey; empty if there is `jpeg`
+    cv::Mat image;                                           ///< BGR or grey, grey also of 16 bits; empty with `jpeg`
     std::shared_ptr<const std::vector<unsigned char>> jpeg;  ///< a whole JPEG file, not checked
     std::vector<Truth> truth;                                ///< of the scene: what was drawn, and where
     std::vector<DrawnHand> hands;                            ///< of the scene
     bool knows_truth = false;
     std::int64_t index = 0;  ///< in the source, from 0; begins again when the source is looped
     std::string file;        ///< where it was read; empty: elsewhere
+    std::optional<std::chrono::microseconds> media_time;  ///< its own time in a video
+    double fps = 0;                                       ///< of that video; 0: unknown
+    bool begins_again = false;                            ///< the first of a video that is played once more
     std::chrono::system_clock::time_point captured{};
 };
 
@@ -47,11 +52,26 @@ public:
     virtual std::optional<Frame> next() = 0;
     /// Pictures per second that the source was made with; 0 if it has no rate of its own.
     [[nodiscard]] virtual double fps() const { return 0; }
+    /// How many pictures it has in all; 0: unknown, or no end.
+    [[nodiscard]] virtual std::int64_t count() const { return 0; }
+    /// What is to be said about it beside its pictures, each sentence once: what was left out, what is missing.
+    std::vector<std::string> news() { return std::exchange(news_, {}); }
+    /// At the end: why it came too early; empty if it did not.
+    [[nodiscard]] virtual std::string cut_short() const { return ""; }
+
+protected:
+    void tell(std::string sentence) { news_.push_back(std::move(sentence)); }
+
+private:
+    std::vector<std::string> news_;
 };
 
 /// What kind of source a text names, without opening it (files are looked at, devices and networks are not asked).
 /// @throws std::runtime_error  if there can be none: no such file, an unknown word, a URL with a password in it
 SourceKind source_kind(const std::string& text);
+
+/// Is this file a picture that OpenCV reads, by its name, or else by its first bytes?
+bool is_picture(const std::filesystem::path& file);
 
 /// Is it drawn? Says so of any text, also of a scene that there is not.
 bool is_scene(const std::string& text);

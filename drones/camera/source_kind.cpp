@@ -1,6 +1,8 @@
 // Tells the kind of a source from its text, and refuses what can never be opened.
 #include "source.hpp"
 
+#include <opencv2/imgcodecs.hpp>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -14,7 +16,9 @@ namespace fs = std::filesystem;
 
 bool ends_as_image(const fs::path& path)
 {
-    constexpr std::array suffixes{".jpg", ".jpeg", ".png", ".bmp", ".pgm", ".ppm"};
+    constexpr std::array suffixes{".jpg",  ".jpeg", ".jpe", ".png", ".bmp", ".dib", ".tif", ".tiff",
+                                  ".webp", ".pgm",  ".ppm", ".pbm", ".pnm", ".pxm", ".pam", ".pfm",
+                                  ".jp2",  ".hdr",  ".pic", ".ras", ".sr",  ".exr"};
     std::string suffix = path.extension().string();
     std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return std::ranges::find(suffixes, suffix) != suffixes.end();
@@ -61,10 +65,12 @@ SourceKind file_kind(const std::string& text)
         return SourceKind::folder;
     if (!fs::is_regular_file(status))
         throw std::runtime_error(text + " is neither a file nor a folder");
-    return ends_as_image(path) ? SourceKind::image : SourceKind::video;
+    return is_picture(path) ? SourceKind::image : SourceKind::video;
 }
 
 }  // namespace
+
+bool is_picture(const fs::path& file) { return ends_as_image(file) || cv::haveImageReader(file.string()); }
 
 bool is_scene(const std::string& text) { return text == "scene" || text.starts_with("scene:"); }
 

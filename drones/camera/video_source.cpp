@@ -3,8 +3,11 @@
 
 #include <opencv2/videoio.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 #include <unistd.h>
 
 namespace camera {
@@ -17,8 +20,9 @@ class VideoSource : public Source {
 public:
     enum class AtEnd { stop, begin_again };
 
-    VideoSource(cv::VideoCapture capture, AtEnd at_end, cv::MatAllocator* memory)
-        : capture_(std::move(capture)), at_end_(at_end), memory_(memory)
+    /// @param file  empty: no file
+    VideoSource(cv::VideoCapture capture, AtEnd at_end, cv::MatAllocator* memory, std::string file = "")
+        : capture_(std::move(capture)), at_end_(at_end), memory_(memory), file_(std::move(file))
     {
     }
 
@@ -26,9 +30,13 @@ public:
     {
         Frame frame;
         frame.image.allocator = memory_;
-        if (!capture_.read(frame.image) && !(begin_again() && capture_.read(frame.image)))
-            return std::nullopt;
+        if (!capture_.read(frame.image)) {
+            if (!begin_again() || !capture_.read(frame.image))
+                return std::nullopt;
+            frame.begins_again = true;
+        }
         frame.captured = std::chrono::system_clock::now();
+        note_file(frame);
         if (!frame.image.u || frame.image.u->refcount > 1)
             frame.image = copied(frame.image);  // the capture has given its own buffer, which it will use again
         frame.index = index_++;
@@ -37,7 +45,27 @@ public:
 
     [[nodiscard]] double fps() const override { return capture_.get(cv::CAP_PROP_FPS); }
 
+    [[nodiscard]] std::int64_t count() const override
+    {
+        return file_.empty() || at_end_ == AtEnd::begin_again ? 0 : frames();
+    }
+
+    /// Where the container says only how long it lasts, the number of pictures is an estimate, and not held against it.
+    [[nodiscard]] std::string cut_short() const override
+    {
+        const auto promised = frames();
+        if (file_.empty() || index_ + std::max<std::int64_t>(1, promised / 50) >= promised)
+            return "";
+        return file_ + ": " + std::to_string(index_) + " of " + std::to_string(promised)
+               + " frames: the file is damaged or was cut short";
+    }
+
 private:
+    /// As the file says, or as OpenCV concludes from how long it lasts.
+    [[nodiscard]] std::int64_t frames() const
+    {
+        return std::max<std::int64_t>(0, static_cast<std::int64_t>(capture_.get(cv::CAP_PROP_FRAME_COUNT)));
+    }
     [[nodiscard]] cv::Mat copied(const cv::Mat& picture) const
     {
         cv::Mat copy;
@@ -49,14 +77,31 @@ private:
     {
         if (at_end_ == AtEnd::stop || index_ == 0)
             return false;
+        if (const auto problem = cut_short(); !problem.empty() && !std::exchange(told_, true))
+            tell(problem);
         index_ = 0;
         return capture_.set(cv::CAP_PROP_POS_FRAMES, 0);
+    }
+    /// The time of a picture is that of its presentation. Where the file does not tell it, pictures are counted.
+    void note_file(Frame& frame)
+    {
+        if (file_.empty())
+            return;
+        frame.file = file_;
+        frame.fps = fps();
+        const auto told = static_cast<std::int64_t>(std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1000));
+        const auto counted = frame.fps > 0 ? std::llround(static_cast<double>(index_) / frame.fps * 1e6) : 0;
+        const bool goes_on = index_ == 0 ? told >= 0 : told > last_us_;
+        last_us_ = goes_on ? told : std::max<std::int64_t>(counted, index_ == 0 ? 0 : last_us_);
+        frame.media_time = std::chrono::microseconds(last_us_);
     }
 
     cv::VideoCapture capture_;
     AtEnd at_end_;
     cv::MatAllocator* memory_;
-    std::int64_t index_ = 0;
+    std::string file_;
+    std::int64_t index_ = 0, last_us_ = 0;
+    bool told_ = false;
 };
 
 }  // namespace
@@ -66,8 +111,8 @@ std::unique_ptr<Source> open_video(const std::string& path, bool loop, cv::MatAl
     cv::VideoCapture capture;
     if (!capture.open(std::filesystem::absolute(path).string(), cv::CAP_FFMPEG))
         throw std::runtime_error(path + " is not a video that can be read (damaged, or OpenCV without FFmpeg)");
-    return std::make_unique<VideoSource>(std::move(capture),
-                                         loop ? VideoSource::AtEnd::begin_again : VideoSource::AtEnd::stop, memory);
+    return std::make_unique<VideoSource>(
+        std::move(capture), loop ? VideoSource::AtEnd::begin_again : VideoSource::AtEnd::stop, memory, path);
 }
 
 std::unique_ptr<Source> open_device(const std::string& path, cv::Size size, double fps, cv::MatAllocator* memory)

@@ -2,10 +2,12 @@
 #include "network.hpp"
 #include "people_finder.hpp"
 
+#include <colours.hpp>
 #include <hive/drone.hpp>
 #include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <media_fields.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -27,7 +29,8 @@ hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& picture)
                         {"w", object.box.width},
                         {"h", object.box.height},
                         {"class", object.name},
-                        {"score", std::round(object.score * 1000) / 1000}});
+                        {"score", std::round(object.score * 1000) / 1000},
+                        {"colours", colours::of(picture, object.box)}});
     return {{"objects", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
@@ -47,6 +50,7 @@ public:
             throw hive::Error(hive::Errc::refused, "stride is a multiple of 4");
         detect::NetworkSettings wanted = settings_;
         wanted.mean = detect::mean_from(mean_);
+        wanted.layout = layout_ == "auto" ? "" : layout_;
         if (wanted.classes != loaded_.classes)
             static_cast<void>(detect::class_names(wanted.classes));  // also without a model
         if (wanted.model.empty())
@@ -86,12 +90,16 @@ private:
     void declare_network(hive::Drone& drone)
     {
         drone.parameter("model", settings_.model, hive::anything(), "ONNX file of a detector; empty: look for people");
-        drone.parameter("classes", settings_.classes, hive::anything(),
-                        "file of the model's class names, one a line; empty: numbers");
-        drone.parameter("input_width", settings_.input.width, hive::between(8, 4096).in("px"),
-                        "width of the model's input");
-        drone.parameter("input_height", settings_.input.height, hive::between(8, 4096).in("px"),
-                        "height of the model's input");
+        drone.parameter(
+            "classes", settings_.classes, hive::anything(),
+            "file of the model's class names, one a line; empty: those in the model's file, or else numbers");
+        drone.parameter("layout", layout_,
+                        hive::one_of({"auto", "yolov5", "yolov8", "yolov10", "yolov7", "ssd", "ssd-apart"}),
+                        "how the model writes its objects; auto: as the shapes of its outputs tell");
+        drone.parameter("input_width", settings_.input.width, hive::between(0, 4096).in("px"),
+                        "width of the model's input; 0: what its file says, or else 640");
+        drone.parameter("input_height", settings_.input.height, hive::between(0, 4096).in("px"),
+                        "height of the model's input; 0: what its file says, or else 640");
         drone.parameter("fit", settings_.fit, hive::one_of({"letterbox", "stretch"}),
                         "how a picture is fitted into the model's input");
         drone.parameter("input_scale", settings_.scale, hive::between(0, 255),
@@ -105,7 +113,7 @@ private:
 
     detect::PeopleFinder people_;
     detect::NetworkSettings settings_, loaded_;
-    std::string mean_ = "0";
+    std::string mean_ = "0", layout_ = "auto";
     double min_score_ = 0.5, overlap_ = 0.45;
     std::optional<detect::Network> network_;
 };
@@ -130,6 +138,7 @@ void detect_drone(hive::Drone& drone)
             const cv::Mat picture = hive::vision::view(event);
             const auto found = detector.find(picture);
             hive::Json header = to_header(found, picture);
+            media_fields::pass_on(event.header, header);
             objects.emit(header);
             hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
                                          [&](cv::Mat& canvas) { detect::draw(canvas, found); });

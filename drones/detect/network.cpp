@@ -1,6 +1,8 @@
 // Loads the model and explains failures, converts pictures to inputs and outputs to objects.
 #include "network.hpp"
 
+#include "onnx_file.hpp"
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -14,6 +16,7 @@ namespace detect {
 namespace {
 
 constexpr std::size_t longest_name = 64;
+constexpr int usual_side = 640;               ///< px; of YOLO
 const cv::Scalar margin_grey(114, 114, 114);  // what YOLO models were trained with
 
 void require_file(const std::string& path, const std::string& what)
@@ -78,32 +81,45 @@ cv::Scalar mean_from(const std::string& text)
 Network::Network(const NetworkSettings& settings)
     : settings_(settings), names_(class_names(settings.classes)), net_(read_net(settings.model))
 {
+    read_card();
     choose_output();
+}
+
+/// What the file tells counts where nothing else was told.
+void Network::read_card()
+{
+    const ModelCard card = model_card(settings_.model);
+    const auto side = [](int told, int in_file) { return told > 0 ? told : in_file > 0 ? in_file : usual_side; };
+    settings_.input = {side(settings_.input.width, card.input.width), side(settings_.input.height, card.input.height)};
+    const auto short_enough = [](const std::string& name) { return name.size() <= longest_name; };
+    if (names_.empty() && std::ranges::all_of(card.names, short_enough))
+        names_ = card.names;
 }
 
 void Network::choose_output()
 {
-    std::string shapes;
+    std::vector<std::vector<int>> shapes;
     try {
-        const auto outputs = run(cv::Mat(settings_.input, CV_8UC3, margin_grey));
-        for (std::size_t i = 0; i < outputs.size(); ++i) {
-            const auto shape = shape_of(outputs[i]);
-            if (const auto layout = layout_of(shape, names_.size()); layout && outputs[i].type() == CV_32F) {
-                output_ = i;
-                layout_ = *layout;
-                return;
-            }
-            shapes += (shapes.empty() ? "" : ", ") + shape_text(shape);
-        }
+        for (const cv::Mat& output : run(cv::Mat(settings_.input, CV_8UC3, margin_grey)))
+            shapes.push_back(output.type() == CV_32F ? shape_of(output) : std::vector<int>());
     } catch (const cv::Exception& error) {
         throw std::runtime_error(settings_.model + " does not run with an input of "
                                  + std::to_string(settings_.input.width) + "x" + std::to_string(settings_.input.height)
                                  + " (input_width, input_height): " + error.err);
     }
+    if (const auto place = layout_of(shapes, names_.size(), settings_.layout)) {
+        place_ = *place;
+        return;
+    }
+    std::string list;
+    for (const auto& shape : shapes)
+        list += (list.empty() ? "" : ", ") + shape_text(shape);
     const std::string classes =
-        names_.empty() ? "" : " for the " + std::to_string(names_.size()) + " classes of " + settings_.classes;
-    throw std::runtime_error(settings_.model + " gives " + shapes + ", which is no output of a known detector" + classes
-                             + ": 1xNx(5+classes), 1x(4+classes)xN or 1x1xNx7");
+        names_.empty() ? "" : " for the " + std::to_string(names_.size()) + " classes that are named";
+    throw std::runtime_error(settings_.model + " gives " + list + ", which is no output of "
+                             + (settings_.layout.empty() ? "a known detector" : "the layout " + settings_.layout)
+                             + classes
+                             + ": 1xNx(5+classes), 1x(4+classes)xN, 1xNx6, Nx7, 1x1xNx7, or 1xNx4 and 1xNxclasses");
 }
 
 std::vector<cv::Mat> Network::run(const cv::Mat& input)
@@ -151,7 +167,7 @@ std::vector<Object> Network::find(const cv::Mat& picture)
     const Fit fitted = fit(picture.size());
     const auto outputs = run(input_from(picture, fitted));
     std::map<int, std::pair<std::vector<cv::Rect2d>, std::vector<float>>> by_class;
-    for (const Candidate& candidate : candidates(outputs[output_], layout_, settings_.input, min_score)) {
+    for (const Candidate& candidate : candidates(outputs, place_, settings_.input, min_score)) {
         const cv::Point2d corner((candidate.box.x - fitted.offset.x) / fitted.scale.x,
                                  (candidate.box.y - fitted.offset.y) / fitted.scale.y);
         const cv::Size2d size(candidate.box.width / fitted.scale.x, candidate.box.height / fitted.scale.y);

@@ -14,8 +14,10 @@ namespace detect {
 /// What has to be known about a model; each model's page tells.
 struct NetworkSettings {
     std::string model;    ///< path of the .onnx file
-    std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: numbers are names
-    cv::Size input{640, 640};       ///< px
+    std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: those that the
+                          ///< model's file tells, or else numbers
+    cv::Size input;       ///< px; a side of 0: what the file says, or else 640
+    std::string layout;   ///< a name as name_of() gives it; empty: told by the shapes of the outputs
     std::string fit = "letterbox";  ///< how a picture becomes the input: "letterbox" (grey margins) or "stretch"
     double scale = 1.0 / 255;       ///< the input is (pixel - mean) * scale
     cv::Scalar mean;                ///< for each channel, in the order of the model
@@ -37,7 +39,9 @@ public:
 
     /// @param picture  8 bit, BGR or grey; not changed
     [[nodiscard]] std::vector<Object> find(const cv::Mat& picture);
-    [[nodiscard]] Layout layout() const { return layout_; }
+    [[nodiscard]] Layout layout() const { return place_.layout; }
+    [[nodiscard]] cv::Size input() const { return settings_.input; }
+    [[nodiscard]] std::size_t classes() const { return names_.size(); }  ///< that have a name
 
 private:
     /// From px of the picture to px of the input: times `scale`, plus `offset`.
@@ -45,6 +49,7 @@ private:
         cv::Point2d scale, offset;
     };
 
+    void read_card();
     void choose_output();
     [[nodiscard]] Fit fit(cv::Size picture) const;
     [[nodiscard]] cv::Mat input_from(const cv::Mat& picture, const Fit& fit) const;
@@ -54,8 +59,7 @@ private:
     NetworkSettings settings_;
     std::vector<std::string> names_;
     cv::dnn::Net net_;
-    std::size_t output_ = 0;  ///< which of the model's outputs has the objects
-    Layout layout_ = Layout::rows;
+    Place place_{};  ///< of the objects among the model's outputs
 };
 
 /// The lines of the file; none without a path.

@@ -1,69 +1,127 @@
 // The face drone receives pictures, and publishes boxes of frontal faces and annotated pictures.
 #include "face_finder.hpp"
+#include "yunet_finder.hpp"
 
 #include <hive/drone.hpp>
 #include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <media_fields.hpp>
 
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
-#include <stdexcept>
+#include <cmath>
+#include <optional>
 
 namespace {
 
+using face::Face;
 using face::FaceFinder;
 
-hive::Json to_header(const std::vector<cv::Rect>& faces, const cv::Mat& picture)
+/// A face of the cascade is a box and nothing else.
+hive::Json to_json(const Face& face, bool scored)
 {
-    hive::Json boxes = hive::Json::array();
-    for (const cv::Rect& box : faces)
-        boxes.push_back({{"x", box.x}, {"y", box.y}, {"w", box.width}, {"h", box.height}});
-    return {{"faces", std::move(boxes)}, {"width", picture.cols}, {"height", picture.rows}};
+    hive::Json json{{"x", face.box.x}, {"y", face.box.y}, {"w", face.box.width}, {"h", face.box.height}};
+    if (!scored)
+        return json;
+    json["score"] = std::round(face.score * 1000) / 1000;
+    for (const auto& point : face.points)
+        json["points"].push_back({std::lround(point.x), std::lround(point.y)});
+    return json;
+}
+
+/// The parameters, and the detector that they ask for.
+class Detector {
+public:
+    void declare(hive::Drone& drone)
+    {
+        drone.parameter("scale", cascades_.scale, hive::between(1.01, 2),
+                        "step between image scales; smaller finds more and takes longer");
+        drone.parameter("min_neighbors", cascades_.min_neighbors, hive::between(0, 100),
+                        "detections that must agree on a face");
+        drone.parameter("min_size", cascades_.min_size, hive::between(1, 16384).in("px"), "side of the smallest face");
+        drone.parameter("max_size", cascades_.max_size, hive::between(0, 16384).in("px"),
+                        "side of the largest face; 0: no limit");
+        drone.parameter("equalise", cascades_.equalise, hive::anything(), "equalise the grey levels first");
+        drone.parameter("cascade", cascade_, hive::anything(), "file of the Haar or LBP cascade");
+        drone.parameter("yunet", yunet_, hive::anything(), "ONNX file of YuNet; empty: the cascade finds faces");
+        drone.parameter("min_score", min_score_, hive::between(0, 1), "yunet: least score of a face");
+        drone.parameter("overlap", overlap_, hive::between(0, 1),
+                        "yunet: a face that overlaps a better one by more than this is left out");
+    }
+
+    /// Makes what the parameters say ready; throws a sentence when that cannot be, and goes on as it was.
+    void apply()
+    {
+        if (cascades_.max_size != 0 && cascades_.max_size < cascades_.min_size)
+            throw hive::Error(hive::Errc::refused, "max_size is smaller than min_size");
+        if (cascade_ != loaded_cascade_)
+            cascades_.load(cascade_);
+        loaded_cascade_ = cascade_;
+        if (yunet_.empty())
+            network_.reset();
+        else if (yunet_ != loaded_yunet_)
+            network_.emplace(yunet_);
+        loaded_yunet_ = yunet_;
+    }
+
+    std::vector<Face> find(const cv::Mat& picture)
+    {
+        if (network_) {
+            network_->min_score = min_score_;
+            network_->overlap = overlap_;
+            return network_->find(picture);
+        }
+        std::vector<Face> faces;
+        for (const cv::Rect& box : cascades_.find(picture))
+            faces.push_back({.box = box});
+        return faces;
+    }
+
+    [[nodiscard]] bool scores() const { return network_.has_value(); }
+
+private:
+    FaceFinder cascades_;
+    std::optional<face::YunetFinder> network_;
+    std::string cascade_ = face::default_cascade, loaded_cascade_, yunet_, loaded_yunet_;
+    double min_score_ = 0.8, overlap_ = 0.3;
+};
+
+hive::Json to_header(const std::vector<Face>& faces, bool scored, const cv::Mat& picture)
+{
+    hive::Json list = hive::Json::array();
+    for (const Face& one : faces)
+        list.push_back(to_json(one, scored));
+    return {{"faces", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
 void face_drone(hive::Drone& drone)
 {
-    FaceFinder finder;
-    std::string cascade = face::default_cascade, loaded;
-    drone.parameter("scale", finder.scale, hive::between(1.01, 2),
-                    "step between image scales; smaller finds more and takes longer");
-    drone.parameter("min_neighbors", finder.min_neighbors, hive::between(0, 100),
-                    "detections that must agree on a face");
-    drone.parameter("min_size", finder.min_size, hive::between(1, 16384).in("px"), "side of the smallest face");
-    drone.parameter("max_size", finder.max_size, hive::between(0, 16384).in("px"),
-                    "side of the largest face; 0: no limit");
-    drone.parameter("equalise", finder.equalise, hive::anything(), "equalise the grey levels first");
-    drone.parameter("cascade", cascade, hive::anything(), "file of the Haar or LBP cascade");
+    Detector detector;
+    detector.declare(drone);
     const hive::Output faces = drone.output("faces", "application/json", "the boxes, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
                                                 "the picture with the faces framed", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
-
-    const auto load = [&] {
-        if (cascade == loaded)
-            return;
-        finder.load(cascade);
-        loaded = cascade;
-    };
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        load();
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
+        detector.apply();
     });
-    drone.on_change([&] {
-        if (finder.max_size != 0 && finder.max_size < finder.min_size)
-            throw hive::Error(hive::Errc::refused, "max_size is smaller than min_size");
-        load();
-    });
+    drone.on_change([&] { detector.apply(); });
     drone.on_event(
         "image", hive::vision::image_types,
         [&](const hive::Event& event) {
             const cv::Mat picture = hive::vision::view(event);
-            const auto found = finder.find(picture);
-            hive::Json header = to_header(found, picture);
+            const auto found = detector.find(picture);
+            hive::Json header = to_header(found, detector.scores(), picture);
+            media_fields::pass_on(event.header, header);
             faces.emit(header);
-            hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
-                                         [&](cv::Mat& canvas) { FaceFinder::draw(canvas, found); });
+            hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) {
+                for (const Face& one : found)
+                    FaceFinder::draw(canvas, {one.box});
+            });
         },
         "pictures to look for faces in");
     drone.run();

@@ -18,6 +18,7 @@ constexpr double finger_length =
     0.20;  ///< a fingertip is at least so much farther from the centre than where the finger begins
 constexpr double finger_width = 0.85;  ///< a finger is at most so wide, an arm is wider
 constexpr double defect_depth = 0.30;  ///< shallower ones are within a finger
+constexpr double arm_reach = 2.6;      ///< an arm goes at least so far from the centre, knuckles do not
 constexpr double palm_share = 0.75;    ///< an arm is at most 1 / so many times as wide as the palm
 constexpr double smallest_palm = 6;    ///< px; below it fingers are of one pixel
 
@@ -44,6 +45,22 @@ public:
         hand_.box = cv::boundingRect(contour_);
         find_palm();
     }
+
+    /// With the palm near a place that is known, not further away than half the radius that it has there.
+    Reading(Contour contour, cv::Size picture, cv::Point place, double radius)
+        : contour_(std::move(contour)), picture_(picture)
+    {
+        hand_.box = cv::boundingRect(contour_);
+        const cv::Mat depth = depths();
+        cv::Mat around = cv::Mat::zeros(depth.size(), CV_8UC1);
+        const cv::Point corner = hand_.box.tl() - cv::Point(1, 1);
+        cv::circle(around, place - corner, std::max(1, static_cast<int>(radius / 2)), 255, cv::FILLED);
+        cv::Point deepest;
+        cv::minMaxLoc(depth, nullptr, &hand_.radius, nullptr, &deepest, around);
+        hand_.palm = deepest + corner;
+    }
+
+    [[nodiscard]] int arms() const { return arms_; }
 
     [[nodiscard]] double radius() const { return hand_.radius; }
 
@@ -158,9 +175,12 @@ private:
         if (width <= finger_width && length_seen >= finger_length
             && !at_border(tip))  // what is cut off there may be anything
             fingers_.push_back({tip, distance(tip)});
-        else if (width > finger_width && width > arm_width_) {
-            arm_width_ = width;
-            arm_ = (cv::Point2d(left) + cv::Point2d(right)) * 0.5;
+        else if (width > finger_width) {
+            arms_ += distance(tip) >= arm_reach ? 1 : 0;
+            if (width > arm_width_) {
+                arm_width_ = width;
+                arm_ = (cv::Point2d(left) + cv::Point2d(right)) * 0.5;
+            }
         }
     }
 
@@ -200,6 +220,7 @@ private:
     Hand hand_;
     std::vector<Finger> fingers_;
     double arm_width_ = 0;
+    int arms_ = 0;
     cv::Point2d arm_;
 };
 
@@ -219,6 +240,22 @@ std::vector<Hand> GestureFinder::find(const cv::Mat& silhouette) const
         if (Reading reading(std::move(contour), silhouette.size()); reading.radius() >= smallest_palm)
             hands.push_back(reading.read());
     return hands;
+}
+
+std::optional<GestureFinder::Read> GestureFinder::read_at(const cv::Mat& silhouette, cv::Point place,
+                                                          double radius) const
+{
+    std::vector<Contour> contours;
+    cv::findContours(cleaned(silhouette, smooth), contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+    for (Contour& contour : contours)
+        if (cv::pointPolygonTest(contour, place, false) >= 0) {
+            Reading reading(std::move(contour), silhouette.size(), place, radius);
+            if (reading.radius() < smallest_palm)
+                return std::nullopt;
+            Hand hand = reading.read();
+            return Read{std::move(hand), reading.arms()};
+        }
+    return std::nullopt;
 }
 
 }  // namespace gesture

@@ -5,6 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace gesture {
@@ -20,6 +21,14 @@ public:
     /// @param silhouette  8 bit, one channel, not 0 in the silhouette; not changed
     /// @return  the largest first; a silhouette that is not of a hand is read as if it were
     [[nodiscard]] std::vector<Hand> find(const cv::Mat& silhouette) const;
+
+    struct Read {
+        Hand hand;
+        int arms;  ///< pieces of the outline that are too wide for a finger and go far: of a hand one, or none
+    };
+    /// Reads the part of the silhouette that covers a place, whose palm is there and about so large; nothing if none
+    /// does.
+    [[nodiscard]] std::optional<Read> read_at(const cv::Mat& silhouette, cv::Point place, double radius) const;
 };
 
 }  // namespace gesture

@@ -1,16 +1,18 @@
 // The gesture drone receives silhouettes or pictures, and publishes hands and their fingers.
-#include "gesture_finder.hpp"
-#include "silhouette.hpp"
+#include "hand_search.hpp"
 
 #include <hive/drone.hpp>
 #include <hive/vision/annotated.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
+#include <media_fields.hpp>
 
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cmath>
+#include <cstdio>
 
 namespace {
 
@@ -45,48 +47,122 @@ hive::Json to_header(const std::vector<Hand>& hands, const cv::Mat& picture)
     return {{"hands", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
-void declare(hive::Drone& drone, gesture::Silhouette& silhouette, gesture::GestureFinder& finder)
+/// "x,y,w,h"; empty: no region. @throws hive::Error
+cv::Rect region_from(const std::string& text)
 {
-    const auto byte = hive::between(0, 255);
-    drone.parameter("silhouette", silhouette.from, hive::one_of({"mask", "skin"}),
-                    "the picture is a mask, or its skin-coloured parts are taken");
-    drone.parameter("level", silhouette.level, hive::between(1, 255),
-                    "of a mask: the least grey level that belongs to the silhouette");
-    drone.parameter("max_hands", finder.max_hands, hive::between(1, 8),
-                    "how many silhouettes are read, the largest first");
-    drone.parameter("min_area", finder.min_area, hive::between(0, 100).in("%"),
-                    "part of the picture: smaller silhouettes are ignored");
-    drone.parameter("smooth", finder.smooth, hive::between(0, 31).in("px"),
-                    "narrower specks, hairs and gaps are smoothed away");
-    drone.parameter("y_min", silhouette.skin.y_min, byte, "skin in YCrCb: least brightness");
-    drone.parameter("y_max", silhouette.skin.y_max, byte, "skin: most brightness");
-    drone.parameter("cr_min", silhouette.skin.cr_min, byte, "skin: least Cr");
-    drone.parameter("cr_max", silhouette.skin.cr_max, byte, "skin: most Cr");
-    drone.parameter("cb_min", silhouette.skin.cb_min, byte, "skin: least Cb");
-    drone.parameter("cb_max", silhouette.skin.cb_max, byte, "skin: most Cb");
+    if (text.empty())
+        return {};
+    cv::Rect region;
+    char rest = 0;
+    if (std::sscanf(text.c_str(), "%d,%d,%d,%d%c", &region.x, &region.y, &region.width, &region.height, &rest) != 4
+        || region.x < 0 || region.y < 0 || region.width < 1 || region.height < 1)
+        throw hive::Error(hive::Errc::refused, "region is x,y,w,h in px, as in 300,120,40,40, but not " + text);
+    return region;
 }
+
+/// The parameters, and the two ways to hands: by the whole silhouette, and by a search for skin.
+class Reader {
+public:
+    void declare(hive::Drone& drone)
+    {
+        drone.parameter("silhouette", from_, hive::one_of({"auto", "mask", "skin"}),
+                        "auto: grey pictures are masks, in others hands are searched for; mask: every picture is one; "
+                        "skin: all of the colours below is one silhouette");
+        drone.parameter("level", silhouette_.level, hive::between(1, 255),
+                        "of a mask: the least grey level that belongs to the silhouette");
+        drone.parameter("max_hands", finder_.max_hands, hive::between(1, 8),
+                        "how many hands are read, the largest or best first");
+        drone.parameter("min_area", finder_.min_area, hive::between(0, 100).in("%"),
+                        "part of the picture: smaller silhouettes are ignored");
+        drone.parameter("smooth", finder_.smooth, hive::between(0, 31).in("px"),
+                        "narrower specks, hairs and gaps of silhouettes are smoothed away");
+        declare_search(drone);
+        declare_skin(drone);
+    }
+
+    /// Makes what the parameters say ready; throws a sentence when that cannot be, and goes on as it was.
+    void apply()
+    {
+        const cv::Rect region = region_from(region_);
+        if (cascade_ != loaded_)
+            search_.load_faces(cascade_);
+        loaded_ = cascade_;
+        if (landmarks_.empty())
+            search_.landmarks.reset();
+        else if (landmarks_ != loaded_landmarks_)
+            search_.landmarks.emplace(landmarks_);
+        loaded_landmarks_ = landmarks_;
+        search_.region = region;
+        search_.range = silhouette_.skin;
+        search_.max_hands = finder_.max_hands;
+        silhouette_.from = from_ == "auto" ? "mask" : from_;
+    }
+
+    std::vector<Hand> find(const cv::Mat& picture)
+    {
+        if (from_ == "auto" && picture.channels() == 3)
+            return search_.find(picture);
+        return finder_.find(silhouette_.of(picture));
+    }
+
+private:
+    void declare_search(hive::Drone& drone)
+    {
+        drone.parameter("region", region_, hive::anything(),
+                        "of the search: where skin is to be seen, x,y,w,h in px; empty: look for a face");
+        drone.parameter("tolerance", search_.tolerance, hive::between(0.5, 10),
+                        "of the search: how far a colour may be from that skin, in standard deviations");
+        drone.parameter("cascade", cascade_, hive::anything(),
+                        "of the search: file of the cascade that finds faces; empty: look for none");
+        drone.parameter("landmarks", landmarks_, hive::anything(),
+                        "of the search: ONNX file of a model of hand landmarks; empty: the outline tells the fingers");
+    }
+
+    void declare_skin(hive::Drone& drone)
+    {
+        const auto byte = hive::between(0, 255);
+        gesture::SkinRange& skin = silhouette_.skin;
+        drone.parameter("y_min", skin.y_min, byte, "skin in YCrCb, without a face or region: least brightness");
+        drone.parameter("y_max", skin.y_max, byte, "skin: most brightness");
+        drone.parameter("cr_min", skin.cr_min, byte, "skin: least Cr");
+        drone.parameter("cr_max", skin.cr_max, byte, "skin: most Cr");
+        drone.parameter("cb_min", skin.cb_min, byte, "skin: least Cb");
+        drone.parameter("cb_max", skin.cb_max, byte, "skin: most Cb");
+    }
+
+    std::string from_ = "auto", region_, loaded_, landmarks_, loaded_landmarks_,
+                cascade_ = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_alt2.xml";
+    gesture::Silhouette silhouette_;
+    gesture::GestureFinder finder_;
+    gesture::HandSearch search_;
+};
 
 void gesture_drone(hive::Drone& drone)
 {
-    gesture::Silhouette silhouette;
-    gesture::GestureFinder finder;
-    declare(drone, silhouette, finder);
+    Reader reader;
+    reader.declare(drone);
     const hive::Output gestures = drone.output("gesture", "application/json", "the hands, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
                                                 "the picture with the hands marked", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
-    drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core: to use more, start more drones
+    drone.on_start([&] {
+        cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
+        reader.apply();
+    });
+    drone.on_change([&] { reader.apply(); });
     drone.on_event(
         "mask", hive::vision::image_types,
         [&](const hive::Event& event) {
             const cv::Mat picture = hive::vision::view(event);
-            const auto hands = finder.find(silhouette.of(picture));
+            const auto hands = reader.find(picture);
             hive::Json header = to_header(hands, picture);
+            media_fields::pass_on(event.header, header);
             gestures.emit(header);
             hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
                                          [&](cv::Mat& canvas) { gesture::draw(canvas, hands); });
         },
-        "masks, or pictures with silhouette=skin");
+        "masks, or pictures in which hands are searched for");
     drone.run();
 }
 
@@ -94,5 +170,5 @@ void gesture_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"gesture", "Counts the fingers of hands in silhouettes."}, gesture_drone);
+    return hive::run_drone(argc, argv, {"gesture", "Finds hands in pictures and counts their fingers."}, gesture_drone);
 }

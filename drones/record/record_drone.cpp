@@ -3,6 +3,7 @@
 
 #include <hive/recording/event_record.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 
@@ -14,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
 /// "run-2.hive" for "run.hive", "run-3.hive" for that; the first that is not there.
-std::string next_free(const fs::path& file)
+std::string next_free(const fs::path& folder, const fs::path& file)
 {
     auto stem = file.stem().string();
     int number = 2;
@@ -28,7 +29,7 @@ std::string next_free(const fs::path& file)
     fs::path next;
     do
         next = file.parent_path() / (stem + "-" + std::to_string(number++) + file.extension().string());
-    while (fs::exists(next, ignored));
+    while (fs::exists(folder / next, ignored));
     return next.string();
 }
 
@@ -71,12 +72,15 @@ void RecordDrone::run()
 
 hive::recording::Limits RecordDrone::limits() const
 {
-    return {static_cast<std::uint64_t>(max_size_ * 1e6),
-            std::chrono::microseconds(static_cast<std::int64_t>(max_duration_ * 1e6))};
+    constexpr double most_bytes = 1e18, most_us = 1e15;  // what fits into the numbers
+    return {static_cast<std::uint64_t>(std::min(max_size_ * 1e6, most_bytes)),
+            std::chrono::microseconds(static_cast<std::int64_t>(std::min(max_duration_ * 1e6, most_us)))};
 }
 
 void RecordDrone::apply()
 {
+    if (folder_.empty())
+        choose_folder();
     if (std::exchange(remembered_, false))
         spare_what_was_recorded();
     if (file_ != opened_)
@@ -86,13 +90,33 @@ void RecordDrone::apply()
     say();
 }
 
+/// Whoever starts the drone says where it may write: in the folder of the file that it is started with, or else in the
+/// one that it is started in. Whoever sets a file later, perhaps on another machine, cannot reach any other.
+void RecordDrone::choose_folder()
+{
+    const fs::path file(file_);
+    const bool leads_away = file.is_absolute() || file.lexically_normal().string().starts_with("..");
+    folder_ = leads_away ? fs::absolute(file).lexically_normal().parent_path() : fs::current_path();
+}
+
+/// The file, seen from the folder.
+std::string RecordDrone::below_folder() const
+{
+    const auto below = (folder_ / file_).lexically_normal().lexically_relative(folder_);
+    if (below.empty() || below.string().starts_with(".."))
+        throw hive::Error(hive::Errc::refused,
+                          file_ + " does not lie below " + folder_.string() + ", where this recorder may write",
+                          "start a recorder there, or with a file there: hivectl start record file=PATH");
+    return below.string();
+}
+
 /// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite`
 /// says.
 void RecordDrone::spare_what_was_recorded()
 {
-    if (std::error_code none; !fs::exists(file_, none))
+    if (std::error_code none; !fs::exists(folder_ / file_, none))
         return;
-    const auto before = std::exchange(file_, next_free(file_));
+    const auto before = std::exchange(file_, next_free(folder_, file_));
     drone_.log(before + " was being recorded when the drone was killed, and stays as it is; goes on in " + file_);
 }
 
@@ -102,8 +126,11 @@ void RecordDrone::open()
     std::unique_ptr<hive::recording::Writer> fresh;
     if (!file_.empty())
         try {
-            fresh = std::make_unique<hive::recording::Writer>(hive::recording::WriterSettings{
-                file_, overwrite_, limits(), std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
+            fresh = std::make_unique<hive::recording::Writer>(
+                hive::recording::WriterSettings{below_folder(), folder_, overwrite_, limits(),
+                                                std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
+        } catch (const hive::Error&) {
+            throw;
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
         }

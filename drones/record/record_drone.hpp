@@ -4,6 +4,7 @@
 #include <hive/drone.hpp>
 #include <hive/recording/writer.hpp>
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,7 +20,9 @@ public:
 
 private:
     void apply();
+    void choose_folder();
     void spare_what_was_recorded();
+    [[nodiscard]] std::string below_folder() const;
     void open();
     void close(const std::string& how);
     void take(const hive::Event& event);
@@ -29,7 +32,8 @@ private:
     [[nodiscard]] hive::recording::Limits limits() const;
 
     hive::Drone& drone_;
-    bool remembered_;  ///< the file is that of before a crash
+    bool remembered_;               ///< the file is that of before a crash
+    std::filesystem::path folder_;  ///< what it may write below; empty: not chosen yet
     std::string file_;
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;

@@ -50,9 +50,10 @@ std::int64_t Playback::pause_us() const
 Timeline::Clock::time_point Timeline::due(std::int64_t time_us, double speed, Clock::time_point now)
 {
     constexpr auto late = std::chrono::seconds(1);
+    constexpr double longest_us = 1e15;  // thirty years, which a clock can still add
     const auto took = [&](std::int64_t us) {
         return std::chrono::duration_cast<Clock::duration>(
-            std::chrono::duration<double, std::micro>(static_cast<double>(us) / speed));
+            std::chrono::duration<double, std::micro>(std::min(static_cast<double>(us) / speed, longest_us)));
     };
     const auto at = [&] { return start_ + took(time_us - first_us_); };
     if (!begun_ || time_us < last_us_ || speed != speed_ || now - at() > late) {

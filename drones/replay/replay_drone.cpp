@@ -80,7 +80,10 @@ void ReplayDrone::declare_outputs()
 
 Range ReplayDrone::range() const
 {
-    return {static_cast<std::int64_t>(from_ * 1e6), static_cast<std::int64_t>(to_ * 1e6)};
+    const auto us = [](double seconds) {
+        return static_cast<std::int64_t>(std::min(seconds * 1e6, static_cast<double>(hive::recording::most_time_us)));
+    };
+    return {us(from_), us(to_)};
 }
 
 void ReplayDrone::apply()
@@ -115,6 +118,8 @@ void ReplayDrone::open(const Opened& wanted)
     event_.reset();
     damaged_ = without_body_ = 0;
     begun_ = ended_ = asked_before_ = false;
+    const bool whole = playback_ && wanted.range == Range{};
+    drone_.source_events(whole && !loop_ ? playback_->reader().summary().events() : 0);
     drone_.condition("waiting for a receiver");
 }
 
@@ -241,7 +246,9 @@ std::chrono::microseconds ReplayDrone::at_end()
         text += "; damaged events left out: " + std::to_string(damaged_);
     if (without_body_ > 0)
         text += "; without a body, so for no receiver of bodies: " + std::to_string(without_body_);
-    drone_.condition(problem.empty() ? text : text + "; " + problem);
+    drone_.condition(problem.empty() ? text : text + "; " + problem, hive::Reason::source_ended);
+    for (const auto& [port, output] : outputs_)
+        output.end(problem);
     return 1s;
 }
 

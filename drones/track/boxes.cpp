@@ -12,6 +12,8 @@ namespace {
 
 /// px; what lies further away is in no picture, and squares of it stay exact enough.
 constexpr double furthest = 1e6;
+/// Of the colours of a box.
+constexpr std::size_t most_numbers = 64;
 
 bool is_box(const hive::Json& value)
 {
@@ -49,14 +51,32 @@ const hive::Json& array_of_boxes(const hive::Json& header, const std::string& na
     return *field;
 }
 
+/// What a finder tells of the colours in a box; what is anything else is not meant for the tracker.
+Look look_in(const hive::Json& value)
+{
+    const auto field = value.find("colours");
+    if (field == value.end() || !field->is_array() || field->size() > most_numbers)
+        return {};
+    std::vector<double> numbers;
+    for (const hive::Json& part : *field) {
+        if (!part.is_number() || !(part.get<double>() >= 0 && part.get<double>() <= furthest))
+            return {};
+        numbers.push_back(part);
+    }
+    return look_of(numbers);
+}
+
 Box checked(const hive::Json& value)
 {
-    const Box box{value["x"], value["y"], value["w"], value["h"]};
+    Box box{value["x"], value["y"], value["w"], value["h"]};
     for (const double number : {box.x, box.y, box.w, box.h})
         if (!(std::abs(number) <= furthest))
             malformed("a box is further away than any picture reaches");
     if (!(box.w > 0 && box.h > 0))
         malformed("a box without area");
+    if (const auto score = value.find("score"); score != value.end() && score->is_number())
+        box.score = *score;
+    box.look = look_in(value);
     return box;
 }
 

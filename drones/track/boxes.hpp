@@ -11,7 +11,8 @@
 namespace track {
 
 /// The boxes in the array `name`, or, without a name, in the only field that is an array of boxes (objects with numbers
-/// "x", "y", "w", "h" in px; what else they say does not matter; an empty array counts).
+/// "x", "y", "w", "h" in px; an empty array counts). Of what else they say, "score" (a number) and "colours" (at most
+/// 64 numbers that are not below 0) are taken, and the rest does not matter.
 /// @throws hive::Error  malformed: no such array, or several, or a box without area; too_large: more than most_boxes
 std::vector<Box> boxes_in(const hive::Json& header, const std::string& name);
 

@@ -3,6 +3,7 @@
 #include "order.hpp"
 
 #include <hive/drone.hpp>
+#include <media_fields.hpp>
 
 namespace {
 
@@ -21,10 +22,14 @@ void track_drone(hive::Drone& drone)
                     "how far a box may be from where it is expected, in diagonals of the box");
     drone.parameter("agility", tracker.agility, hive::between(0.01, 100),
                     "how much the speed may change, in sides of the box per s^2");
+    drone.parameter("strong", tracker.strong, hive::between(-100, 100),
+                    "a box with a lower score begins no track, and goes only to one that no other box wants");
+    drone.parameter("appearance", tracker.appearance, hive::between(0, 1),
+                    "how much the colours of boxes count beside their motion; 0: motion alone");
     drone.parameter("max_gap", tracker.max_gap, hive::between(0.01, 3600).in("s"),
                     "all tracks end when pictures are further apart");
     drone.parameter("fps", fps, hive::between(0, 1000).in("fps"),
-                    "frame rate of a file that is read on demand, to count time in pictures; 0: use the capture times");
+                    "frame rate to count time in pictures; 0: the time in the file, or that of the capture");
     const hive::Output tracks = drone.output("tracks", "application/json", "the tracks, in the header; no body");
     drone.on_change([&] {
         if (fps != used_fps)
@@ -39,10 +44,11 @@ void track_drone(hive::Drone& drone)
                 tracker.restart();
             tracker.width = track::number_in(event.header, "width");
             tracker.height = track::number_in(event.header, "height");
-            hive::Json header{{"tracks", track::to_json(tracker.next(track::time_of(event.identity, fps), found))}};
+            hive::Json header{{"tracks", track::to_json(tracker.next(track::time_of(event, fps), found))}};
             for (const char* size : {"width", "height"})
                 if (event.header.contains(size))
                     header[size] = event.header[size];
+            media_fields::pass_on(event.header, header);
             tracks.emit(std::move(header));
         },
         "boxes of one picture after the other");

@@ -33,11 +33,15 @@ private:
     std::optional<Last> last_;
 };
 
-/// When the picture was taken, s on a clock of its source. @param fps  above 0: pictures are counted at this rate
-/// instead
-inline double time_of(const hive::Identity& identity, double fps)
+/// When the picture was taken, s on a clock of its source: its time in the file that it comes from, or else the time of
+/// the capture. @param fps  above 0: pictures are counted at this rate instead
+inline double time_of(const hive::Event& event, double fps)
 {
-    return fps > 0 ? static_cast<double>(identity.sequence) / fps : static_cast<double>(identity.monotonic_us) / 1e6;
+    if (fps > 0)
+        return static_cast<double>(event.identity.sequence) / fps;
+    const auto told = event.header.find("media_time_us");
+    const bool of_a_file = told != event.header.end() && told->is_number();
+    return (of_a_file ? told->get<double>() : static_cast<double>(event.identity.monotonic_us)) / 1e6;
 }
 
 }  // namespace track

@@ -1,4 +1,5 @@
-// Predicts where every track should be, pairs tracks with boxes, corrects what was paired, ends and begins the others.
+// Predicts where every track should be, pairs tracks with boxes in three rounds, corrects what was paired, ends and
+// begins the others.
 #include "tracker.hpp"
 
 #include "assignment.hpp"
@@ -15,8 +16,20 @@ constexpr double place_noise = 0.1, first_speed = 2;
 constexpr double size_settles = 0.15;
 /// So many times `forget` tracks may share one box; then it is taken for one thing that was followed twice.
 constexpr int share_patience = 4;
+/// A box that comes so near to the border of the picture may be cut off there, px.
+constexpr double at_border = 2;
+/// Pictures without a box after which a track counts as lost.
+constexpr int lost = 3;
 /// What leaving a track and a box alone costs; a pair costs less.
 constexpr double alone = 1;
+/// Looks follow the seen ones by so much with each box, after the first ones.
+constexpr double look_settles = 0.1;
+/// Looks that differ more are those of something else; looks that differ less may be those of who was lost.
+constexpr double stranger = 0.8, same_look = 0.3;
+/// Who was lost may come back so many times the gate away from where it is expected.
+constexpr double return_reach = 2;
+/// A weak box must overlap the expected one so much, and something in the place of another thing too.
+constexpr double weak_overlap = 0.3, same_place = 0.5;
 
 double side(double w, double h) { return std::sqrt(w * h); }
 
@@ -46,13 +59,21 @@ Tracker::Followed::Followed(std::int64_t id, const Box& box)
     : x(box.x + box.w / 2, place_noise * side(box.w, box.h), first_speed * side(box.w, box.h)),
       y(box.y + box.h / 2, place_noise * side(box.w, box.h), first_speed * side(box.w, box.h)),
       w(box.w),
-      h(box.h)
+      h(box.h),
+      look(box.look)
 {
     track.id = id;
-    track.box = box;
 }
 
-Box Tracker::Followed::box() const { return {x.place() - w / 2, y.place() - h / 2, w, h}; }
+Box Tracker::Followed::box() const
+{
+    Box box;
+    box.x = x.place() - w / 2;
+    box.y = y.place() - h / 2;
+    box.w = w;
+    box.h = h;
+    return box;
+}
 
 void Tracker::Followed::predict(double passed, double agility)
 {
@@ -62,6 +83,7 @@ void Tracker::Followed::predict(double passed, double agility)
     track.seconds += passed;
     ++track.age;
     ++track.missing;
+    has_box = false;
 }
 
 /// The size is the mean of the first boxes, and follows slowly later.
@@ -70,6 +92,8 @@ void Tracker::Followed::take(const Box& box, double passed)
     ++track.hits;
     track.missing = shared = 0;
     since_hit = 0;
+    has_box = true;
+    follow(look, box.look, std::max(1.0 / track.hits, look_settles));
     x.correct(box.x + box.w / 2, place_noise * side(w, h));
     y.correct(box.y + box.h / 2, place_noise * side(w, h));
     const double share = std::max(1.0 / track.hits, 1 - std::exp(-passed / size_settles));
@@ -77,23 +101,19 @@ void Tracker::Followed::take(const Box& box, double passed)
     h += share * (box.h - h);
 }
 
-void Tracker::Followed::tell()
-{
-    track.box = box();
-    track.speed_x = x.speed();
-    track.speed_y = y.speed();
-}
-
 std::vector<Track> Tracker::next(double seconds, std::span<const Box> boxes)
 {
     predict(seconds);
     const std::vector<bool> taken = match(boxes);
+    notice_replaced(boxes);
     std::erase_if(followed_, [this](const Followed& one) { return over(one); });
     bear(boxes, taken);
     std::vector<Track> tracks;
     for (Followed& one : followed_) {
         one.track.confirmed = one.track.confirmed || one.track.hits >= confirm;
-        one.tell();
+        one.track.box = visible(one.box());
+        one.track.speed_x = one.x.speed();
+        one.track.speed_y = one.y.speed();
         tracks.push_back(one.track);
     }
     return tracks;
@@ -115,21 +135,31 @@ void Tracker::predict(double seconds)
     last_ = seconds;
 }
 
-/// Which boxes belong to tracks that were there before?
+/// Which boxes belong to tracks that were there before? Strong boxes come first, then the weak ones, as in Zhang and
+/// others, "ByteTrack" (2022); then who was lost may have come back further away, if it looks the same.
 std::vector<bool> Tracker::match(std::span<const Box> boxes)
 {
     std::vector<bool> taken = share(boxes);
+    pair({.weak = false, .cost = &Tracker::cost}, boxes, taken);
+    pair({.weak = true, .cost = &Tracker::cost_of_weak}, boxes, taken);
+    pair({.weak = false, .cost = &Tracker::cost_of_return}, boxes, taken);
+    return taken;
+}
+
+void Tracker::pair(const Round& round, std::span<const Box> boxes, std::vector<bool>& taken)
+{
     CostTable costs(followed_.size(), boxes.size());
     for (std::size_t row = 0; row < costs.rows(); ++row)
-        for (std::size_t column = 0; column < boxes.size(); ++column)
-            costs.at(row, column) = taken[column] ? alone : cost(followed_[row].box(), boxes[column]);
+        for (std::size_t column = 0; column < boxes.size(); ++column) {
+            const bool open = !followed_[row].has_box && !taken[column] && (boxes[column].score < strong) == round.weak;
+            costs.at(row, column) = open ? std::min(alone, (this->*round.cost)(followed_[row], boxes[column])) : alone;
+        }
     for (const Pair& pair : assign(costs))
         if (costs.at(pair.row, pair.column) < alone) {
             Followed& one = followed_[pair.row];
-            one.take(boxes[pair.column], one.since_hit);
+            one.take(completed(one, boxes[pair.column]), one.since_hit);
             taken[pair.column] = true;
         }
-    return taken;
 }
 
 /// Which boxes show several tracks at once? Such a box says that they are there, but not where, so they go on as
@@ -148,12 +178,13 @@ std::vector<bool> Tracker::share(std::span<const Box> boxes)
     return shared;
 }
 
-/// For each box the confirmed tracks whose middles are expected in it and in no other box.
+/// For each box the confirmed tracks whose middles are expected in it and in no other box. Who was lost is not among
+/// them: that it is there is only a guess, and no reason to believe that the box is not another's own.
 std::vector<std::vector<Tracker::Followed*>> Tracker::gathered(std::span<const Box> boxes)
 {
     std::vector<std::vector<Followed*>> inside(boxes.size());
     for (Followed& one : followed_) {
-        if (!one.track.confirmed || one.shared >= share_patience * forget)
+        if (!one.track.confirmed || one.track.missing > lost || one.shared >= share_patience * forget)
             continue;
         const auto here = [&](const Box& box) { return within(box, one.x.place(), one.y.place()); };
         const auto first = std::ranges::find_if(boxes, here);
@@ -163,26 +194,93 @@ std::vector<std::vector<Tracker::Followed*>> Tracker::gathered(std::span<const B
     return inside;
 }
 
-/// From 0 for the expected box itself to `alone` at the gate and beyond: half for the overlap, half for the distance.
-double Tracker::cost(const Box& expected, const Box& box) const
+/// Is something in its place that looks entirely different? Then the track has slipped off what it followed, mostly
+/// onto the background.
+void Tracker::notice_replaced(std::span<const Box> boxes)
 {
-    const double far = distance(expected, box) / (gate * (diagonal(expected) + diagonal(box)) / 2);
-    return far >= 1 ? alone : alone * (0.5 * far + 0.5 * (1 - intersection_over_union(expected, box)));
+    for (Followed& one : followed_) {
+        const auto replaces = [&](const Box& box) {
+            return appearance > 0 && difference(one.look, box.look).value_or(0) > stranger
+                   && intersection_over_union(one.box(), box) >= same_place;
+        };
+        one.replaced = !one.has_box && std::ranges::any_of(boxes, replaces) ? one.replaced + 1 : 0;
+    }
 }
 
-/// Has it been missing for too long, or gone out of the picture?
+/// Of a thing that is cut off by the border of the picture, only the edge inside tells where it is: it is as large as
+/// before. So it goes out at its speed, and does not stay at the border until somebody else comes in.
+Box Tracker::completed(const Followed& one, const Box& box) const
+{
+    Box whole = box;
+    const auto complete = [](double& begin, double& length, double known, double border) {
+        const bool at_begin = begin <= at_border, at_end = begin + length >= border - at_border;
+        if (border <= 0 || at_begin == at_end || length >= known)
+            return;
+        begin -= at_begin ? known - length : 0;
+        length = known;
+    };
+    complete(whole.x, whole.w, one.w, width);
+    complete(whole.y, whole.h, one.h, height);
+    return whole;
+}
+
+/// The part in the picture, if its size is known and there is one.
+Box Tracker::visible(const Box& box) const
+{
+    const double right = std::min(box.x + box.w, width), bottom = std::min(box.y + box.h, height);
+    Box part = box;
+    part.x = std::max(box.x, 0.0);
+    part.y = std::max(box.y, 0.0);
+    part.w = right - part.x;
+    part.h = bottom - part.y;
+    return width > 0 && height > 0 && part.w > 0 && part.h > 0 ? part : box;
+}
+
+/// From 0 for the expected box itself, with the same looks, to `alone` at the gate and beyond. Of the motion's part the
+/// overlap and the distance are half each.
+double Tracker::cost(const Followed& one, const Box& found) const
+{
+    const Box expected = one.box(), box = completed(one, found);
+    const double far = distance(expected, box) / (gate * (diagonal(expected) + diagonal(box)) / 2);
+    if (far >= 1)
+        return alone;
+    const double motion = 0.5 * far + 0.5 * (1 - intersection_over_union(expected, box));
+    const auto looks = appearance > 0 ? difference(one.look, box.look) : std::nullopt;
+    if (!looks)
+        return alone * motion;
+    return *looks > stranger ? alone : alone * ((1 - appearance) * motion + appearance * *looks);
+}
+
+/// A weak box is believed only where something is expected, whatever it looks like.
+double Tracker::cost_of_weak(const Followed& one, const Box& box) const
+{
+    const double overlap = intersection_over_union(one.box(), box);
+    return one.track.confirmed && overlap >= weak_overlap ? alone * (1 - overlap) : alone;
+}
+
+/// For tracks that have missed a picture before, and may have gone elsewhere meanwhile.
+double Tracker::cost_of_return(const Followed& one, const Box& box) const
+{
+    const auto looks = appearance > 0 ? difference(one.look, box.look) : std::nullopt;
+    if (!one.track.confirmed || one.track.missing < 2 || !looks || *looks > same_look)
+        return alone;
+    const Box expected = one.box();
+    const double far = distance(expected, box) / (return_reach * gate * (diagonal(expected) + diagonal(box)) / 2);
+    return far >= 1 ? alone : alone * (far + *looks) / 2;
+}
+
+/// Has it been missing for too long, gone out of the picture, or been replaced by something else?
 bool Tracker::over(const Followed& one) const
 {
-    const Box box = one.box();
-    const bool left =
-        width > 0 && height > 0 && (box.x >= width || box.y >= height || box.x + box.w <= 0 || box.y + box.h <= 0);
-    return left || one.track.missing >= (one.track.confirmed ? forget : 1);
+    const double x = one.x.place(), y = one.y.place();
+    const bool left = width > 0 && height > 0 && (x < 0 || y < 0 || x > width || y > height);
+    return left || one.replaced >= confirm || one.track.missing >= (one.track.confirmed ? forget : 1);
 }
 
 void Tracker::bear(std::span<const Box> boxes, const std::vector<bool>& taken)
 {
     for (std::size_t i = 0; i < boxes.size() && followed_.size() < most_boxes; ++i)
-        if (!taken[i])
+        if (!taken[i] && boxes[i].score >= strong)
             followed_.emplace_back(++ids_, boxes[i]);
 }
 

@@ -1,10 +1,12 @@
 // Follows things through a sequence of boxes, and gives each a number that stays with it.
 #pragma once
 
+#include "look.hpp"
 #include "motion.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,6 +16,8 @@ namespace track {
 /// px; x and y are the left upper corner.
 struct Box {
     double x = 0, y = 0, w = 0, h = 0;
+    double score = std::numeric_limits<double>::infinity();  ///< how sure its finder is of it; not told: entirely
+    Look look = {};                                          ///< of what is in it
     bool operator==(const Box&) const = default;
 };
 
@@ -44,7 +48,10 @@ public:
     double gate =
         0.7;  ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
     double agility = 2;  ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
-    double width = 0, height = 0;  ///< of the pictures, px: a track that has left them ends; 0: unknown
+    double strong =
+        0.5;  ///< a box with a lower score begins no track, and goes only to a track that no other box wants
+    double appearance = 0.4;       ///< how much looks count beside motion, 0 to 1; 0: motion alone
+    double width = 0, height = 0;  ///< of the pictures, px: a track that is more than half outside ends; 0: unknown
     double max_gap = 2;  ///< pictures further apart have nothing to do with each other, s: all tracks end. Above 0
 
     /// The next picture. @param seconds  its time on any clock; earlier than the last one: all tracks end
@@ -55,26 +62,39 @@ public:
     void restart();
 
 private:
-    /// A track and what is known about its motion.
+    /// A track and what is known about its motion and its looks.
     struct Followed {
         Followed(std::int64_t id, const Box& box);
         void predict(double passed, double agility);
         void take(const Box& box, double passed_since_hit);
         [[nodiscard]] Box box() const;
-        void tell();
 
         Track track;
         Motion x, y;  ///< of the middle
         double w, h;
+        Look look;
         double since_hit = 0;  ///< s
         int shared = 0;        ///< pictures in one box with others since its last own one
+        int replaced = 0;      ///< pictures in a row in which something that looks different was in its place
+        bool has_box = false;  ///< of its own, in this picture
+    };
+    /// A round in which tracks without a box and boxes without a track are paired.
+    struct Round {
+        bool weak;                                                   ///< with the weak boxes; otherwise the strong ones
+        double (Tracker::*cost)(const Followed&, const Box&) const;  ///< below `alone`: may be a pair
     };
 
     void predict(double seconds);
     [[nodiscard]] std::vector<bool> match(std::span<const Box> boxes);
+    void pair(const Round& round, std::span<const Box> boxes, std::vector<bool>& taken);
     [[nodiscard]] std::vector<bool> share(std::span<const Box> boxes);
     [[nodiscard]] std::vector<std::vector<Followed*>> gathered(std::span<const Box> boxes);
-    [[nodiscard]] double cost(const Box& expected, const Box& box) const;
+    void notice_replaced(std::span<const Box> boxes);
+    [[nodiscard]] Box completed(const Followed& one, const Box& box) const;
+    [[nodiscard]] Box visible(const Box& box) const;
+    [[nodiscard]] double cost(const Followed& one, const Box& box) const;
+    [[nodiscard]] double cost_of_weak(const Followed& one, const Box& box) const;
+    [[nodiscard]] double cost_of_return(const Followed& one, const Box& box) const;
     [[nodiscard]] bool over(const Followed& one) const;
     void bear(std::span<const Box> boxes, const std::vector<bool>& taken);
 

@@ -1,4 +1,4 @@
-// Checks the host, then the method, then the path. A request for another host learns nothing.
+// Checks the host, then who asks, then the method and the path. Who may not look learns nothing.
 #include "answer.hpp"
 
 #include "page.hpp"
@@ -10,22 +10,30 @@ namespace {
 
 Answer sentence(unsigned code, std::string text) { return {code, "text/plain; charset=utf-8", std::move(text) + "\n"}; }
 
-Answer picture(const Exchange::Newest& newest)
+Answer picture(const Exchange::Newest& newest, bool plain)
 {
     if (newest.number == 0)
         return sentence(503, "There is no picture yet.");
-    const auto& jpeg = *newest.picture->jpeg();
+    const auto& jpeg = plain ? *newest.picture->plain_jpeg() : *newest.picture->jpeg();
     return {200, "image/jpeg", {jpeg.begin(), jpeg.end()}};
 }
 
 }  // namespace
 
-Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, Browsers browsers)
+Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
+                 Browsers browsers)
 {
     if (!request.host || !host_fits(*request.host, bind))
         return sentence(request.host ? 403 : 400, "Open this page by its address.");
+    if (Pass::cross_site(request))
+        return sentence(403, "Other pages may not look.");
+    if (!pass.in_address(request) && !pass.in_cookie(request))
+        return sentence(403, "Open the address that hivectl view prints. For a drone that was started as NAME it ends "
+                             "in ?token= and what hivectl get NAME token says.");
     if (request.method != "GET")
         return sentence(405, "Only GET.");
+    if (request.path == "/" && pass.in_address(request))
+        return {.code = 303, .type = "text/plain; charset=utf-8", .body = "\n", .cookie = pass.cookie()};
     if (request.path == "/")
         return {200, "text/html; charset=utf-8", std::string(page_html)};
     if (request.path == "/view.css")
@@ -34,10 +42,11 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
         return {200, "text/javascript; charset=utf-8", std::string(page_js)};
     if (request.path == "/status.json")
         return {200, "application/json", status_of(exchange.newest(), browsers.now).dump()};
-    if (request.path == "/picture.jpg")
-        return picture(exchange.newest());
-    if (request.path == "/stream.mjpg")
-        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true}
+    const bool plain = request.path.starts_with("/plain/");  // what the page shows: it says itself what a caption would
+    if (request.path == "/picture.jpg" || request.path == "/plain/picture.jpg")
+        return picture(exchange.newest(), plain);
+    if (request.path == "/stream.mjpg" || request.path == "/plain/stream.mjpg")
+        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true, plain}
                                             : sentence(503, "Too many are looking.");
     return sentence(404, "There is nothing here.");
 }

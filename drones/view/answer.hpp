@@ -3,6 +3,7 @@
 
 #include "exchange.hpp"
 #include "host.hpp"
+#include "pass.hpp"
 
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@ namespace view {
 struct Request {
     std::string_view method, path;
     std::optional<std::string_view> host;  ///< the header Host
+    std::string_view token = {};           ///< in the address: ?token=
+    std::string_view cookie = {};          ///< the one of Pass::cookie_name()
+    std::string_view site = {};            ///< the header Sec-Fetch-Site
 };
 
 /// How many look, and how many may.
@@ -24,9 +28,12 @@ struct Answer {
     unsigned code = 200;
     std::string type;  ///< media type
     std::string body;
-    bool stream = false;  ///< the body is a Stream instead
+    bool stream = false;      ///< the body is a Stream instead
+    bool plain = false;       ///< of pictures without captions
+    std::string cookie = {};  ///< to be set; the browser then goes on to "/"
 };
 
-Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, Browsers browsers);
+Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
+                 Browsers browsers);
 
 }  // namespace view

@@ -13,4 +13,15 @@ bool has_display()
     return display != nullptr;
 }
 
+std::optional<cv::Size> room_for_window()
+{
+    Display* display = XOpenDisplay(nullptr);
+    if (!display)
+        return std::nullopt;
+    const int screen = DefaultScreen(display);
+    const cv::Size whole(DisplayWidth(display, screen), DisplayHeight(display, screen));
+    XCloseDisplay(display);
+    return cv::Size(whole.width * 95 / 100, whole.height * 88 / 100);
+}
+
 }  // namespace view

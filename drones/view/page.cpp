@@ -18,9 +18,9 @@ const std::string_view page_html = R"(<!DOCTYPE html>
 <span id="light" class="off"></span>
 <h1 id="sender">waiting</h1>
 <span id="source"></span>
-<a href="picture.jpg" download>Save picture</a>
+<a href="plain/picture.jpg" download>Save picture</a>
 </header>
-<main><img id="picture" src="stream.mjpg" alt="The live picture"></main>
+<main><img id="picture" src="plain/stream.mjpg" alt="The live picture"></main>
 <footer>
 <dl>
 <div><dt>rate</dt><dd id="rate">–</dd></div>
@@ -62,7 +62,7 @@ const long = ms => ms < 60000 ? (ms / 1000).toFixed(1) + " s" : Math.round(ms / 
 const time = ms => ms < 1000 ? ms + " ms" : long(ms);
 let lost = false;
 
-function look_again() { at("picture").src = "stream.mjpg?" + Date.now(); }
+function look_again() { at("picture").src = "plain/stream.mjpg?" + Date.now(); }
 
 function light(state, message) {
   at("light").className = state;

@@ -83,6 +83,12 @@ const Jpeg& Picture::jpeg() const
     return encoded_;
 }
 
+const Jpeg& Picture::plain_jpeg() const
+{
+    std::call_once(plain_once_, [this] { plain_ = look_.overlay ? make_plain_jpeg() : jpeg(); });
+    return plain_;
+}
+
 /// What damaged pictures do to a viewer: it says so in their place.
 cv::Mat Picture::make_shown() const
 try {
@@ -96,6 +102,13 @@ try {
 Jpeg Picture::make_jpeg() const
 try {
     return source_->jpeg && !look_.overlay ? source_->jpeg : encode(shown(), look_.quality);
+} catch (const std::exception& error) {
+    return encode(notice(error.what()), look_.quality);
+}
+
+Jpeg Picture::make_plain_jpeg() const
+try {
+    return source_->jpeg ? source_->jpeg : encode(source_->pixels(), look_.quality);
 } catch (const std::exception& error) {
     return encode(notice(error.what()), look_.quality);
 }

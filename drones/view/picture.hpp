@@ -37,6 +37,8 @@ public:
     /// The pixels to show; not to be written to.
     [[nodiscard]] const cv::Mat& shown() const;
     [[nodiscard]] const Jpeg& jpeg() const;
+    /// Without the caption, for a page that says the same beside it; a JPEG as it came.
+    [[nodiscard]] const Jpeg& plain_jpeg() const;
 
 private:
     class Source;
@@ -44,13 +46,14 @@ private:
     Picture(Origin origin, std::shared_ptr<Source> source, Look look);
     [[nodiscard]] cv::Mat make_shown() const;
     [[nodiscard]] Jpeg make_jpeg() const;
+    [[nodiscard]] Jpeg make_plain_jpeg() const;
 
     Origin origin_;
     std::shared_ptr<Source> source_;  ///< of all that are captioned anew
     Look look_;
-    mutable std::once_flag drawn_once_, encoded_once_;
+    mutable std::once_flag drawn_once_, encoded_once_, plain_once_;
     mutable cv::Mat drawn_;
-    mutable Jpeg encoded_;
+    mutable Jpeg encoded_, plain_;
 };
 
 }  // namespace view

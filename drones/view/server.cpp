@@ -26,6 +26,7 @@ using Response = std::unique_ptr<MHD_Response, decltype(&MHD_destroy_response)>;
 
 constexpr auto tick = std::chrono::milliseconds(500);
 constexpr std::size_t request_bytes = 16 * 1024;  // of a request's head, and of what is on its way to one browser
+constexpr std::size_t on_their_way = 64;          // connections that are being closed, while others come
 constexpr int socket_bytes = 64 * 1024;  // in the kernel: what a slow browser sees is not much older than it is slow
 
 /// One connection is one request; and other pages may do nothing with ours.
@@ -36,6 +37,7 @@ constexpr std::pair<const char*, const char*> headers[]{
     {"Content-Security-Policy",
      "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Referrer-Policy", "no-referrer"},
     {"X-Content-Type-Options", "nosniff"},
 };
 
@@ -59,7 +61,7 @@ private:
     struct Visitor {
         int socket = -1;
         Clock::time_point since;
-        enum { asking, answering, streaming } doing = asking;
+        enum { asking, answering, streaming, ended } doing = asking;
     };
     /// The answer to one request for the stream.
     struct Streaming {
@@ -72,8 +74,10 @@ private:
     int patience() const;
     void resume_streams();
     void end_the_late();
+    void make_room();
+    [[nodiscard]] bool full() const;
     MHD_Result answer(MHD_Connection* connection, const Request& request);
-    Response begin_stream(MHD_Connection* connection);
+    Response begin_stream(MHD_Connection* connection, bool plain);
     void visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what);
 
     static MHD_Result on_request(void* core, MHD_Connection* connection, const char* path, const char* method,
@@ -87,6 +91,7 @@ private:
     Address address_;
     Descriptor wakes_;
     int port_ = 0;
+    Pass pass_{"", 0};
     MHD_Daemon* daemon_ = nullptr;
     std::unordered_map<MHD_Connection*, Visitor> visitors_;
     std::set<MHD_Connection*> waiting_;  ///< suspended: streams that have sent the newest picture
@@ -105,12 +110,13 @@ Server::Core::Core(const Settings& settings, const Exchange& exchange)
 {
     Descriptor socket = listen_at(address_, url_of(settings_.bind, settings_.port));
     port_ = port_of(socket);
-    daemon_ =
-        MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Core::on_request, this,
-                         MHD_OPTION_LISTEN_SOCKET, socket.get(), MHD_OPTION_CONNECTION_LIMIT, settings_.connections,
-                         MHD_OPTION_CONNECTION_MEMORY_LIMIT, request_bytes, MHD_OPTION_CONNECTION_TIMEOUT,
-                         static_cast<unsigned>(settings_.stalled.count()), MHD_OPTION_NOTIFY_CONNECTION,
-                         &Core::on_visit, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+    pass_ = Pass(settings_.token, port_);
+    daemon_ = MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Core::on_request, this,
+                               MHD_OPTION_LISTEN_SOCKET, socket.get(), MHD_OPTION_CONNECTION_LIMIT,
+                               static_cast<unsigned>(settings_.connections + settings_.strangers + on_their_way),
+                               MHD_OPTION_CONNECTION_MEMORY_LIMIT, request_bytes, MHD_OPTION_CONNECTION_TIMEOUT,
+                               static_cast<unsigned>(settings_.stalled.count()), MHD_OPTION_NOTIFY_CONNECTION,
+                               &Core::on_visit, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
     if (!daemon_)
         throw std::runtime_error("cannot serve HTTP at " + url_of(settings_.bind, port_));
     socket.release();  // the daemon closes it
@@ -189,23 +195,57 @@ void Server::Core::visit(MHD_Connection* connection, MHD_ConnectionNotificationC
     const int socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
     ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &socket_bytes, sizeof socket_bytes);
     visitors_[connection] = {socket, Clock::now()};
+    make_room();
+}
+
+/// Of those who say nothing, or not yet, the oldest goes: whoever means to ask does so at once.
+void Server::Core::make_room()
+{
+    std::size_t asking = 0;
+    Visitor* oldest = nullptr;
+    for (auto& [connection, visitor] : visitors_) {
+        if (visitor.doing != Visitor::asking)
+            continue;
+        ++asking;
+        if (!oldest || visitor.since < oldest->since)
+            oldest = &visitor;
+    }
+    if (asking <= settings_.strangers)
+        return;
+    ::shutdown(oldest->socket, SHUT_RDWR);
+    oldest->doing = Visitor::ended;
+}
+
+/// Are all places of those who may look taken, with that of whoever is answered now?
+bool Server::Core::full() const
+{
+    const auto answered = std::ranges::count_if(visitors_, [](const auto& row) {
+        return row.second.doing == Visitor::answering || row.second.doing == Visitor::streaming;
+    });
+    return static_cast<std::size_t>(answered) > settings_.connections;
 }
 
 MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
 {
-    const Answer answer = answer_to(request, exchange_, address_, {streams_, settings_.streams});
-    const Response response = answer.stream ? begin_stream(connection) : response_of(answer.body);
+    const Answer answer = full() ? Answer{503, "text/plain; charset=utf-8", "Too many are looking.\n"}
+                                 : answer_to(request, exchange_, address_, pass_, {streams_, settings_.streams});
+    const Response response = answer.stream ? begin_stream(connection, answer.plain) : response_of(answer.body);
     if (!response)
         return MHD_NO;
     MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
     for (const auto& [name, value] : headers)
         MHD_add_response_header(response.get(), name, value);
+    if (!answer.cookie.empty()) {
+        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_SET_COOKIE, answer.cookie.c_str());
+        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_LOCATION, "/");
+    }
     return MHD_queue_response(connection, answer.code, response.get());
 }
 
-Response Server::Core::begin_stream(MHD_Connection* connection)
+Response Server::Core::begin_stream(MHD_Connection* connection, bool plain)
 {
-    auto streaming = std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat)});
+    auto streaming =
+        std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat, plain)});
     Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read,
                                                         streaming.get(), &Core::on_stream_end),
                       MHD_destroy_response);
@@ -250,9 +290,17 @@ MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, cons
     auto& visitor = core.visitors_.at(connection);
     visitor.doing = Visitor::answering;
     visitor.since = Clock::now();
-    const char* host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);
+    const auto value = [&](MHD_ValueKind kind, const char* name) -> std::optional<std::string_view> {
+        const char* const text = MHD_lookup_connection_value(connection, kind, name);
+        return text ? std::optional<std::string_view>(text) : std::nullopt;
+    };
     try {
-        return core.answer(connection, {method, path, host ? std::optional<std::string_view>(host) : std::nullopt});
+        return core.answer(connection, {.method = method,
+                                        .path = path,
+                                        .host = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST),
+                                        .token = value(MHD_GET_ARGUMENT_KIND, "token").value_or(""),
+                                        .cookie = value(MHD_COOKIE_KIND, core.pass_.cookie_name().c_str()).value_or(""),
+                                        .site = value(MHD_HEADER_KIND, "Sec-Fetch-Site").value_or("")});
     } catch (const std::exception&) {  // no memory: this connection ends, the others go on
         return MHD_NO;
     }

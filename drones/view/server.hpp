@@ -11,13 +11,16 @@
 namespace view {
 
 /// One thread serves all browsers and never waits for one of them. Only GET; a request is small, soon complete, and
-/// says a Host of ours; each connection is one request.
+/// says a Host of ours and the token; each connection is one request. Who has not shown the token yet takes no place
+/// of those who have.
 class Server {
 public:
     struct Settings {
         std::string bind = "127.0.0.1";
         int port = 0;                                 ///< 0: any that is free
-        unsigned connections = 32;                    ///< at once; more wait until one ends
+        std::string token = {};                       ///< what browsers must know; empty: nobody may look
+        std::size_t connections = 32;                 ///< at once; more are answered 503
+        std::size_t strangers = 16;                   ///< that have not asked yet; one more, and the oldest is closed
         std::size_t streams = 8;                      ///< at once; more are answered 503
         std::chrono::milliseconds asking{5000};       ///< until the request is complete
         std::chrono::milliseconds answering{30'000};  ///< until the answer is read, but that of a stream

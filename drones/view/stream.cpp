@@ -19,7 +19,7 @@ bool Stream::begin_part(Exchange::Time now)
     const bool first = !jpeg_;
     if (!first && newest.version == version_ && now - begun_ < repeat_)
         return false;
-    jpeg_ = newest.picture->jpeg();
+    jpeg_ = plain_ ? newest.picture->plain_jpeg() : newest.picture->jpeg();
     version_ = newest.version;
     begun_ = now;
     sent_ = 0;

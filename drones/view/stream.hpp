@@ -15,7 +15,11 @@ public:
 
     /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that
     /// readers that are gone are noticed
-    Stream(const Exchange& exchange, std::chrono::milliseconds repeat) : exchange_(exchange), repeat_(repeat) {}
+    /// @param plain   without the caption
+    Stream(const Exchange& exchange, std::chrono::milliseconds repeat, bool plain = false)
+        : exchange_(exchange), repeat_(repeat), plain_(plain)
+    {
+    }
     /// Copies the next bytes; returns how many. 0: nothing to send at this time.
     std::size_t read(std::span<char> to, Exchange::Time now);
 
@@ -24,6 +28,7 @@ private:
 
     const Exchange& exchange_;
     std::chrono::milliseconds repeat_;
+    bool plain_;
     // What is on its way: the JPEG alone, so that a slow reader keeps no pixels of anybody.
     std::string head_;
     Jpeg jpeg_;

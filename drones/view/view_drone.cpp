@@ -3,6 +3,7 @@
 
 #include "display.hpp"
 #include "host.hpp"
+#include "pass.hpp"
 
 #include <hive/vision/image.hpp>
 
@@ -45,10 +46,12 @@ ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_
 void ViewDrone::declare()
 {
     drone_.parameter("http", http_, hive::between(0, 65535), "port of the page for browsers; 0: none");
-    drone_.parameter("bind", bind_, hive::anything(),
-                     "address of that page; 0.0.0.0: every address of this machine, for everybody who reaches it");
+    drone_.parameter("bind", bind_, hive::anything(), "address of that page; 0.0.0.0: every address of this machine");
+    drone_.parameter("token", token_, hive::anything(),
+                     "what browsers must say, as in http://127.0.0.1:8080/?token=TOKEN; empty: one is drawn");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
-    drone_.parameter("overlay", overlay_, hive::anything(), "write names, rate and age on the pictures");
+    drone_.parameter("overlay", overlay_, hive::anything(),
+                     "write names, rate and age on the pictures, but not on those of the page, which says so itself");
     drone_.parameter("quality", quality_, hive::between(1, 100), "quality of the JPEG for browsers");
     drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"),
                      "how long a picture is shown at least before the next is asked for");
@@ -69,15 +72,19 @@ void ViewDrone::apply()
 /// The old server ends first: both may want the same port. If the new one cannot listen, the old parameters come again.
 void ViewDrone::serve()
 {
-    const std::pair wanted(bind_, http_);
+    if (http_ != 0 && token_.empty())
+        token_ = Pass::draw_token();
+    const std::tuple wanted(bind_, http_, token_);
     if (wanted == served_)
         return;
     server_.reset();
     served_ = {};
     try {
         if (http_ != 0) {
-            server_ = std::make_unique<Server>(Server::Settings{.bind = bind_, .port = http_}, exchange_);
-            drone_.log("the page for browsers is " + url_of(bind_, http_));
+            server_ =
+                std::make_unique<Server>(Server::Settings{.bind = bind_, .port = http_, .token = token_}, exchange_);
+            drone_.log("the page for browsers is " + url_of(bind_, http_)
+                       + "?token=TOKEN; the parameter token says which");
         }
     } catch (const std::runtime_error& error) {
         throw hive::Error(hive::Errc::refused, error.what());
@@ -116,7 +123,7 @@ Picture::Content ViewDrone::content_of(const hive::Event& event) const
                                  }
                              },
                              nullptr};
-    if (event.type == "image/jpeg" && !overlay_) {
+    if (event.type == "image/jpeg" && (!overlay_ || server_)) {
         const std::span bytes(reinterpret_cast<const unsigned char*>(event.body.data()), event.body.size());
         content.jpeg = std::make_shared<const std::vector<unsigned char>>(bytes.begin(), bytes.end());
     }

@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -36,12 +37,12 @@ private:
 
     hive::Drone& drone_;
     int http_ = 0, quality_ = 80, hold_ms_ = 16;
-    std::string bind_ = "127.0.0.1", window_ = "auto";
+    std::string bind_ = "127.0.0.1", token_, window_ = "auto";
     bool overlay_ = true, display_ = false;
 
     Exchange exchange_;
     Rate rate_;
-    std::pair<std::string, int> served_;  ///< address and port; port 0: none
+    std::tuple<std::string, int, std::string> served_;  ///< address, port and token; port 0: none
     std::unique_ptr<Server> server_;
     std::unique_ptr<Window> windows_;  ///< from the first picture that wants one
     /// Pictures that are not yet done with, so that their senders wait, and until when.

@@ -1,7 +1,12 @@
 // Shows OpenCV's window, and polls it a hundred times a second for what the user does.
 #include "window.hpp"
 
+#include "display.hpp"
+
 #include <opencv2/highgui.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
 
 namespace view {
 namespace {
@@ -58,15 +63,31 @@ void Window::run(const std::function<void()>& closed)
 
 void Window::show(const Exchange::Newest& newest)
 {
-    if (!open_)
+    if (!open_) {
         cv::namedWindow(name, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
-    cv::imshow(name, newest.picture->shown());
+        room_ = room_for_window();  // as it is now; screens come and go
+    }
+    cv::imshow(name, fitted(newest.picture->shown(), room_));
     if (const auto& sender = newest.picture->origin().sender; sender != title_ || !open_) {
         cv::setWindowTitle(name, sender + " - Hive view");
         title_ = sender;
     }
     version_ = newest.version;
     open_ = true;
+}
+
+cv::Mat Window::fitted(const cv::Mat& picture, const std::optional<cv::Size>& room)
+{
+    if (!room || (picture.cols <= room->width && picture.rows <= room->height))
+        return picture;
+    const double scale =
+        std::min(static_cast<double>(room->width) / picture.cols, static_cast<double>(room->height) / picture.rows);
+    cv::Mat smaller;
+    cv::resize(
+        picture, smaller,
+        {std::max(1, static_cast<int>(scale * picture.cols)), std::max(1, static_cast<int>(scale * picture.rows))}, 0,
+        0, cv::INTER_AREA);
+    return smaller;
 }
 
 bool Window::ended_by_user()

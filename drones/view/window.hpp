@@ -1,10 +1,11 @@
-// A window that shows the newest picture in its own size.
+// A window that shows the newest picture, in its own size where the screen is large enough.
 #pragma once
 
 #include "exchange.hpp"
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <thread>
 
 namespace view {
@@ -25,6 +26,9 @@ public:
     /// There is a new picture. From any thread.
     void wake();
 
+    /// The picture, or a smaller one of the same shape that fits into the room. (For tests.)
+    static cv::Mat fitted(const cv::Mat& picture, const std::optional<cv::Size>& room);
+
 private:
     void run(const std::function<void()>& closed);
     void show(const Exchange::Newest& newest);
@@ -36,6 +40,7 @@ private:
     std::uint64_t version_ = 0;
     std::string title_;
     bool open_ = false;
+    std::optional<cv::Size> room_;  ///< for the window
     std::thread thread_;
 };
 

@@ -21,7 +21,7 @@ struct Options {
     std::vector<std::string> names;
     std::int64_t count = 0;  // 0: without end
     std::optional<int> within_ms;
-    bool notify = false;
+    bool notify = false, stay = false;
 };
 
 hive::Match rule(const Options& options)
@@ -84,7 +84,9 @@ int run(const Options& options, Session& session)
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
                                   .patience = session.patience(),
-                                  .reason = [&] { return reason_for_silence(application, outputs); }},
+                                  .reason = [&] { return reason_for_silence(application, outputs); },
+                                  .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
+                                  .silence = [&] { tell_standstill("collect", application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;
@@ -107,6 +109,7 @@ Run declare(CommandLine& line, Session& session)
         .type_name("MS")
         .between(0, 3'600'000);
     line.flag("--notify", options->notify, "receive headers only, so that the drones need not make the bodies");
+    line.flag("--stay", options->stay, "wait for more when every source has come to its end");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -121,7 +124,8 @@ Verb collect_verb()
             .details =
                 "Each line is a set with one event of each output, in the order in which they were named: source, "
                 "epoch and seq of the first event, spread_ms (how far apart the captures are) and events, each as "
-                "hivectl results prints it. Events without a partner are left out; the last lines on stderr say how "
+                "hivectl results prints it. Ends when every source has come to its end. Events without a partner are "
+                "left out; the last lines on stderr say how "
                 "many there were, where their partners were missing, and what was lost on the way.",
             .examples = "hivectl collect camera.image face.faces -n 5\n"
                         "hivectl collect left right --within 20 -n 5 | jq .spread_ms",

@@ -5,6 +5,8 @@
 #include "../interrupt.hpp"
 #include "../losses.hpp"
 #include "../output.hpp"
+#include "../printing.hpp"
+#include "../progress.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
 #include "../table.hpp"
@@ -28,7 +30,7 @@ struct Options {
     std::optional<double> seconds;
     double max_size = 0;
     int window = 64;
-    bool notify = false, stream = false, overwrite = false;
+    bool notify = false, stream = false, overwrite = false, stay = false;
 };
 
 /// A drone without a port means all of its outputs.
@@ -72,7 +74,7 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, hive::recording::Writer& writer, const Options& options,
+int take_events(hive::Collector& collector, hive::recording::Writer& writer, Progress& progress, const Options& options,
                 std::optional<std::chrono::milliseconds> patience, const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds
@@ -83,11 +85,15 @@ int take_events(hive::Collector& collector, hive::recording::Writer& writer, con
         if (Clock::now() >= limit) {
             writer.finish("time over");
         } else if (const auto event = collector.next(100ms)) {
+            progress.note(event->identity);
             if (event->received < limit)
                 hive::recording::append(writer, *event);
             if (writer.summary().events() == options.count)
                 writer.finish("count reached");
             last = Clock::now();
+        } else if (const auto end = options.stay ? std::nullopt : collector.ended()) {
+            writer.finish(end->empty() ? "end of source" : "end of source: " + *end);
+            return exit_code_at_end("record", *end);
         } else if (patience && Clock::now() - last >= *patience) {
             complain("record", "nothing came for " + duration_text(*patience / 1us) + "; " + reason());
             writer.finish("nothing came");
@@ -166,8 +172,11 @@ int run(const Options& options, Session& session)
                                     .overwrite = options.overwrite,
                                     .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
     const interrupt::Deferred deferred;
-    const int code = take_events(*collector, writer, options, session.patience(),
-                                 [&] { return reason_for_silence(application, outputs); });
+    const int code = [&] {
+        Progress progress(application, false);
+        return take_events(*collector, writer, progress, options, session.patience(),
+                           [&] { return reason_for_silence(application, outputs); });
+    }();
     note_losses(losses, application, outputs, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");
@@ -187,6 +196,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("--max-size", options->max_size, "end before the file grows larger")
         .type_name("MB")
         .between(0.001, 1e9);
+    line.flag("--stay", options->stay, "wait for more when every source has come to its end");
     line.flag("--overwrite", options->overwrite, "replace the file if it is there");
     const auto notify = line.flag("--notify", options->notify, "headers without bodies");
     const auto stream = line.flag("--stream", options->stream,
@@ -211,7 +221,8 @@ Verb record_verb()
             .group = "keep",
             .usage = "NAME[.OUTPUT]... -o FILE [-n N] [--for SECONDS] [options]",
             .summary = "Records what drones send into a file",
-            .details = "Records until Ctrl-C, or as long as -n, --for and --max-size say. Every event is kept whole: "
+            .details = "Records until every source has come to its end, until Ctrl-C, or as long as -n, --for and "
+                       "--max-size say. Every event is kept whole: "
                        "header, body, identity and time of arrival. If the recorder is killed, the file can be read up "
                        "to its last event. If anything is missing from the file, stderr and the end of the file say "
                        "how much and why, and the exit code is 8.",

@@ -5,6 +5,7 @@
 #include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
+#include "../progress.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
 #include "../table.hpp"
@@ -19,7 +20,7 @@ namespace {
 struct Options {
     std::vector<std::string> names;
     std::int64_t count = 0;  // 0: without end
-    bool ordered = false, notify = false, sync = false;
+    bool ordered = false, notify = false, sync = false, stay = false;
     int window = 0;  // 0: not said
 };
 
@@ -65,6 +66,20 @@ void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losse
             complain("results", "lost: " + printable(sentence(loss)));
 }
 
+/// Throws Errc::refused where nothing would ever come.
+void look_why(const Options& options, hive::Application& application, const std::vector<hive::Endpoint>& outputs)
+{
+    const auto standstill = standstill_behind(application, outputs);
+    if (options.notify && standstill.held)
+        throw hive::Error(hive::Errc::refused,
+                          "the source is on demand, so results wait for somebody who takes them, and --notify only "
+                          "watches: "
+                              + standstill.text,
+                          "leave --notify out, or connect a receiver");
+    if (!standstill.text.empty())
+        complain("results", "nothing comes: " + standstill.text);
+}
+
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
@@ -74,14 +89,19 @@ int run(const Options& options, Session& session)
         return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
     const auto losses = losses_from_now(application, outputs);
+    Progress progress(application, true);
     bool lossless = false;
     const int code = print_lines({.verb = "results",
                                   .count = options.count,
                                   .patience = session.patience(),
-                                  .reason = [&] { return reason_for_silence(application, outputs); }},
+                                  .reason = [&] { return reason_for_silence(application, outputs); },
+                                  .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
+                                  .silence = [&] { look_why(options, application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto event = collector->next(patience);
                                      lossless = lossless || (event && event->identity.lossless);
+                                     if (event && event->identity.lossless)
+                                         progress.note(event->identity);
                                      return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
                                  });
     const auto counts = collector->counts();
@@ -103,6 +123,7 @@ Run declare(CommandLine& line, Session& session)
     line.flag("--ordered", options->ordered,
               "print results in the order of capture, however many drones share the work");
     line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
+    line.flag("--stay", options->stay, "wait for more when every source has come to its end");
     const auto sync = line.flag("--sync", options->sync,
                                 "receive the newest result each time one has been printed, and skip those in between");
     line.option("--window", options->window,
@@ -121,7 +142,8 @@ Verb results_verb()
             .group = "look",
             .usage = "NAME[.OUTPUT]... [-n N] [options]",
             .summary = "Prints what drones find, one JSON object per line",
-            .details = "Each line has source, epoch and seq of the capture that the result belongs to, the sender and "
+            .details = "Ends when every source has come to its end and everything has been printed. Each line has "
+                       "source, epoch and seq of the capture that the result belongs to, the sender and "
                        "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
                        "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
                        "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "

@@ -41,6 +41,10 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
 {
     const auto collector = collect(output, file, session);
     const auto event = collector->next(session.timeout());
+    if (const auto end = event ? std::nullopt : collector->ended())
+        throw hive::Error(hive::Errc::not_found,
+                          to_text(output) + " has come to its end" + (end->empty() ? "" : ": " + *end),
+                          "start its source again");
     if (!event)
         throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time",
                           "see what it receives: hivectl edges " + output.drone

@@ -9,6 +9,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <sys/wait.h>
 
@@ -20,6 +21,7 @@ using namespace std::chrono_literals;
 struct Options {
     std::string from, encoding;
     int port = 0;
+    bool stay = false;
 };
 
 void require_somewhere(const Options& options)
@@ -38,8 +40,6 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
     return output;
 }
 
-std::string viewer_name(int number) { return number == 1 ? "viewer" : "viewer-" + std::to_string(number); }
-
 LaunchPlan plan_of(const Options& options, const std::string& name)
 {
     LaunchPlan plan{"view", "view", name, {}, Life::tied};
@@ -50,9 +50,17 @@ LaunchPlan plan_of(const Options& options, const std::string& name)
     return plan;
 }
 
-void report(const Options& options, const hive::Endpoint& output, const std::string& viewer, bool json)
+/// The address that a browser has to open; empty when there is a window instead.
+std::string url_of(const Options& options, hive::Application& application, const std::string& viewer)
 {
-    const std::string url = options.port != 0 ? "http://127.0.0.1:" + std::to_string(options.port) + "/" : "";
+    if (options.port == 0)
+        return "";
+    const auto token = application.get(viewer, {"token"}).at("token").get<std::string>();
+    return "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + token;
+}
+
+void report(const std::string& url, const hive::Endpoint& output, const std::string& viewer, bool json)
+{
     if (json)
         write_out(
             Row{{"from", to_text(output)}, {"drone", viewer}, {"url", url.empty() ? hive::Json() : hive::Json(url)}}
@@ -62,44 +70,39 @@ void report(const Options& options, const hive::Endpoint& output, const std::str
         write_out(url + "\n");
 }
 
-/// Until Ctrl-C, or until the drone ends because its window was closed.
-int look(Launch& launch)
+/// Has everything been shown that will ever come?
+bool all_shown(hive::Application& application, const std::string& viewer)
 {
-    while (interrupt::sleep(100ms))
-        if (const auto status = launch.process().ended())
-            return WIFEXITED(*status) && WEXITSTATUS(*status) == 0 ? exit_code::done : launch.died(*status);
-    return interrupt::exit_code();
+    const auto answer = application.status(std::vector{viewer}).at(0);
+    const auto shown = [](const hive::InputStatus& input) {
+        return input.why == hive::Reason::source_ended && input.queued == 0 && input.in_hand == 0;
+    };
+    return !answer.error && !answer.status.inputs.empty() && std::ranges::all_of(answer.status.inputs, shown);
 }
 
-/// Nothing of the drone is left, whichever way this ends. The log belongs to whoever has the name.
-class Removal {
-public:
-    Removal(Launch& launch, hive::Application& application, const std::string& name)
-        : launch_(launch), application_(application), name_(name)
-    {
+/// Until Ctrl-C, or until the drone ends because its window was closed, or until everything has been shown.
+int look(const Options& options, Launch& launch, hive::Application& application, const std::string& viewer)
+{
+    constexpr auto between_asking = 500ms;
+    auto next = std::chrono::steady_clock::now() + between_asking;
+    while (interrupt::sleep(100ms)) {
+        if (const auto status = launch.process().ended())
+            return WIFEXITED(*status) && WEXITSTATUS(*status) == 0 ? exit_code::done : launch.died(*status);
+        if (options.stay || std::chrono::steady_clock::now() < next)
+            continue;
+        if (all_shown(application, viewer))
+            return exit_code::done;
+        next = std::chrono::steady_clock::now() + between_asking;
     }
-    ~Removal()
-    {
-        launch_.process().end();
-        std::error_code ignored;
-        if (!runs(application_, name_))
-            std::filesystem::remove(launch_.log(), ignored);
-    }
-    Removal(const Removal&) = delete;
-    Removal& operator=(const Removal&) = delete;
-
-private:
-    Launch& launch_;
-    hive::Application& application_;
-    const std::string& name_;
-};
+    return interrupt::exit_code();
+}
 
 /// Throws Errc::name_taken when another drone has the name of the plan.
 int show(const Options& options, const hive::Endpoint& output, const LaunchPlan& plan, Session& session)
 {
     auto& application = session.application();
     Launch launch(session, plan);
-    const Removal removal(launch, application, plan.name);
+    const Removal removal(launch, application);
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;
     application.timeout(session.timeout());
@@ -107,23 +110,17 @@ int show(const Options& options, const hive::Endpoint& output, const LaunchPlan&
     connection.first_frame = true;
     connection.encoding = options.encoding;
     application.connect(output, {plan.name, "image"}, connection);
-    report(options, output, plan.name, session.json);
-    return look(launch);
+    report(url_of(options, application, plan.name), output, plan.name, session.json);
+    return look(options, launch, application, plan.name);
 }
 
-/// As the first of viewer, viewer-2, viewer-3 … that nobody has.
 int run(const Options& options, Session& session)
 {
     require_somewhere(options);
     const auto output = output_of(session.application(), options.from);
     const interrupt::Deferred deferred;
-    for (int number = 1;; ++number)
-        try {
-            return show(options, output, plan_of(options, viewer_name(number)), session);
-        } catch (const hive::Error& error) {
-            if (error.code() != hive::Errc::name_taken)
-                throw;
-        }
+    return as_first_free(
+        "viewer", [&](const std::string& name) { return show(options, output, plan_of(options, name), session); });
 }
 
 Run declare(CommandLine& line, Session& session)
@@ -134,6 +131,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
         .type_name("PORT")
         .between(1, 65535);
+    line.flag("--stay", options->stay, "go on showing the last picture when the source has come to its end");
     line.option("--encoding", options->encoding,
                 "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across "
                 "a network)")
@@ -151,7 +149,8 @@ Verb view_verb()
             .usage = "NAME[.OUTPUT] [--http PORT] [options]",
             .summary = "Shows the pictures that a drone sends, in a window or a browser",
             .details = "Runs a drone of the kind view until Ctrl-C, or until its window is closed (the key q closes it "
-                       "too). With --http it prints the address to open in a browser on this machine.",
+                       "too), or until the source has come to its end. With --http it prints the address to open in a "
+                       "browser on this machine.",
             .examples = "hivectl view camera\n"
                         "hivectl view face.annotated --http 8080",
             .timeout = "give up if the drone does not answer within this long (default 10)",

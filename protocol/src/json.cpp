@@ -84,6 +84,8 @@ private:
     template <class Value>
     bool add(Value&& value)
     {
+        if (++values_ > limits_.values)
+            return refuse(Errc::too_large, "more than " + std::to_string(limits_.values) + " values");
         if (!open_.empty() && open_.back()->is_array())
             slot_ = &open_.back()->get_ptr<Json::array_t*>()->emplace_back(std::forward<Value>(value));
         else
@@ -94,7 +96,8 @@ private:
     {
         if (open_.size() == limits_.depth)
             return refuse(Errc::too_large, too_deep(limits_));
-        add(type);
+        if (!add(type))
+            return false;
         open_.push_back(slot_);
         return true;
     }
@@ -108,6 +111,7 @@ private:
     Json result_;
     Json* slot_ = &result_;    ///< where the next value goes, unless an array is open
     std::vector<Json*> open_;  ///< the objects and arrays around it, outermost first
+    std::size_t values_ = 0;
     Errc code_ = Errc::malformed;
     std::string problem_;
 };

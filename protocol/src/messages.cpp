@@ -1,6 +1,7 @@
-// The JSON of hello, register, request and confirmation.
+// The JSON of hello, register, request, end and confirmation.
 #include <hive/name.hpp>
 #include <hive/plain_text.hpp>
+#include <hive/printable.hpp>
 #include <hive/protocol/messages.hpp>
 
 namespace hive::protocol {
@@ -114,6 +115,22 @@ Request request_from_json(const Json& object)
     return request;
 }
 
+Json to_json(const End& end)
+{
+    Json json = Json::object();
+    if (!end.text.empty())
+        json["text"] = end.text;
+    return json;
+}
+
+End end_from_json(const Json& object)
+{
+    End end{Fields(object, "end").text_or("text", "")};
+    if (end.text.size() > End::most_text)
+        throw Error(Errc::malformed, "end: \"text\" has at most " + std::to_string(End::most_text) + " bytes");
+    return end;
+}
+
 Json to_json(const Confirmation& confirmation)
 {
     Json json{{"id", confirmation.id}};
@@ -140,8 +157,8 @@ Confirmation confirmation_from_json(const Json& object)
         const Fields error(fields.object("error"), "confirmation error");
         confirmation.ok = false;
         confirmation.code = errc_from_token(error.text("code"));
-        confirmation.text = error.text_or("text", "");
-        confirmation.advice = error.text_or("advice", "");
+        confirmation.text = shortened(error.text_or("text", ""));
+        confirmation.advice = shortened(error.text_or("advice", ""));
     } else {
         confirmation.result = fields.object("result");
     }

@@ -35,6 +35,7 @@ std::string_view token(PacketType type) noexcept
     case PacketType::notification: return "notification";
     case PacketType::exception: return "exception";
     case PacketType::reference: return "reference";
+    case PacketType::end: return "end";
     case PacketType::connect: return "connect";
     case PacketType::disconnect: return "disconnect";
     case PacketType::set: return "set";

@@ -23,6 +23,7 @@ constexpr std::array reasons{
     std::pair{Reason::refused, "refused"},
     std::pair{Reason::no_input, "no_input"},
     std::pair{Reason::source_ended, "source_ended"},
+    std::pair{Reason::watched, "watched"},
 };
 
 constexpr std::array<std::pair<Fate, const char*>, fates> fate_tokens{{
@@ -60,9 +61,12 @@ constexpr std::array matching_numbers{
     std::pair{"sets", &MatchingStatus::sets}, std::pair{"waiting", &MatchingStatus::waiting},
     std::pair{"unmatched", &MatchingStatus::unmatched}, std::pair{"duplicates", &MatchingStatus::duplicates}};
 
-constexpr std::array status_numbers{std::pair{"pid", &Status::pid}, std::pair{"epoch", &Status::epoch},
-                                    std::pair{"uptime_us", &Status::uptime_us}, std::pair{"busy_us", &Status::busy_us},
-                                    std::pair{"busy_for_us", &Status::busy_for_us}};
+constexpr std::array status_numbers{std::pair{"pid", &Status::pid},
+                                    std::pair{"epoch", &Status::epoch},
+                                    std::pair{"uptime_us", &Status::uptime_us},
+                                    std::pair{"busy_us", &Status::busy_us},
+                                    std::pair{"busy_for_us", &Status::busy_for_us},
+                                    std::pair{"source_events", &Status::source_events}};
 
 template <class Value, class Table>
 void write_numbers(Json& json, const Value& value, const Table& table)

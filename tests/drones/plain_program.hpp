@@ -19,15 +19,17 @@ inline auto scene_pictures(const camera::SceneSettings& settings)
     return [scene = camera::Scene(settings)](std::int64_t sequence) { return scene.picture(sequence - 1).image; };
 }
 
-/// By sequence: what `of(sequence, foreground)` makes of each of so many pictures.
+/// By sequence: what `of(sequence, foreground, picture)` makes of each of so many pictures.
 template <class Picture, class Of>
 std::map<std::int64_t, Json> plain_program(Picture picture, background::ForegroundFinder finder, std::int64_t first,
                                            int pictures, Of of)
 {
     cv::setNumThreads(1);  // as the drones
     std::map<std::int64_t, Json> result;
-    for (std::int64_t sequence = first; sequence < first + pictures; ++sequence)
-        result[sequence] = of(sequence, finder.find(picture(sequence)));
+    for (std::int64_t sequence = first; sequence < first + pictures; ++sequence) {
+        const cv::Mat image = picture(sequence);
+        result[sequence] = of(sequence, finder.find(image), image);
+    }
     return result;
 }
 

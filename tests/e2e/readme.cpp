@@ -37,9 +37,9 @@ std::vector<std::string> shell_blocks(const fs::path& page)
 constexpr auto reader = R"(set -euo pipefail
 hivectl() {
     local code=0 limit=20
-    case "$1" in top|results|record|exceptions) limit=$patience ;; esac
+    case "$1" in top|results|record|save|exceptions) limit=$patience ;; esac
     timeout -s INT "$limit" "$program" "$@" || code=$?
-    case "$1:$code" in top:124|results:124|record:124|exceptions:124) return 0 ;; esac
+    case "$1:$code" in top:124|results:124|record:124|save:124|exceptions:124) return 0 ;; esac
     return $code
 }
 command -v jq > /dev/null || jq() { cat; }

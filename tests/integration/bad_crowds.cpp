@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <functional>
+#include <map>
 
 using namespace hostile;
 
@@ -255,5 +256,51 @@ TEST_CASE("hostile crowd: the confirmation of a registration comes before its fi
         }
         CHECK(confirmed);
         CHECK_FALSE(early);
+    }
+}
+
+TEST_CASE("hostile crowd: one peer may not have everything encoded in many ways; those that it may cost others little")
+{
+    const Prey prey = Prey::camera();
+    auto peer = prey.meet("greedy");
+    std::map<std::string, int> outcomes;
+    for (int i = 1; i <= 40; ++i) {
+        const auto answer =
+            peer.ask(raw::register_, registration(i, "image", {{"encoding", "jpeg:" + std::to_string(i)}}), i);
+        ++outcomes[raw::error_of(answer)];
+    }
+    CHECK(outcomes[""] == 4);
+    CHECK(outcomes["refused"] == 36);
+    for (int i = 41; i <= 50; ++i)  // the same ones again, and as they are, are not many
+        CHECK(raw::error_of(peer.ask(
+                  raw::register_, registration(i, "image", i % 2 ? Json{{"encoding", "jpeg:1"}} : Json::object()), i))
+              == "");
+}
+
+TEST_CASE("hostile crowd: a peer that breaks the rules again and again, or sends what nobody can read, fills no log")
+{
+    const Prey prey = Prey::face();
+    const auto begin = Clock::now();
+    for (int i = 0; i < 200; ++i) {
+        auto peer = prey.dial();
+        peer.send("this is no packet at all");
+        REQUIRE(peer.closed_within(within(2000)));
+    }
+    auto peer = prey.meet();
+    for (int i = 0; i < 200; ++i)
+        peer.ask(raw::put, {{"input", "image"}, {"type", "image/jpeg"}}, 0, "this is no picture at all");
+    REQUIRE(prey.well());
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - begin).count();
+    const std::string log = prey.log();
+    const auto lines = [&](const std::string& part) {
+        std::int64_t count = 0;
+        for (std::size_t at = log.find(part); at != std::string::npos; at = log.find(part, at + 1))
+            ++count;
+        return count;
+    };
+    for (const char* part : {"closed pid", "exception: malformed"}) {
+        CAPTURE(part);
+        CHECK(lines(part) >= 10);
+        CHECK(lines(part) <= 10 * (seconds + 2));
     }
 }

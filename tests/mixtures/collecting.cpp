@@ -43,7 +43,8 @@ Collecting::Collecting(const test::Swarm& swarm, const Topology& topology)
 void Collecting::run(const std::stop_token& ending)
 {
     while (!ending.stop_requested()) {
-        const auto result = results_->next(5ms), exception = exceptions_->next(0ms);
+        const auto result = results_->next(5ms);
+        const auto exception = exceptions_->next(results_->ended() ? 5ms : 0ms);  // one of the two waits
         const std::lock_guard lock(mutex_);
         if (result)
             came_.push_back(outcome_of(*result, false));

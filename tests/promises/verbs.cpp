@@ -85,3 +85,35 @@ TEST_CASE("verbs: three connects of one pair at once get three answers, and one 
     CHECK(is_connected(application, "worker"));
     CHECK(eventually([&] { return receivers(application, "source").size() == 1; }));
 }
+
+TEST_CASE("standstill: who gets nothing hears for whom the source waits, however far away it is, and so does ps")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    const auto fork = swarm.drone("fork", "fork"), slow = swarm.drone("sleeper", "slow", {"work_ms=60000"}),
+               quick = swarm.drone("sleeper", "quick");
+    auto application = swarm.application();
+    const auto collector = application.collect({{"slow", "result"}});
+    application.connect({"source", "tick"}, {"slow", "image"});
+    application.connect({"source", "tick"}, {"fork", "in"});
+    application.connect({"fork", "left"}, {"quick", "image"});
+    REQUIRE(eventually([&] { return is_busy(application, "slow"); }));
+    const auto waits = "tick: waits for slow.image to ask";
+    std::string said;
+    CHECK(eventually([&] {
+        said = swarm.hivectl({"results", "quick", "--timeout", "0.3"}).err;
+        return has(said, "source: ") && has(said, waits);
+    }));
+    CHECK_MESSAGE(has(swarm.hivectl_done({"ps"}), waits), said);
+}
+
+TEST_CASE("standstill: a watcher of a chain on demand is refused in words")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "source", "worker"});
+    const auto refused = swarm.hivectl({"results", "worker", "--notify"});
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "--notify only watches"), refused.err);
+}

@@ -20,6 +20,7 @@ Json normal_form(const std::string& message, const Json& header)
         {"hello", [](const Json& json) { return to_json(hello_from_json(json)); }},
         {"register", [](const Json& json) { return to_json(registration_from_json(json)); }},
         {"request", [](const Json& json) { return parse_json(to_text(request_from_text(to_text(json)))); }},
+        {"end", [](const Json& json) { return to_json(end_from_json(json)); }},
         {"segment", [](const Json& json) { return to_json(segment_from_json(json)); }},
         {"confirmation", [](const Json& json) { return to_json(confirmation_from_json(json)); }},
         {"connect", [](const Json& json) { return to_json(connect_from_json(json)); }},

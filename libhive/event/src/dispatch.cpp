@@ -27,9 +27,17 @@ void Dispatch::send(const Send& send, const std::string& encoding)
         encode(waiting, encoding);
 }
 
+void Dispatch::end(ReceiverId receiver)
+{
+    const auto line = lines_.find(receiver);
+    if (line == lines_.end())
+        return hooks_.end(receiver);
+    line->second.push_back(std::make_shared<Waiting>(Send{receiver, nullptr, {}, {}}, nullptr));
+}
+
 void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding)
 {
-    hooks_.on_encoder_thread([this, alive = std::weak_ptr(alive_), weak = std::weak_ptr(waiting), encoding] {
+    const auto job = [this, alive = std::weak_ptr(alive_), weak = std::weak_ptr(waiting), encoding] {
         const auto wanted = weak.lock();
         if (!wanted)
             return;
@@ -38,7 +46,8 @@ void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string
             if (!alive.expired())
                 made(weak, event, result);
         });
-    });
+    };
+    hooks_.on_encoder_thread(waiting->send.receiver, job);
 }
 
 /// On the encoder thread.
@@ -78,10 +87,13 @@ void Dispatch::advance(ReceiverId receiver)
     const auto line = lines_.find(receiver);
     if (line == lines_.end())
         return;
-    while (!line->second.empty() && line->second.front()->form) {
+    while (!line->second.empty() && line->second.front()->ready()) {
         const auto first = line->second.front();
         line->second.pop_front();
-        hooks_.transmit(first->send, *first->form);
+        if (first->form)
+            hooks_.transmit(first->send, *first->form);
+        else
+            hooks_.end(receiver);
     }
     if (line->second.empty())
         lines_.erase(line);

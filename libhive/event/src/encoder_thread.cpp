@@ -1,16 +1,19 @@
-// A thread with a queue of jobs.
+// A thread with a queue of jobs for each peer.
 #include <hive/event/encoder_thread.hpp>
 
 #include <utility>
 
 namespace hive::event {
 
-void EncoderThread::push(Job job)
+void EncoderThread::push(const std::string& peer, Job job)
 {
     const std::lock_guard lock(mutex_);
     if (ending_)
         return;
-    jobs_.push_back(std::move(job));
+    auto& jobs = jobs_[peer];
+    if (jobs.empty())
+        turns_.push_back(peer);
+    jobs.push_back(std::move(job));
     if (!thread_.joinable())
         thread_ = std::thread([this] { run(); });
     changed_.notify_one();
@@ -18,7 +21,7 @@ void EncoderThread::push(Job job)
 
 void EncoderThread::end()
 {
-    std::deque<Job> dropped;
+    std::map<std::string, std::deque<Job>> dropped;
     std::thread ended;
     {
         const std::lock_guard lock(mutex_);
@@ -32,6 +35,21 @@ void EncoderThread::end()
         ended.join();
 }
 
+/// With the mutex held.
+EncoderThread::Job EncoderThread::take()
+{
+    const auto peer = std::move(turns_.front());
+    turns_.pop_front();
+    const auto row = jobs_.find(peer);
+    Job job = std::move(row->second.front());
+    row->second.pop_front();
+    if (row->second.empty())
+        jobs_.erase(row);
+    else
+        turns_.push_back(peer);
+    return job;
+}
+
 void EncoderThread::run()
 {
     for (;;) {
@@ -41,8 +59,7 @@ void EncoderThread::run()
             changed_.wait(lock, [&] { return ending_ || !jobs_.empty(); });
             if (ending_)
                 return;
-            job = std::move(jobs_.front());
-            jobs_.pop_front();
+            job = take();
         }
         job();
     }

@@ -49,7 +49,7 @@ std::string EncodingChoice::of(const Event& event)
 std::string EncodingChoice::word() const
 {
     const auto encoding = fell_back_ ? preferred() : always_;
-    return encoding.empty() ? "as it is" : encoding;
+    return encoding.empty() ? as_it_is : encoding;
 }
 
 }  // namespace hive::event

@@ -65,6 +65,7 @@ void Group::join(ReceiverId id, std::string receiver, std::int64_t epoch, const 
 void Group::offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
 {
     ledger_->came();
+    go_on();
     lossless_ = event->lossless();
     if (!lossless_ && !fresh_.empty() && !fresh_.back()->lossless()) {
         fresh_.pop_back();
@@ -124,6 +125,30 @@ void Group::pump(Clock::time_point now, Decisions& decisions)
         fresh_.pop_front();
         give(member->first, member->second, turns_, now, decisions);
     }
+    tell_end(decisions);
+}
+
+/// Not before the others have answered: what they have in hand may still come to any member.
+void Group::tell_end(Decisions& decisions)
+{
+    if (!ended_ || !fresh_.empty() || !open_.empty())
+        return;
+    for (auto& [id, member] : members_)
+        if (!std::exchange(member.told_end, true))
+            decisions.ends.push_back(id);
+}
+
+void Group::end(Clock::time_point now, Decisions& decisions)
+{
+    ended_ = true;
+    pump(now, decisions);
+}
+
+void Group::go_on()
+{
+    ended_ = false;
+    for (auto& [id, member] : members_)
+        member.told_end = false;
 }
 
 void Group::give(ReceiverId id, Member& member, std::int64_t turn, Clock::time_point now, Decisions& decisions)

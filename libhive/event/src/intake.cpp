@@ -4,6 +4,7 @@
 #include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/name.hpp>
+#include <hive/printable.hpp>
 
 #include <algorithm>
 
@@ -19,7 +20,9 @@ constexpr auto patience = 3s;      // for one attempt to dial and register
 constexpr auto short_break = 10s;  // so long after a loss it is tried more often: most networks are back by then
 constexpr auto patience_in_break = 600ms;   // for one attempt to dial then, and six round trips more
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
+constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row for each input
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
+constexpr auto lost_for_good = 2s;          // who has not come back by then does not hold up the end of the others
 
 /// A socket file is the name of its drone; a port may be another one's by now.
 std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
@@ -39,10 +42,11 @@ Backoff backoff_for(const transport::Address& address)
 
 }  // namespace
 
-Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink)
+Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink, std::function<void()> on_end)
     : host_(host),
       spec_(std::move(spec)),
       sink_(std::move(sink)),
+      on_end_(std::move(on_end)),
       backoff_(backoff_for(spec_.address)),
       quick_backoff_(100ms, 200ms, static_cast<std::uint32_t>(wall_us())),
       timer_(host.context())
@@ -59,7 +63,7 @@ void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
 {
     before_ = std::exchange(spec_.options, options);
     first_ = std::move(on_outcome);
-    connected_ = false;
+    disconnected();
     link_->release_channel(channel_);  // what is under way there comes again
     register_on(link_, Clock::now() + patience);
 }
@@ -138,6 +142,8 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
         return link->close(error);
     }
     connected_ = true;
+    end_.reset();  // the sender tells of it again, if it is still so
+    on_end_();
     before_.reset();
     problem_.reset();
     backoff_.reset();
@@ -188,6 +194,7 @@ void Intake::failed(const Error& error)
         first(error);
     if (!stopped_)
         retry();
+    on_end_();
 }
 
 void Intake::retry()
@@ -262,8 +269,9 @@ void Intake::link_closed(const Link& link)
     if (link_.get() != &link)
         return;
     link_.reset();
-    if (!std::exchange(connected_, false))
+    if (!connected_)
         return;  // the pending registration reports it
+    disconnected();
     problem_ = Error(Errc::connection_lost, "connection lost");
     lost_ = Clock::now();
     round_trip_us_ = link.peer_clock().round_trip_us();
@@ -273,8 +281,27 @@ void Intake::link_closed(const Link& link)
         retry();
 }
 
+void Intake::disconnected()
+{
+    connected_ = false;
+    lost_at_ = Clock::now();
+}
+
+bool Intake::given_up() const { return !connected_ && Clock::now() - lost_at_ >= lost_for_good; }
+
+void Intake::note_end(std::optional<std::string> text)
+{
+    if (end_ == text)
+        return;
+    end_ = std::move(text);
+    on_end_();
+}
+
 void Intake::on_packet(const protocol::Packet& packet)
 {
+    if (packet.type == PacketType::end)
+        return note_end(protocol::end_from_json(parse_json(packet.header_text())).text);
+    note_end(std::nullopt);
     if (spec_.options.transfer == Transfer::synchronized && arrived() >= asked_)
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
     Event event = event_from_packet(packet);
@@ -351,6 +378,8 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
     if (stopped_) {
         try_to_leave();
         end_if_done();
+    } else if (end_ && all_worked()) {
+        on_end_();
     }
 }
 
@@ -413,15 +442,44 @@ InputStatus Intake::status() const
                        .last_age_us = age_us_,
                        .round_trip_us = link_ ? link_->peer_clock().round_trip_us() : 0,
                        .clock_offset_us = link_ ? link_->peer_clock().offset_us() : 0,
-                       .error = problem_ ? problem_->what() : ""};
+                       .error = problem_ ? shortened(problem_->what(), most_shown) : ""};
     status.in_hand = received_;
     for (const auto count : ended_)
         status.in_hand -= count;
     if (connected_)
         status.why = host_.paused();
-    else
+    if (end_ && status.why == Reason::none)
+        status.why = Reason::source_ended;
+    else if (!connected_)
         status.why = problem_ && problem_->code() == Errc::refused ? Reason::refused : Reason::dialing;
     return status;
+}
+
+namespace {
+
+/// Each text once, joined.
+void add_text(std::string& all, const std::string& text)
+{
+    if (!text.empty() && ("; " + all + "; ").find("; " + text + "; ") == std::string::npos)
+        all += (all.empty() ? "" : "; ") + text;
+}
+
+}  // namespace
+
+std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& intakes, bool worked)
+{
+    constexpr auto exceptions = "exceptions";  // they never end
+    bool any = false;
+    std::string text;
+    for (const auto& intake : intakes) {
+        if (intake->spec().output == exceptions)
+            continue;
+        if ((!intake->ended() && !intake->given_up()) || (worked && !intake->all_worked()))
+            return std::nullopt;
+        any = any || intake->ended();
+        add_text(text, intake->ended().value_or(""));
+    }
+    return any ? std::optional(text) : std::nullopt;
 }
 
 }  // namespace hive::event

@@ -34,6 +34,7 @@ void Line::offer(const EmissionPtr& event, Decisions& decisions)
     if (kept() && !*lossless_)
         return;  // it would be old when the receiver is back
     ledger_->came();
+    go_on();
     if (!credit_.streaming() && !must_stay(event) && !waiting_.empty() && !must_stay(waiting_.back().event)) {
         waiting_bytes_ -= waiting_.back().event->size();
         waiting_.pop_back();
@@ -71,6 +72,14 @@ void Line::pump(Decisions& decisions)
             item.event = nullptr;
         in_hand_.push_back(std::move(item));
     }
+    if (!kept() && waiting_.empty() && std::exchange(ending_, false))
+        decisions.ends.push_back(id_);
+}
+
+void Line::end(Decisions& decisions)
+{
+    ending_ = true;
+    pump(decisions);
 }
 
 /// The first time all receivers are told the same.
@@ -133,6 +142,7 @@ std::int64_t Line::resume(ReceiverId id, std::int64_t epoch, const ConnectionOpt
     id_ = id;
     epoch_ = epoch;
     options_ = options;
+    ending_ = false;
     kept_until_.reset();
     if (taken) {
         // It was there all the time: what it has taken and not done it still has in hand.

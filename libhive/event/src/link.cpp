@@ -1,5 +1,6 @@
 // Hello, requests with deadlines, dispatch by channel.
 #include <hive/event/link.hpp>
+#include <hive/printable.hpp>
 
 namespace hive::event {
 
@@ -31,7 +32,8 @@ void Link::start(Events events)
     events_ = std::move(events);
     const auto self = shared_from_this();
     connection_->start({.packet = [self](Packet&& packet) { self->on_packet(packet); },
-                        .closed = [self](const Error& reason) { self->on_closed(reason); }});
+                        .closed = [self](const Error& reason) { self->on_closed(reason); },
+                        .wants = [self](std::uint16_t channel) { return self->channels_.contains(channel); }});
     connection_->send(protocol::make_packet(PacketType::hello, to_text(protocol::to_json(self_))));
 }
 
@@ -41,7 +43,7 @@ void Link::on_packet(const Packet& packet)
         if (!open_)
             return on_hello(packet);
         if (packet.type == PacketType::event || packet.type == PacketType::notification
-            || packet.type == PacketType::exception) {
+            || packet.type == PacketType::exception || packet.type == PacketType::end) {
             if (const auto sink = channels_.find(packet.channel); sink != channels_.end())
                 ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
             return;
@@ -131,14 +133,15 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
     if (const auto* error = std::get_if<Error>(&outcome)) {
         confirmation.ok = false;
         confirmation.code = error->code();
-        confirmation.text = error->what();
-        confirmation.advice = error->advice();
+        confirmation.text = shortened(error->what());
+        confirmation.advice = shortened(error->advice());
     } else {
         confirmation.result = std::get<Json>(outcome);
     }
-    auto text = to_text(protocol::to_json(confirmation));
+    const Json header = protocol::to_json(confirmation);
+    auto text = to_text(header);
     try {
-        require_at_most("an answer", text.size(), protocol::Limits{}.header);
+        require_acceptable(header, text, {});
     } catch (const Error& error) {
         return answer(id, error);
     }

@@ -77,6 +77,15 @@ void Matcher::expire(TimePoint now)
     }
 }
 
+void Matcher::finish()
+{
+    if (match_.tolerance)
+        make_nearest_sets(never);
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+        while (!lines_[i].events().empty())
+            give_up(i, 0);
+}
+
 std::optional<Matcher::Set> Matcher::pop()
 {
     if (ready_.empty())

@@ -114,7 +114,8 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
         .changed = [this] { demand_changed(); },
         .failed = [this](const EmissionPtr& event) { on_failed(event); },
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
-        .on_encoder_thread = [this](std::function<void()> job) { encoder_thread_.push(std::move(job)); },
+        .on_encoder_thread = [this](const std::string& peer,
+                                    std::function<void()> job) { encoder_thread_.push(peer, std::move(job)); },
         .on_network_side = [this](std::function<void()> task) { post(std::move(task)); }};
     return outlets_.emplace_back(options_.self, std::move(port), carrier, std::move(encoder), std::move(hooks));
 }
@@ -125,8 +126,8 @@ transport::Address Module::listen(const transport::Address& address)
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
             if (links_.size() >= most_peers && !make_room()) {
-                log("refused " + connection->peer() + ": " + std::to_string(most_peers)
-                    + " peers are connected, and each has something to do here");
+                log_about(connection->peer(), "refused " + connection->peer() + ": " + std::to_string(most_peers)
+                                                  + " peers are connected, and each has something to do here");
                 return;
             }
             adopt(make_link(std::move(connection)), [](const LinkPtr&, const Error&) {});
@@ -154,9 +155,9 @@ bool Module::make_room()
     return true;
 }
 
-std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink)
+std::shared_ptr<Intake> Module::add_intake(IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end)
 {
-    return intakes_.emplace_back(std::make_shared<Intake>(*this, std::move(spec), std::move(sink)));
+    return intakes_.emplace_back(std::make_shared<Intake>(*this, std::move(spec), std::move(sink), std::move(on_end)));
 }
 
 void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<void()> left)

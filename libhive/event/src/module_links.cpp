@@ -12,7 +12,8 @@ using protocol::PacketType;
 
 LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection)
 {
-    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits, pool_, can_map_);
+    const bool maps = !unmappable_.contains(connection->peer());
+    return std::make_shared<Link>(std::move(connection), options_.self, options_.limits, pool_, maps);
 }
 
 void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)
@@ -138,13 +139,29 @@ Fate fate_by(Link& link, const Error& reason)
 
 }  // namespace
 
+/// By its address alone: each connection has another port.
+void Module::log_about(const std::string& peer, const std::string& text)
+{
+    if (const auto left_out = lines_.ask(peer.substr(0, peer.rfind(':')), Clock::now()))
+        log(text + left_out_text(*left_out));
+}
+
+/// What this peer shares could not be mapped: when it comes again, it does without. The others go on sharing.
+void Module::come_through_the_socket(const std::string& peer)
+{
+    constexpr std::size_t most_remembered = 256;
+    if (unmappable_.size() >= most_remembered)
+        unmappable_.erase(unmappable_.begin());
+    unmappable_.insert(peer);
+}
+
 void Module::on_closed(Link& link, const Error& reason)
 {
     if (reason.code() == Errc::io)
-        can_map_ = false;  // from now on bodies come through the socket
+        come_through_the_socket(link.connection().peer());
     if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch
         || reason.code() == Errc::io)
-        log("closed " + link.connection().peer() + ": " + reason.what());
+        log_about(link.connection().peer(), "closed " + link.connection().peer() + ": " + reason.what());
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
     links_.erase(link.shared_from_this());
     last_one_gone();

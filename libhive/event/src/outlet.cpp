@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <limits>
+#include <set>
 
 namespace hive::event {
 
@@ -19,6 +20,9 @@ ReceiverTable::Defences defences()
             .places = std::getenv("HIVE_TEST_NO_PLACES") == nullptr};
 }
 
+/// Of what is said about an end; cut so that it still fits when a broken character at its end becomes longer.
+constexpr std::size_t longest_text = protocol::End::most_text - 24;
+
 /// May a receiver that was lost come back? A drone may be started again; an application that died does not.
 bool returns(const Link& link, Fate how) { return link.peer().kind != "application" || how != Fate::lost_killed; }
 
@@ -32,8 +36,13 @@ Outlet::Outlet(const protocol::Hello& drone, Port port, PacketType carrier, Enco
       table_(drone.name + "." + port_.name, drone.epoch, defences()),
       dispatch_(encoder_, {.transmit = [this](const Send& send, const Emission& form) { transmit(send, form); },
                            .not_encoded = hooks_.not_encoded,
-                           .on_encoder_thread = hooks_.on_encoder_thread,
-                           .on_network_side = hooks_.on_network_side})
+                           .on_encoder_thread =
+                               [this](ReceiverId receiver, std::function<void()> job) {
+                                   const auto& peer = places_.at(receiver).link->connection().peer();
+                                   hooks_.on_encoder_thread(peer, std::move(job));
+                               },
+                           .on_network_side = hooks_.on_network_side,
+                           .end = [this](ReceiverId receiver) { transmit_end(receiver); }})
 {
 }
 
@@ -51,6 +60,22 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
         throw Error(Errc::refused,
                     registration.receiver + " keeps state between events, so it must see every one: it cannot share");
     (void)choice(link, registration);
+    require_few_encodings(link, registration);
+}
+
+/// Each encoding is made once for all who want it; one peer that wanted many would have everybody pay for them.
+void Outlet::require_few_encodings(const Link& link, const protocol::Registration& registration) const
+{
+    constexpr std::size_t most_encodings = 4;
+    std::set<std::string> encodings{registration.options.encoding};
+    for (const auto& [id, place] : places_)
+        if (place.link.get() == &link)
+            encodings.insert(place.encoding.word());
+    encodings.erase("");
+    encodings.erase(EncodingChoice::as_it_is);
+    if (!registration.options.encoding.empty() && encodings.size() > most_encodings)
+        throw Error(Errc::refused, "output " + port_.name + " encodes its events in " + std::to_string(most_encodings)
+                                       + " ways at most for one peer");
 }
 
 std::size_t Outlet::receivers(const Link& link) const
@@ -133,6 +158,16 @@ void Outlet::offer(const EmissionPtr& event, bool hold)
     execute(decisions);
 }
 
+void Outlet::end(const std::string& text)
+{
+    end_text_ = text.substr(0, longest_text);
+    Decisions decisions;
+    table_.end(Clock::now(), decisions);
+    execute(decisions);
+}
+
+void Outlet::go_on() { table_.go_on(); }
+
 void Outlet::release_held()
 {
     table_.release_held();
@@ -162,6 +197,9 @@ void Outlet::execute(const Decisions& decisions)
             dispatch_.send(send, send.delivery == Delivery::data ? place->second.encoding.of(send.event->event())
                                                                  : std::string());
     }
+    for (const auto receiver : decisions.ends)
+        if (places_.contains(receiver))
+            dispatch_.end(receiver);
     for (const auto& event : decisions.failed)
         hooks_.failed(event);
     refresh();
@@ -184,6 +222,13 @@ void Outlet::transmit(const Send& send, const Emission& form)
         });
     place.shared += carriage == transport::Carriage::reference ? 1 : 0;
     place.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
+}
+
+void Outlet::transmit_end(ReceiverId receiver)
+{
+    const Place& place = places_.at(receiver);
+    place.link->connection().send(
+        protocol::make_packet(PacketType::end, to_text(protocol::to_json(protocol::End{end_text_})), place.channel));
 }
 
 void Outlet::refresh()

@@ -24,6 +24,8 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
         newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
     if (newcomer.options.delivery == Delivery::data && !held_.empty())
         offer_held(newcomer, now, decisions);
+    if (ended_)
+        tell_end(newcomer, now, decisions);
     return welcome;
 }
 
@@ -101,6 +103,33 @@ void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, 
             groups_.at(group->second).offer(event, now, decisions);
         else
             seats_.at(newcomer.id).line.offer(event, decisions);
+}
+
+void ReceiverTable::tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    if (Group* group = group_of(newcomer.id))
+        group->end(now, decisions);
+    else
+        seats_.at(newcomer.id).line.end(decisions);
+}
+
+void ReceiverTable::end(Clock::time_point now, Decisions& decisions)
+{
+    if (std::exchange(ended_, true))
+        return;
+    for (auto& [id, seat] : seats_)
+        seat.line.end(decisions);
+    for (auto& [name, group] : groups_)
+        group.end(now, decisions);
+}
+
+void ReceiverTable::go_on()
+{
+    ended_ = false;
+    for (auto& [id, seat] : seats_)
+        seat.line.go_on();
+    for (auto& [name, group] : groups_)
+        group.go_on();
 }
 
 Group* ReceiverTable::group_of(Id id)
@@ -185,6 +214,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     const auto kept = event->event().custody ? event->without_custody() : event;
     const bool whole = event->serves(Delivery::data);
     bool received = false;
+    ended_ = false;
     for (auto& [id, seat] : seats_)
         if (event->serves(seat.line.options().delivery)) {
             seat.line.offer(seat.line.takes_bodies() ? event : kept, decisions);

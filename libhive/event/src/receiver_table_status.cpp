@@ -32,12 +32,22 @@ bool ReceiverTable::timed() const
     return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.leasing(); });
 }
 
+/// Does anything wait here for anybody?
+bool ReceiverTable::waits() const
+{
+    return std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.waiting() > 0; })
+           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.waiting() > 0; })
+           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.waiting() > 0; });
+}
+
 Reason ReceiverTable::why() const
 {
     if (!held_.empty())
         return Reason::held;
+    if (ended_ && !waits())
+        return Reason::source_ended;
     if (!wanted())
-        return Reason::no_receiver;
+        return seats_.empty() ? Reason::no_receiver : Reason::watched;
     if (!kept_.empty())
         return Reason::place_kept;
     for (const auto& [name, group] : groups_)

@@ -6,12 +6,38 @@
 #include <hive/event/answer_filter.hpp>
 #include <hive/event/receipt.hpp>
 
+#include <mutex>
 #include <set>
 
 namespace hive {
 namespace {
 
 constexpr auto exceptions_output = "exceptions";
+
+/// Whether the connections of a collector have ended. Kept by them while they leave, too.
+class Ends {
+public:
+    /// Network side.
+    void look(event::Mailbox& mailbox)
+    {
+        const std::lock_guard lock(mutex_);
+        text_ = event::end_of(intakes, false);
+        if (text_)
+            mailbox.nudge();
+    }
+    /// Any thread.
+    [[nodiscard]] std::optional<std::string> text() const
+    {
+        const std::lock_guard lock(mutex_);
+        return text_;
+    }
+
+    std::vector<std::shared_ptr<event::Intake>> intakes;  ///< network side
+
+private:
+    mutable std::mutex mutex_;
+    std::optional<std::string> text_;
+};
 
 /// Intakes whose events meet in one mailbox, taken by the user thread.
 class MailboxCollector final : public Collector {
@@ -30,6 +56,7 @@ public:
     void hear_exceptions(const std::string& drone);
 
     std::optional<Event> next(std::chrono::milliseconds patience) override;
+    [[nodiscard]] std::optional<std::string> ended() override;
     [[nodiscard]] CollectCounts counts() const override;
     [[nodiscard]] std::vector<InputStatus> inputs() const override;
     [[nodiscard]] bool ordered() const noexcept { return options_.ordered; }
@@ -46,7 +73,7 @@ private:
     const Directory& directory_;
     CollectOptions options_;
     std::shared_ptr<event::Mailbox> mailbox_ = std::make_shared<event::Mailbox>();
-    std::vector<std::shared_ptr<event::Intake>> intakes_;
+    std::shared_ptr<Ends> ends_ = std::make_shared<Ends>();
     event::AnswerFilter filter_;
     Reorder reorder_;
     std::set<std::string> followed_;
@@ -55,9 +82,10 @@ private:
 
 MailboxCollector::~MailboxCollector()
 {
-    const auto remaining = std::make_shared<std::size_t>(intakes_.size());
+    const auto remaining = std::make_shared<std::size_t>();
     module_.call([&] {
-        for (const auto& intake : intakes_)
+        *remaining = ends_->intakes.size();
+        for (const auto& intake : std::exchange(ends_->intakes, {}))
             module_.remove_intake(intake, [remaining] { --*remaining; });
     });
     // Nobody will take what is still here. An input that leaves waits for lossless events in hand.
@@ -69,6 +97,10 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                                      const std::string& output, const ConnectionOptions& connection)
 {
     const auto sink = [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); };
+    const auto look = [mailbox = mailbox_, weak = std::weak_ptr(ends_)] {
+        if (const auto ends = weak.lock())
+            ends->look(*mailbox);
+    };
     const auto intake = module_.add_intake({.sender = place.drone,
                                             .output = output,
                                             .address = transport::parse_address(place.address),
@@ -76,8 +108,10 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                             .receiver = module_.self().name,
                                             .accepts = "*/*",
                                             .options = connection},
-                                           sink);
-    return intakes_.emplace_back(intake);
+                                           sink, look);
+    ends_->intakes.push_back(intake);
+    look();  // while it is not known to have ended, neither have all
+    return intake;
 }
 
 void MailboxCollector::receive(const std::string& drone, const Place& place, const std::string& output,
@@ -135,6 +169,8 @@ std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
             ++counts_.received;
             return event;
         }
+        if (ended())
+            return std::nullopt;
         const auto due = reorder_.deadline();
         auto item = module_.next(*mailbox_, due ? std::min(*due, deadline) : deadline);
         if (item)
@@ -145,6 +181,15 @@ std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
         if (!item && event::Clock::now() >= deadline)
             return std::nullopt;
     }
+}
+
+std::optional<std::string> MailboxCollector::ended()
+{
+    auto text = ends_->text();  // first: what has come before the end is in the mailbox when this is known
+    if (!text || mailbox_->events() > 0)
+        return std::nullopt;
+    reorder_.finish(event::Clock::now());
+    return reorder_.empty() ? text : std::nullopt;
 }
 
 std::optional<Event> MailboxCollector::take(Event event)
@@ -198,7 +243,7 @@ std::vector<InputStatus> MailboxCollector::inputs() const
 {
     std::vector<InputStatus> rows;
     module_.call([&] {
-        for (const auto& intake : intakes_)
+        for (const auto& intake : ends_->intakes)
             rows.push_back(intake->status());
     });
     return rows;

@@ -23,6 +23,8 @@ public:
             matcher_.expire(event::Clock::now());
             if (auto set = matcher_.pop())
                 return set;
+            if (ended())
+                return matcher_.pop();
             const auto until = std::min(deadline, matcher_.deadline().value_or(deadline)) - event::Clock::now();
             if (auto event = collector_->next(
                     std::max(std::chrono::ceil<std::chrono::milliseconds>(until), std::chrono::milliseconds(0))))
@@ -30,6 +32,14 @@ public:
             else if (event::Clock::now() >= deadline)
                 return std::nullopt;
         }
+    }
+
+    [[nodiscard]] std::optional<std::string> ended() override
+    {
+        auto text = collector_->ended();
+        if (text)
+            matcher_.finish();
+        return matcher_.ready() ? std::nullopt : text;
     }
 
     [[nodiscard]] MatchCounts counts() const override { return matcher_.counts(); }

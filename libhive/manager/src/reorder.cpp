@@ -22,6 +22,7 @@ bool Reorder::push(Event event, TimePoint now)
     }
     Line& line = lines_[key_of(*share)];
     line.lossless = event.identity.lossless;
+    line.finished = false;
     line.closed = std::max(line.closed, share->closed);
     if (line.first == 0) {
         line.first = line.expected = std::min(line.closed + 1, share->turn);
@@ -77,7 +78,15 @@ Reorder::TimePoint Reorder::due(const Line& line) const
         return line.stuck_since;
     if (line.expected <= line.joined && !line.open.contains(line.expected))
         return line.stuck_since + std::min(patience_, join_patience);
-    return line.stuck_since + (line.expected <= line.closed ? std::min(patience_, closed_patience) : patience_);
+    return line.stuck_since
+           + (line.finished || line.expected <= line.closed ? std::min(patience_, closed_patience) : patience_);
+}
+
+void Reorder::finish(TimePoint now)
+{
+    for (auto& [key, line] : lines_)
+        if (!std::exchange(line.finished, true))
+            line.stuck_since = now;  // an exception may still tell that there is no result
 }
 
 void Reorder::expire(TimePoint now)

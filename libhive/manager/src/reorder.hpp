@@ -37,12 +37,16 @@ public:
     bool push(Event event, TimePoint now);
     /// This turn has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
+    /// Nothing more will come: what is missing now is not waited for much longer.
+    void finish(TimePoint now);
     /// Gives up what has been waited for too long.
     void expire(TimePoint now);
     /// The next event in order, if it is here.
     std::optional<Event> pop();
     /// When expire() may have something to do.
     [[nodiscard]] std::optional<TimePoint> deadline() const;
+    /// Does nothing wait here?
+    [[nodiscard]] bool empty() const { return ready_.empty() && !deadline(); }
     [[nodiscard]] std::int64_t failed() const noexcept { return failed_; }
     [[nodiscard]] std::int64_t missing() const noexcept { return missing_; }
     /// The first of the turns that are missing, by whose they are: "camera.image#workers".
@@ -59,6 +63,7 @@ private:
         std::int64_t closed = 0;    ///< this turn and all before it have had their answer
         std::int64_t joined = 0;    ///< the last that had been given out when this began to receive
         bool lossless = false;
+        bool finished = false;        ///< nothing more will come
         std::set<std::int64_t> open;  ///< of those up to joined: a worker has them in hand
         std::set<std::int64_t> failed;
         std::set<std::int64_t> passed;  ///< given up

@@ -1,14 +1,17 @@
 // The system calls.
 #include <hive/recording/file.hpp>
+#include <hive/recording/format.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
+#include <linux/openat2.h>
 #include <stdexcept>
 #include <string>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/uio.h>
 #include <system_error>
 #include <unistd.h>
@@ -19,20 +22,42 @@ namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
 
-void check_path(const std::filesystem::path& path, bool overwrite)
+namespace fs = std::filesystem;
+
+constexpr int owner_alone = 0600;  // what cameras see is nobody else's business
+
+/// What the system means when it does not make the file.
+[[noreturn]] void refuse(int error, const fs::path& folder, const fs::path& path)
 {
-    std::error_code problem;
-    const auto parent = std::filesystem::absolute(path).parent_path();
-    if (!std::filesystem::is_directory(parent, problem))
-        throw std::runtime_error("there is no folder " + parent.string());
-    const auto status = std::filesystem::status(path, problem);
-    if (!std::filesystem::exists(status))
-        return;
-    if (!std::filesystem::is_regular_file(status))
-        throw std::runtime_error(path.string() + " is not a file");
-    if (!overwrite)
+    const auto whole = (folder / path).string();
+    switch (error) {
+    case EXDEV: throw std::runtime_error(whole + " does not lie below " + folder.string());
+    case ELOOP: throw std::runtime_error(whole + " is a symbolic link, or behind one");
+    case ENOENT:
+    case ENOTDIR: throw std::runtime_error("there is no folder " + (folder / path).parent_path().string());
+    case EISDIR: throw std::runtime_error(whole + " is not a file");
+    case EEXIST:
         throw std::runtime_error(
-            path.string() + " is there already; choose another name, or overwrite it (overwrite=on, --overwrite)");
+            whole + " is there already; choose another name, or overwrite it (overwrite=on, --overwrite)");
+    default: errno = error; fail("cannot make " + whole);
+    }
+}
+
+int open_below(const fs::path& folder, const fs::path& path, bool overwrite)
+{
+    const int place = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (place < 0)
+        refuse(errno, folder, path);
+    open_how how{};
+    how.flags = O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | (overwrite ? 0U : static_cast<unsigned>(O_EXCL));
+    how.mode = owner_alone;
+    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS;
+    const auto descriptor = static_cast<int>(::syscall(SYS_openat2, place, path.c_str(), &how, sizeof how));
+    const int error = errno;
+    ::close(place);
+    if (descriptor < 0)
+        refuse(error, folder, path);
+    return descriptor;
 }
 
 /// Moves the beginning of the parts on by what was written; at most a handful of parts.
@@ -62,17 +87,24 @@ File File::open_to_read(const std::filesystem::path& path)
     return file;
 }
 
-File File::create(const std::filesystem::path& path, bool overwrite)
+File File::create(const std::filesystem::path& folder, const std::filesystem::path& path, bool overwrite)
 {
-    check_path(path, overwrite);
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (overwrite ? 0 : O_EXCL), 0666);
-    if (descriptor < 0)
-        fail("cannot make " + path.string());
-    File file(descriptor);
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
-        throw std::runtime_error("another process is recording into " + path.string());
+    File file(open_below(folder, path, overwrite));
+    struct stat info {};
+    if (::fstat(file.descriptor_, &info) != 0 || !S_ISREG(info.st_mode))
+        throw std::runtime_error((folder / path).string() + " is not a file");
+    if (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0)
+        throw std::runtime_error("another process is recording into " + (folder / path).string());
+    if (!file.is_empty_or_recording())
+        throw std::runtime_error((folder / path).string() + " is no recording, and is not overwritten");
     file.truncate(0);
     return file;
+}
+
+bool File::is_empty_or_recording() const
+{
+    std::array<std::byte, file_magic.size()> magic{};
+    return size() == 0 || (read(0, magic) && std::ranges::equal(magic, std::as_bytes(std::span(file_magic))));
 }
 
 File::~File()

@@ -1,8 +1,9 @@
 // Prefixes as bytes, summaries as JSON, ports from tracks.
 #include <hive/recording/format.hpp>
+#include <hive/json.hpp>
 #include <hive/name.hpp>
+#include <hive/printable.hpp>
 
-#include <nlohmann/json.hpp>
 #include <zlib.h>
 
 #include <algorithm>
@@ -11,7 +12,8 @@
 
 namespace hive::recording {
 
-using Json = nlohmann::json;
+using hive::Fields;
+using hive::Json;
 
 namespace {
 
@@ -29,13 +31,25 @@ Json to_json(const Track& track)
             {"first_us", track.first_us}, {"last_us", track.last_us}};
 }
 
+std::int64_t count_from(const Fields& fields, const char* key)
+{
+    return fields.integer(key, 0, hive::max_json_integer);
+}
+
+std::int64_t time_from(const Fields& fields, const char* key) { return fields.integer(key, 0, most_time_us); }
+
 Track track_from(const Json& json)
 {
-    Track track{json.at("sender"), json.at("output"),       json.at("type"),     json.at("events"),
-                json.at("bytes"),  json.at("without_body"), json.at("first_us"), json.at("last_us")};
-    if (!hive::is_name(track.sender) || !hive::is_name(track.output))
-        throw std::invalid_argument("a name that is none");
-    return track;
+    const Fields fields(json, "track");
+    return {fields.name("sender"),         fields.name("output"),       fields.text("type"),
+            count_from(fields, "events"),  count_from(fields, "bytes"), count_from(fields, "without_body"),
+            time_from(fields, "first_us"), time_from(fields, "last_us")};
+}
+
+Loss loss_from(const Json& json)
+{
+    const Fields fields(json, "loss");
+    return {shortened(fields.text("from")), shortened(fields.text("reason")), count_from(fields, "events")};
 }
 
 bool has_type(const std::string& types, const std::string& type)
@@ -102,7 +116,7 @@ std::optional<Prefix> decode(std::span<const std::byte, prefix_size> bytes)
                         small(24),
                         small(28)};
     const bool known = prefix.kind == Kind::begin || prefix.kind == Kind::event || prefix.kind == Kind::end;
-    if (!known || small(32) != crc(bytes.first(32)) || prefix.time_us < 0)
+    if (!known || small(32) != crc(bytes.first(32)) || prefix.time_us < 0 || prefix.time_us > most_time_us)
         return std::nullopt;
     return prefix;
 }
@@ -125,14 +139,29 @@ std::string to_text(const Summary& summary)
         .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Track track_of_event(std::string_view header)
+{
+    const Json json = hive::parse_json(header, {.bytes = most_text});
+    const Fields fields(json, "event");
+    return {fields.name("sender"), fields.name("output"), fields.text("type")};
+}
+
+std::int64_t begun_from(std::string_view text)
+{
+    const Json json = hive::parse_json(text);
+    return count_from(Fields(json, "beginning"), "begun_us");
+}
+
 std::optional<Summary> summary_from(std::string_view text)
 try {
-    const Json json = Json::parse(text);
-    Summary summary{json.at("begun_us"), json.at("duration_us"), {}, {}, json.at("ended")};
-    for (const auto& track : json.at("tracks"))
+    const Json json = hive::parse_json(text, {.bytes = most_end_text, .depth = 4});
+    const Fields fields(json, "end");
+    Summary summary{
+        count_from(fields, "begun_us"), time_from(fields, "duration_us"), {}, {}, shortened(fields.text("ended"))};
+    for (const auto& track : fields.array("tracks"))
         summary.tracks.push_back(track_from(track));
-    for (const auto& loss : json.at("lost"))
-        summary.lost.push_back({loss.at("from"), loss.at("reason"), loss.at("events")});
+    for (const auto& loss : fields.array("lost"))
+        summary.lost.push_back(loss_from(loss));
     return summary.tracks.size() <= most_tracks && !summary.ended.empty() ? std::optional(summary) : std::nullopt;
 } catch (const std::exception&) {
     return std::nullopt;

@@ -1,11 +1,9 @@
 // The end first, when there is one; otherwise from record to record.
 #include <hive/recording/reader.hpp>
-#include <hive/name.hpp>
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace hive::recording {
 namespace {
@@ -39,7 +37,8 @@ std::optional<Prefix> Reader::prefix_at(std::uint64_t offset) const
         return std::nullopt;
     const auto prefix = decode(bytes);
     const bool sane = prefix && prefix->record_size() <= size_ - offset
-                      && prefix->text_size <= (prefix->kind == Kind::end ? most_end_text : most_text);
+                      && prefix->text_size <= (prefix->kind == Kind::end ? most_end_text : most_text)
+                      && prefix->body_size <= most_body;
     return sane ? prefix : std::nullopt;
 }
 
@@ -97,15 +96,14 @@ bool Reader::learn(const Record& record)
 try {
     const Prefix& prefix = record.prefix;
     if (prefix.kind == Kind::begin) {
-        summary_.begun_us = nlohmann::json::parse(text(record)).at("begun_us");
+        summary_.begun_us = begun_from(text(record));
         return true;
     }
     auto& tracks = summary_.tracks;
     if (prefix.track == tracks.size() && tracks.size() < most_tracks) {
-        const auto header = nlohmann::json::parse(text(record));
-        const Track track{header.at("sender"), header.at("output"), header.at("type"), 0, 0, 0, prefix.time_us};
-        if (hive::is_name(track.sender) && hive::is_name(track.output))
-            tracks.push_back(track);
+        Track track = track_of_event(text(record));
+        track.first_us = prefix.time_us;
+        tracks.push_back(std::move(track));
     }
     if (prefix.track >= tracks.size())
         return false;

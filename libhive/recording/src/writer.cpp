@@ -38,17 +38,35 @@ std::string reason_of(int error)
     return error == ENOSPC || error == EDQUOT || error == EFBIG ? "disk full" : std::strerror(error);
 }
 
+/// Files that shells and programs read of their own accord begin with a dot.
+void require_visible(const std::filesystem::path& path)
+{
+    for (const auto& part : path)
+        if (part.string().starts_with('.') && part != "." && part != "..")
+            throw std::runtime_error(path.string() + " is hidden; a recording is not");
+}
+
+File create(const WriterSettings& settings)
+{
+    if (settings.folder.empty()) {
+        const auto path = std::filesystem::absolute(settings.path);
+        return File::create(path.parent_path(), path.filename(), settings.overwrite);
+    }
+    require_visible(settings.path);
+    return File::create(settings.folder, settings.path, settings.overwrite);
+}
+
 }  // namespace
 
 Writer::Writer(const WriterSettings& settings)
-    : file_(File::create(settings.path, settings.overwrite)), limits_(settings.limits), most_(file_size_limit())
+    : file_(create(settings)), limits_(settings.limits), most_(file_size_limit())
 {
     try {
         make_room(file_magic.size());
         file_.write(0, {bytes_of(file_magic)});
     } catch (const std::system_error& error) {
         std::error_code ignored;
-        std::filesystem::remove(settings.path, ignored);
+        std::filesystem::remove(settings.folder / settings.path, ignored);
         throw std::runtime_error("nothing can be recorded into " + settings.path.string() + ": "
                                  + reason_of(error.code().value()));
     }

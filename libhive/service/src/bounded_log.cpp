@@ -1,6 +1,7 @@
 // Writing lines, and cutting the file off when it is full.
 #include "bounded_log.hpp"
 
+#include <hive/printable.hpp>
 #include <hive/transport/descriptor.hpp>
 
 #include <fcntl.h>
@@ -24,8 +25,11 @@ void keep(const std::filesystem::path& from, const std::filesystem::path& to)
 
 void BoundedLog::sink_it_(const spdlog::details::log_msg& message)
 {
+    const std::string safe = printable(shortened({message.payload.data(), message.payload.size()}));
+    spdlog::details::log_msg shown = message;
+    shown.payload = safe;
     spdlog::memory_buf_t line;
-    formatter_->format(message, line);
+    formatter_->format(shown, line);
     make_room(static_cast<long>(line.size()));
     for (std::size_t written = 0; written < line.size();) {
         const auto bytes = ::write(STDERR_FILENO, line.data() + written, line.size() - written);

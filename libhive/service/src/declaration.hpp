@@ -42,6 +42,7 @@ public:
     std::map<std::string, std::function<void(const Event&)>> callbacks;  ///< by input
     std::deque<MatchedInputs> matchings;
     std::function<void()> on_change = [] {}, on_start = [] {};
+    std::function<void(const std::string&)> on_end = [](const std::string&) {};
     std::function<std::chrono::microseconds()> main;
 };
 

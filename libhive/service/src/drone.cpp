@@ -19,10 +19,11 @@ ParameterInfo describe(const std::string& name, ParameterType type, const Constr
             .help = help};
 }
 
-/// Makes the body only when somebody receives bodies.
-std::function<std::optional<Body>()> if_wanted(const Output& output, const std::function<Body()>& body)
+/// Makes the body only when somebody is to have it.
+std::function<std::optional<Body>()> if_needed(const service::Emitter& emitter, std::size_t output,
+                                               const std::function<Body()>& body)
 {
-    return [&] { return output.wanted() ? std::optional(body()) : std::nullopt; };
+    return [&emitter, output, &body] { return emitter.needs_body(output) ? std::optional(body()) : std::nullopt; };
 }
 
 }  // namespace
@@ -74,11 +75,16 @@ std::optional<Json> Drone::given(const std::string& parameter) const { return co
 bool Drone::remembered(const std::string& parameter) const { return core_.remembered(parameter); }
 void Drone::on_change(std::function<void()> callback) { core_.declaration().on_change = std::move(callback); }
 void Drone::on_start(std::function<void()> callback) { core_.declaration().on_start = std::move(callback); }
+void Drone::on_end(std::function<void(const std::string&)> callback)
+{
+    core_.declaration().on_end = std::move(callback);
+}
 void Drone::main(std::function<std::chrono::microseconds()> step) { core_.declaration().main = std::move(step); }
 void Drone::run() { core_.run(); }
 void Drone::wake() { core_.wake(); }
 void Drone::stop() { core_.stop(); }
 void Drone::condition(const std::string& text, Reason why) { core_.condition(text, why); }
+void Drone::source_events(std::int64_t events) { core_.source_events(events); }
 void Drone::report(Errc code, const std::string& text) { core_.reporter().report(Error(code, text)); }
 void Drone::log(const std::string& text) { core_.reporter().log(text); }
 Status Drone::status() const { return core_.status(); }
@@ -98,7 +104,8 @@ void Output::emit(Json header, Body body, std::string type) const
 
 void Output::emit(Json header, const std::function<Body()>& body, std::string type) const
 {
-    core_->emitter().emit(index_, std::nullopt, std::move(header), if_wanted(*this, body), std::move(type));
+    core_->emitter().emit(index_, std::nullopt, std::move(header), if_needed(core_->emitter(), index_, body),
+                          std::move(type));
 }
 
 void Output::emit_captured(std::chrono::system_clock::time_point captured, bool lossless, Json header,
@@ -106,7 +113,7 @@ void Output::emit_captured(std::chrono::system_clock::time_point captured, bool 
 {
     const auto captured_us = event::microseconds(captured.time_since_epoch());
     core_->emitter().emit(index_, core_->emitter().fresh_identity(index_, captured_us, lossless), std::move(header),
-                          if_wanted(*this, body), std::move(type));
+                          if_needed(core_->emitter(), index_, body), std::move(type));
 }
 
 void Output::fail(std::chrono::system_clock::time_point captured, bool lossless, Errc code,
@@ -114,6 +121,9 @@ void Output::fail(std::chrono::system_clock::time_point captured, bool lossless,
 {
     core_->emitter().fail(index_, event::microseconds(captured.time_since_epoch()), lossless, Error(code, text));
 }
+
+void Output::end(const std::string& text) const { core_->emitter().end(index_, text); }
+void Output::begin_source() const { core_->emitter().begin_source(index_); }
 
 void Output::repeat(Event event) const { core_->emitter().repeat(index_, std::move(event)); }
 

@@ -40,6 +40,7 @@ public:
     [[nodiscard]] service::Reporter& reporter() noexcept { return reporter_; }
     [[nodiscard]] bool stopping() const noexcept { return board_.stopping(); }
     void condition(const std::string& text, Reason why);
+    void source_events(std::int64_t events) { board_.source_events(events); }
     void wake();
     void stop();
 

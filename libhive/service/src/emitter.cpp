@@ -21,6 +21,7 @@ std::size_t Emitter::add_output(Port port, Encoder encoder)
     interface_.outputs.push_back(std::move(port));
     outputs_.push_back(&slots_.emplace_back());
     outputs_.back()->encoder = std::move(encoder);
+    outputs_.back()->epoch = self_.epoch;
     return outputs_.size() - 1;
 }
 
@@ -55,6 +56,13 @@ bool Emitter::wanted(std::size_t output) const
     return outlet && outlet->wanted();
 }
 
+bool Emitter::needs_body(std::size_t output) const
+{
+    const auto has_receiver = [](const Slot* slot) { return slot->outlet && slot->outlet->wanted(); };
+    const bool waits = set_ && set_->front().identity.lossless && std::ranges::none_of(outputs_, has_receiver);
+    return waits || wanted(output);
+}
+
 bool Emitter::received(std::size_t output) const
 {
     const auto* outlet = outputs_[output]->outlet;
@@ -71,7 +79,7 @@ Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, b
 {
     const auto age_us = event::wall_us() - captured_us;
     return {.source = self_.name,
-            .epoch = self_.epoch,
+            .epoch = outputs_[output]->epoch,
             .sequence = outputs_[output]->sequence + 1,
             .captured_us = telling(captured_us),
             .monotonic_us = telling(event::steady_us() - age_us),
@@ -141,6 +149,41 @@ void Emitter::repeat(std::size_t output, Event event)
     if (complete)
         event.size = event.body.size();
     send(output, std::move(event), complete);
+}
+
+void Emitter::end(std::size_t output, const std::string& text)
+{
+    begin_source(output);
+    perform(*outputs_[output], [text](event::Outlet& outlet) { outlet.end(text); });
+}
+
+void Emitter::begin_source(std::size_t output)
+{
+    Slot& slot = *outputs_[output];
+    slot.epoch = std::max(slot.epoch + 1, event::wall_us());
+    slot.sequence = 0;
+    perform(slot, [](event::Outlet& outlet) { outlet.go_on(); });
+}
+
+void Emitter::end_all(const std::string& text, const std::function<bool()>& still)
+{
+    for (auto* slot : outputs_)
+        perform(*slot, [text, still](event::Outlet& outlet) {
+            if (still())
+                outlet.end(text);
+        });
+}
+
+/// On the network side, behind all that was emitted before.
+void Emitter::perform(Slot& slot, std::function<void(event::Outlet&)> task)
+{
+    if (!module_)
+        return;  // nobody receives yet
+    slot.handover.enter();
+    module_->loop().perform([&slot, task = std::move(task)] {
+        task(*slot.outlet);
+        slot.handover.leave();
+    });
 }
 
 void Emitter::send(std::size_t output, Event event, bool complete)

@@ -43,6 +43,9 @@ public:
     /// Any thread, once attached.
     [[nodiscard]] Loan loan(std::size_t bytes) const;
     [[nodiscard]] bool wanted(std::size_t output) const;
+    /// Is a body to be made for what is emitted now? Also when it is lossless and nobody receives anything of this
+    /// drone yet: then it waits for whoever comes first, at whichever output.
+    [[nodiscard]] bool needs_body(std::size_t output) const;
     [[nodiscard]] bool received(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
     /// Its number is taken when the event is sent.
@@ -54,11 +57,18 @@ public:
     /// Takes the number of an event that cannot be made, and throws CaptureFailed.
     [[noreturn]] void fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error);
     void repeat(std::size_t output, Event event);
+    /// Nothing more will come; what is captured after all begins a new epoch.
+    void end(std::size_t output, const std::string& text);
+    /// What is captured from now on is of another source.
+    void begin_source(std::size_t output);
+    /// All outputs end, if it is `still` so when the network side comes to it.
+    void end_all(const std::string& text, const std::function<bool()>& still);
 
 private:
     struct Slot {         ///< one output
         Encoder encoder;  ///< until the outlet has it
         event::Outlet* outlet = nullptr;
+        std::int64_t epoch = 0;     ///< of the source
         std::int64_t sequence = 0;  ///< of the last identity that was begun
         std::int64_t given = 0;     ///< turns of lossless events
         int part = 0;               ///< events emitted for the present set
@@ -67,6 +77,7 @@ private:
     void inherit(Event& event, Slot& slot) const;
     [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
     void send(std::size_t output, Event event, bool complete);
+    void perform(Slot& slot, std::function<void(event::Outlet&)> task);
 
     const protocol::Hello& self_;
     Interface& interface_;

@@ -33,6 +33,18 @@ void ParameterSet::assign(const Json& checked_values)
         assign_.at(name)(value);
 }
 
+void ParameterSet::require_tellable() const
+{
+    constexpr std::size_t most_bytes = 48 * 1024;  // so that they fit into one header, with what else is said there
+    std::size_t bytes = 0;
+    for (const auto& [name, read] : read_) {
+        const Json value = read();
+        require_within(value);
+        bytes += name.size() + to_text(value).size();
+    }
+    require_at_most("all parameters together", bytes, most_bytes);
+}
+
 Json ParameterSet::assigned(const Json& wanted) const
 {
     Json values = Json::object();

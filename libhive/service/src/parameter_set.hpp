@@ -35,6 +35,9 @@ public:
     void put_back() { assign(values()); }
     /// The user thread. What the variables hold of the parameters that `wanted` names.
     [[nodiscard]] Json assigned(const Json& wanted) const;
+    /// Throws Errc::too_large when the drone's code has made something of its variables that cannot be told: over the
+    /// limits of a header, and of the file that outlives a crash.
+    void require_tellable() const;
     /// All, or those named. Throws Errc::not_found.
     [[nodiscard]] Json values(const std::vector<std::string>& names = {}) const;
     /// The values that differ from the defaults.

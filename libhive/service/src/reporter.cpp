@@ -1,14 +1,11 @@
 // Writes the log and makes the exception events of a drone.
 #include "reporter.hpp"
 
+#include <hive/printable.hpp>
+
 #include <spdlog/spdlog.h>
 
 namespace hive::service {
-namespace {
-
-constexpr std::size_t longest_text = 4000;  ///< of an exception, so that its header fits
-
-}  // namespace
 
 void Reporter::attach(event::Module& module)
 {
@@ -29,7 +26,9 @@ void Reporter::report(const Error& error, const Event* cause)
                       .time_us = event::wall_us(),
                       .source = event.identity.source,
                       .sequence = event.identity.sequence});
-    log(std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what());
+    if (const auto left_out = lines_.ask(cause ? cause->sender : "", event::Clock::now()))
+        log(std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what()
+            + event::left_out_text(*left_out));
     std::optional<Share> own;
     if (event.identity.lossless)
         own = Share{.of = self_.name + ".exceptions", .epoch = self_.epoch, .turn = ++given_};
@@ -55,7 +54,7 @@ Event Reporter::exception_event(const Error& error, const Event* cause) const
     event.output = "exceptions";
     event.type = "application/x-hive-exception";
     event.header = {{"code", info(error.code()).token},
-                    {"text", std::string(error.what()).substr(0, longest_text)},
+                    {"text", shortened(error.what())},
                     {"policy", token(board_.policy())},
                     {"input", cause ? cause->input : ""}};
     return event;

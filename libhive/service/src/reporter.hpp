@@ -3,6 +3,7 @@
 
 #include "status_board.hpp"
 
+#include <hive/event/line_budget.hpp>
 #include <hive/event/module.hpp>
 
 namespace hive::service {
@@ -27,6 +28,7 @@ private:
     StatusBoard& board_;
     event::Module* module_ = nullptr;
     event::Outlet* exceptions_ = nullptr;
+    event::LineBudget lines_;
     std::atomic<std::int64_t> given_ = 0;  ///< turns of exceptions of lossless events
 };
 

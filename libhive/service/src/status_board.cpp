@@ -1,6 +1,8 @@
 // The state of a drone, under one mutex.
 #include "status_board.hpp"
 
+#include <hive/printable.hpp>
+
 namespace hive::service {
 
 StatusBoard::Values StatusBoard::values() const
@@ -66,7 +68,15 @@ bool StatusBoard::condition(const std::string& text, Reason why)
 {
     const std::lock_guard lock(mutex_);
     values_.why = why;
-    return std::exchange(values_.condition, text) != text;
+    auto kept = shortened(text);
+    std::swap(values_.condition, kept);
+    return values_.condition != kept;
+}
+
+void StatusBoard::source_events(std::int64_t events)
+{
+    const std::lock_guard lock(mutex_);
+    values_.source_events = events;
 }
 
 void StatusBoard::exception(ExceptionStatus exception)

@@ -24,6 +24,7 @@ public:
         std::int64_t busy_us = 0;
         event::Clock::time_point busy_since{};
         Reason why{};  ///< beside the condition
+        std::int64_t source_events = 0;
         std::optional<ExceptionStatus> last_exception;
         std::vector<MatchCounts> matched;  ///< one for each matching, in the order of their declaration
     };
@@ -48,6 +49,7 @@ public:
     // --- what is told ---
     /// @return  whether that is news
     bool condition(const std::string& text, Reason why);
+    void source_events(std::int64_t events);
     void exception(ExceptionStatus exception);
     [[nodiscard]] ExceptionPolicy policy() const;
     void policy(ExceptionPolicy policy);

@@ -42,6 +42,7 @@ Status StatusReport::now() const
                   .busy_for_us = busy_for,
                   .callback = board.callback,
                   .why = why(board),
+                  .source_events = board.source_events,
                   .outputs = {},
                   .inputs = inputs(),
                   .left = module_.left(),

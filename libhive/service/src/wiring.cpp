@@ -66,6 +66,7 @@ void Wiring::on_disconnect(const event::Incoming& incoming)
             module_.remove_intake(intake);
             ++removed;
         }
+    inputs_end_.look();
     if (removed == 0)
         throw Error(Errc::not_found,
                     module_.self().name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
@@ -104,7 +105,10 @@ IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
 
 std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 {
-    return module_.add_intake(std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); });
+    const auto intake = module_.add_intake(
+        std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); }, [this] { inputs_end_.look(); });
+    inputs_end_.look();  // while this one is not known to have ended, neither have all
+    return intake;
 }
 
 void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
@@ -120,6 +124,7 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
         const auto self = weak.lock();
         if (std::holds_alternative<Error>(outcome)) {
             module_.remove_intake(self);
+            inputs_end_.look();
             return on_outcome(outcome);
         }
         replace_earlier(self);
@@ -149,6 +154,7 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
             inbox_.discard(other->spec());
         module_.remove_intake(other);
     }
+    inputs_end_.look();
 }
 
 }  // namespace hive::service

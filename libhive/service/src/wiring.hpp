@@ -2,6 +2,7 @@
 #pragma once
 
 #include "inbox.hpp"
+#include "inputs_end.hpp"
 #include "state_file.hpp"
 
 #include <hive/protocol/requests.hpp>
@@ -17,6 +18,7 @@ public:
           home_(home),
           module_(module),
           inbox_(inbox),
+          inputs_end_(module, inbox),
           state_file_(state_file),
           reporter_(reporter)
     {
@@ -38,6 +40,7 @@ private:
     const event::Home& home_;
     event::Module& module_;
     Inbox& inbox_;
+    InputsEnd inputs_end_;
     StateFile& state_file_;
     const Reporter& reporter_;
 };

@@ -63,11 +63,25 @@ void Worker::step()
     parts_.board.end_work();
 }
 
+void Worker::inputs_ended(const std::string& text, const std::function<bool()>& still)
+{
+    for (auto& matching : parts_.declaration.matchings)
+        matching.matcher.finish();
+    work_on_sets();
+    try {
+        parts_.declaration.on_end(text);
+    } catch (...) {
+        failed({}, current_error());
+    }
+    parts_.emitter.end_all(text, still);
+}
+
 std::optional<Error> Worker::try_out(const Json& values)
 try {
     next_step_ = Clock::now();
     parts_.declaration.parameters.assign(values);
     parts_.declaration.on_change();
+    parts_.declaration.parameters.require_tellable();
     return std::nullopt;
 } catch (...) {
     const Error error = current_error();

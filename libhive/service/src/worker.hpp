@@ -33,6 +33,9 @@ public:
     /// The values from before are back, and on_change is called again.
     void put_back();
     void resume() { parts_.halting.resume(); }
+    /// Nothing more comes to the inputs: the author's code is told, then the outputs end.
+    /// @param still  network side: is it so when the outputs are to end?
+    void inputs_ended(const std::string& text, const std::function<bool()>& still);
 
 private:
     void step();

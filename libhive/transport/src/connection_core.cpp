@@ -220,11 +220,17 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
     if (!borrowing_)
         borrowing_ = make_borrowing();
     if (packet.type == PacketType::segment) {
-        borrowing_->map(protocol::segment_from_json(parse_json(packet.header_text())), stream_->take_descriptor());
+        borrowing_->map(protocol::segment_from_json(parse_json(packet.header_text())), stream_->take_descriptor(),
+                        most_body_);
+        return true;
+    }
+    const auto reference = protocol::reference_from_body(packet.body);
+    if (handlers_ && handlers_->wants && !handlers_->wants(packet.channel)) {
+        borrowing_->decline(reference, most_body_);
         return true;
     }
     packet.type = PacketType::event;
-    packet.body = borrowing_->resolve(protocol::reference_from_body(packet.body), most_body_);
+    packet.body = borrowing_->resolve(reference, most_body_);
     return false;
 }
 

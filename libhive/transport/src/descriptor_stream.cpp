@@ -13,8 +13,10 @@
 namespace hive::transport {
 namespace {
 
-constexpr std::size_t most_descriptors = 16;  // that wait to be taken; a peer that sends more is cut off
-constexpr std::size_t most_at_once = 4;
+// A segment brings one, and is taken as soon as it is read. A peer that sends more is cut off, so that not even all the
+// peers that a module takes could use up its descriptors.
+constexpr std::size_t most_descriptors = 2;  // that wait to be taken
+constexpr std::size_t most_at_once = 2;
 
 std::error_code system_error(int number) { return {number, std::generic_category()}; }
 

@@ -17,7 +17,10 @@ std::optional<protocol::Reference> Lending::lend(const Body& body)
     if (!reference)
         return {};
     const auto segment = reference->slot.segment;
-    const auto slots = slots_of_.try_emplace(segment, pool_->offer(segment).first.slots).first->second;
+    const auto& known_segment = segments_.try_emplace(segment, pool_->offer(segment).first).first->second;
+    if (known_segment.slot_size > protocol::most_slot_size(protocol::Limits{}.body))
+        return {};  // no peer would take it
+    const auto slots = known_segment.slots;
     const auto held = std::ranges::count_if(lent_, [&](const auto& row) { return row.first.segment == segment; });
     const auto known = lent_.find(reference->slot);
     if (known == lent_.end() && static_cast<std::uint32_t>(held) >= slots - slots / 4)

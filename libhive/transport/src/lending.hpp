@@ -34,7 +34,7 @@ private:
     };
     std::shared_ptr<Pool> pool_;
     std::set<std::uint32_t> offered_;
-    std::map<std::uint32_t, std::uint32_t> slots_of_;  ///< per segment: how many there are
+    std::map<std::uint32_t, protocol::Segment> segments_;  ///< what is known of each
     std::map<protocol::Slot, Lent> lent_;
 };
 

@@ -6,9 +6,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
+
+#include <algorithm>
 
 namespace hive::transport {
 namespace {
@@ -29,6 +33,14 @@ void require_size(int descriptor, std::uint64_t size)
                                          + std::to_string(size));
 }
 
+/// Huge pages are mapped, and become private, in other units than slots.
+void require_usual_pages(int descriptor)
+{
+    struct statfs status {};
+    if (::fstatfs(descriptor, &status) != 0 || status.f_type == HUGETLBFS_MAGIC)
+        throw Error(Errc::malformed, "shared memory of huge pages");
+}
+
 std::uint64_t page_size() { return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)); }
 
 /// Only whole pages can become private one slot at a time.
@@ -46,6 +58,7 @@ std::shared_ptr<Mapping> Mapping::map(const protocol::Segment& offered, const De
     const auto size = offered.slots * offered.slot_size;
     require_whole_pages(offered.slot_size);
     require_sealed(descriptor.get());
+    require_usual_pages(descriptor.get());
     require_size(descriptor.get(), size);
     void* const base = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.get(), 0);
     if (base == MAP_FAILED)
@@ -60,32 +73,53 @@ Mapping::Mapping(const protocol::Segment& segment, std::byte* base)
 
 Mapping::~Mapping() { ::munmap(base_, segment_.slots * segment_.slot_size); }
 
-std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference, std::uint64_t most)
+void Mapping::check(const protocol::Reference& reference, std::uint64_t most) const
 {
-    const auto index = reference.slot.index;
-    if (index >= segment_.slots || reference.offset > segment_.slot_size
+    if (reference.slot.index >= segment_.slots || reference.offset > segment_.slot_size
         || reference.size > segment_.slot_size - reference.offset)
         throw Error(Errc::malformed, "a reference to " + std::to_string(reference.size) + " bytes outside their slot");
     require_at_most("a body", reference.size, most);
-    if (!seen_[index]) {
-        const auto before = reference.offset % page_size();
-        ::madvise(at(index) + reference.offset - before, before + reference.size,
-                  MADV_POPULATE_READ);  // else page by page; old kernels do that
-    }
-    seen_[index] = true;
-    return {at(index) + reference.offset, reference.size};
 }
 
-void Mapping::make_private(std::uint32_t index) noexcept
+// A page that was never written would be made by the first who reads it: a peer could have gigabytes made here. The
+// seals see to it that what is there once stays.
+std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference)
 {
-    const auto size = segment_.slot_size;
-    void* const copy = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    const std::span<const std::byte> bytes(base_ + reference.slot.index * segment_.slot_size + reference.offset,
+                                           reference.size);
+    auto& seen = seen_[reference.slot.index];
+    if (bytes.empty() || (bytes.data() >= seen.data() && bytes.data() + bytes.size() <= seen.data() + seen.size()))
+        return bytes;
+    const auto pages = pages_of(bytes);
+    std::vector<unsigned char> there(pages.size() / page_size());
+    if (::mincore(pages.data(), pages.size(), there.data()) != 0
+        || std::ranges::any_of(there, [](unsigned char page) { return (page & 1) == 0; }))
+        throw Error(Errc::io, "a reference to memory that was never written, or is not there any more");
+    ::madvise(pages.data(), pages.size(), MADV_POPULATE_READ);  // else page by page; old kernels do that
+    seen = pages;
+    return bytes;
+}
+
+std::span<std::byte> Mapping::pages_of(std::span<const std::byte> bytes) noexcept
+{
+    const auto page = page_size();
+    const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / page * page;
+    const auto end = (reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size() + page - 1) / page * page;
+    return {reinterpret_cast<std::byte*>(begin), end - begin};
+}
+
+void Mapping::make_private(std::span<const std::byte> bytes) noexcept
+{
+    const auto pages = pages_of(bytes);
+    if (pages.empty())
+        return;
+    void* const copy = ::mmap(nullptr, pages.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (copy == MAP_FAILED)
         return;  // without memory the old picture may be overwritten; there is nothing better to do
-    std::memcpy(copy, at(index), size);
-    ::mprotect(copy, size, PROT_READ);
-    if (::mremap(copy, size, size, MREMAP_MAYMOVE | MREMAP_FIXED, at(index)) == MAP_FAILED)
-        ::munmap(copy, size);
+    std::memcpy(copy, pages.data(), pages.size());
+    ::mprotect(copy, pages.size(), PROT_READ);
+    if (::mremap(copy, pages.size(), pages.size(), MREMAP_MAYMOVE | MREMAP_FIXED, pages.data()) == MAP_FAILED)
+        ::munmap(copy, pages.size());
 }
 
 }  // namespace hive::transport

@@ -13,7 +13,8 @@ constexpr std::size_t batch_bytes = 64 * 1024;
 bool in_event_lane(protocol::PacketType type)
 {
     using enum protocol::PacketType;
-    return type == event || type == reference || type == notification || type == exception || type == put;
+    return type == event || type == reference || type == notification || type == exception || type == end
+           || type == put;
 }
 
 }  // namespace

@@ -1,15 +1,13 @@
 // Bodies to pictures: one decoder per declared type, chosen by the declaration and never by sniffing.
 #include "exif.hpp"
 #include "jpeg_structure.hpp"
+#include "png_pixels.hpp"
+#include "png_structure.hpp"
 #include "raw.hpp"
 
 #include <hive/error.hpp>
 
-#include <opencv2/imgcodecs.hpp>
 #include <turbojpeg.h>
-
-#include <algorithm>
-#include <array>
 
 namespace hive::vision {
 namespace {
@@ -48,37 +46,26 @@ cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
     return upright(picture, jpeg.orientation);
 }
 
-/// Reads the first chunk, which must be IHDR (W3C PNG, 11.2.2): the size without decoding.
-cv::Size png_size(const Body& body, const DecodeLimits& limits)
+PngSize checked_png(const Body& body, const DecodeLimits& limits)
 {
-    constexpr std::array<std::uint8_t, 16> beginning{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n',
-                                                     0,    0,   0,   13,  'I',  'H',  'D',  'R'};
-    const auto bytes = bytes_of(body);
-    if (bytes.size() < 33 || !std::ranges::equal(beginning, bytes.first(beginning.size())))
-        throw Error(Errc::malformed, "PNG: does not begin with a signature and an image header");
-    const auto number = [&](std::size_t at) {
-        return std::int64_t{bytes[at]} << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 | bytes[at + 3];
-    };
-    const std::int64_t width = number(16), height = number(20), most = 0x7FFFFFFF;
-    if (width < 1 || height < 1 || width > most || height > most)
-        throw Error(Errc::malformed, "PNG: has no width or no height");
-    check_pixels(width, height, limits, "PNG");
-    return {static_cast<int>(width), static_cast<int>(height)};
+    const PngSize size = png_size(bytes_of(body));
+    check_pixels(size.width, size.height, limits, "PNG");
+    return size;
 }
 
 cv::Mat decode_png(const Body& body, const DecodeLimits& limits)
 {
-    const cv::Size size = png_size(body, limits);
-    const cv::Mat encoded(1, static_cast<int>(body.size()), CV_8UC1, const_cast<unsigned char*>(body.data()));
-    cv::Mat picture;
-    try {
-        picture = cv::imdecode(encoded, cv::IMREAD_COLOR);
-    } catch (const cv::Exception& problem) {
-        throw Error(Errc::malformed, "PNG: " + problem.err);
-    }
-    if (picture.empty() || picture.total() != std::size_t(size.width) * std::size_t(size.height))
-        throw Error(Errc::malformed, "PNG: damaged or cut short");
-    return picture;
+    const PngSize size = checked_png(body, limits);
+    const PngStructure png = png_structure(bytes_of(body));
+    cv::Mat picture(static_cast<int>(size.height), static_cast<int>(size.width), CV_8UC3);
+    read_png(png.bytes, picture);
+    return upright(picture, png.orientation);
+}
+
+cv::Size size_of_png(const Body& body, const DecodeLimits& limits)
+{
+    const PngSize size = checked_png(body, limits);
+    return {static_cast<int>(size.width), static_cast<int>(size.height)};
 }
 
 [[noreturn]] void unknown_type(const std::string& type)
@@ -136,7 +123,7 @@ cv::Mat view(const Event& event, const DecodeLimits& limits)
 cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)
 {
     if (type == "image/png")
-        return png_size(body, limits);
+        return size_of_png(body, limits);
     if (type == "image/raw")
         return raw_size(body, header, limits);
     if (type != "image/jpeg")

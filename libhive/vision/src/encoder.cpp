@@ -54,7 +54,7 @@ Event encode(const Event& event, const std::string& text)
     const Encoding encoding = parse(text);
     if (event.type == encoding.type() && !encoding.quality)
         return event;
-    const cv::Mat picture = view(event);
+    const cv::Mat picture = view(event, {.sixteen_bits = true});
     Event result = event;
     result.type = encoding.type();
     result.body = body_of(picture, encoding);

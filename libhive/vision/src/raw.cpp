@@ -4,6 +4,9 @@
 #include <hive/error.hpp>
 #include <hive/vision/loans.hpp>
 
+#include <algorithm>
+#include <array>
+
 namespace hive::vision {
 namespace {
 
@@ -12,36 +15,62 @@ constexpr std::int64_t longest_row = std::int64_t{1} << 31;
 constexpr std::int64_t most_bytes = 64 << 20;  ///< of a body (SPEC.md, section 3)
 constexpr int quality_of_large_pictures = 90;
 
+/// What a pixel is: OpenCV's type and the word for it.
+struct PixelFormat {
+    const char* word;
+    int type;
+};
+constexpr std::array formats{PixelFormat{"bgr8", CV_8UC3}, PixelFormat{"gray8", CV_8UC1},
+                             PixelFormat{"gray16", CV_16UC1}};
+
+const PixelFormat& format_of(int type)
+{
+    const auto found = std::ranges::find(formats, type, &PixelFormat::type);
+    if (found == formats.end())
+        throw Error(Errc::invalid_argument,
+                    "image/raw takes pictures of 8 bits and 1 or 3 channels, or of 16 bits and 1");
+    return *found;
+}
+
+const PixelFormat& format_named(const std::string& word)
+{
+    const auto found = std::ranges::find(formats, word, [](const PixelFormat& each) { return std::string(each.word); });
+    if (found == formats.end())
+        throw Error(Errc::malformed,
+                    "image/raw: pixel_format is " + in_quotes(word) + ", and none of bgr8, gray8, gray16");
+    return *found;
+}
+
 struct Layout {
-    int width, height, channels;
+    int width, height, type;
     std::int64_t stride;
 };
 
 Layout layout(const Body& body, const Json& header, const DecodeLimits& limits)
 {
     const Fields fields(header, "image/raw");
-    const std::string format = fields.text("pixel_format");
-    if (format != "bgr8" && format != "gray8")
-        throw Error(Errc::malformed, "image/raw: pixel_format is " + in_quotes(format) + ", neither bgr8 nor gray8");
-    const int channels = format == "bgr8" ? 3 : 1;
+    const PixelFormat& format = format_named(fields.text("pixel_format"));
+    if (format.type == CV_16UC1 && !limits.sixteen_bits)
+        throw Error(Errc::unsupported, "this drone works on pictures of 8 bits, and this one is gray16");
+    const std::int64_t pixel = CV_ELEM_SIZE(format.type);
     const std::int64_t width = fields.integer("width", 1, longest_side);
     const std::int64_t height = fields.integer("height", 1, longest_side);
-    const std::int64_t stride = fields.integer_or("stride", width * channels, longest_row, width * channels);
+    const std::int64_t stride = fields.integer_or("stride", width * pixel, longest_row, width * pixel);
     if (width * height > limits.pixels)
         throw Error(Errc::too_large,
                     "image/raw: " + std::to_string(width) + "x" + std::to_string(height) + " pixels are too many");
     if (static_cast<std::uint64_t>(stride * height) != body.size())
         throw Error(Errc::malformed, "image/raw: the header asks for " + std::to_string(stride * height)
                                          + " bytes, the body has " + std::to_string(body.size()));
-    return {static_cast<int>(width), static_cast<int>(height), channels, stride};
+    return {static_cast<int>(width), static_cast<int>(height), format.type, stride};
 }
 
-Json raw_fields(cv::Size size, int channels)
+Json raw_fields(cv::Size size, int type)
 {
     return {{"width", size.width},
             {"height", size.height},
-            {"pixel_format", channels == 3 ? "bgr8" : "gray8"},
-            {"stride", size.width * channels}};
+            {"pixel_format", format_of(type).word},
+            {"stride", size.width * CV_ELEM_SIZE(type)}};
 }
 
 }  // namespace
@@ -51,7 +80,7 @@ cv::Mat raw_view(const Body& body, const Json& header, const DecodeLimits& limit
     const Layout raw = layout(body, header, limits);
     auto* pixels =
         const_cast<unsigned char*>(body.data());  // cv::Mat knows no const pixels; the promise is in the header
-    return {raw.height, raw.width, CV_8UC(raw.channels), pixels, static_cast<std::size_t>(raw.stride)};
+    return {raw.height, raw.width, raw.type, pixels, static_cast<std::size_t>(raw.stride)};
 }
 
 cv::Size raw_size(const Body& body, const Json& header, const DecodeLimits& limits)
@@ -62,9 +91,7 @@ cv::Size raw_size(const Body& body, const Json& header, const DecodeLimits& limi
 
 Json raw_header(const cv::Mat& picture, Json header)
 {
-    if (picture.type() != CV_8UC3 && picture.type() != CV_8UC1)
-        throw Error(Errc::invalid_argument, "image/raw takes 8 bit pictures of 1 or 3 channels");
-    header.update(raw_fields(picture.size(), picture.channels()));
+    header.update(raw_fields(picture.size(), picture.type()));
     return header;
 }
 
@@ -80,15 +107,18 @@ Body encode_raw(const cv::Mat& picture)
     return {std::as_bytes(pixels), std::move(owner)};
 }
 
-PlainForm plain_form(cv::Size size, int channels)
+PlainForm plain_form(cv::Size size, int channels, int bits)
 {
-    if (std::int64_t{size.width} * size.height * channels <= most_bytes)
-        return {"image/raw", raw_fields(size, channels)};
-    return {"image/jpeg", {{"width", size.width}, {"height", size.height}}};
+    const int type = CV_MAKETYPE(bits == 16 ? CV_16U : CV_8U, channels);
+    if (std::int64_t{size.width} * size.height * CV_ELEM_SIZE(type) <= most_bytes)
+        return {"image/raw", raw_fields(size, type)};
+    return {bits == 16 ? "image/png" : "image/jpeg", {{"width", size.width}, {"height", size.height}}};
 }
 
 Body PlainForm::body(const cv::Mat& picture) const
 {
+    if (type == "image/png")
+        return encode_png(picture);
     return type == "image/raw" ? encode_raw(picture) : encode_jpeg(picture, quality_of_large_pictures);
 }
 

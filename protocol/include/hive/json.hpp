@@ -18,6 +18,7 @@ struct JsonLimits {
     std::size_t depth = 16;
     std::size_t keys = 256;  ///< in one object
     std::size_t string_bytes = 16 * 1024;
+    std::size_t values = 64 * 1024;  ///< in all; a header has no room for so many, a file may
 };
 
 /// Parses one JSON text. Throws hive::Error on anything RFC 8259 forbids, on a byte order mark, on invalid UTF-8, on

@@ -30,6 +30,7 @@ enum class Reason {
     refused,        ///< the sender refused the registration
     no_input,       ///< the drone has inputs that nothing is connected to
     source_ended,   ///< the source has come to its end
+    watched,        ///< output: only notifications are received, and nobody asks for bodies
 };
 
 /// What became of an event that came to an edge; each has exactly one.
@@ -142,6 +143,7 @@ struct Status {
     std::int64_t busy_for_us = 0;  ///< how long the present callback has been running; 0: idle
     std::string callback{};        ///< the input of it, or "main"
     Reason why{};
+    std::int64_t source_events = 0;  ///< how many the present source has in all, to its end; 0: unknown, or no end
     std::vector<OutputStatus> outputs{};
     std::vector<InputStatus> inputs{};
     std::vector<InputStatus> left{};  ///< what connections that were ended had received: one row for each input

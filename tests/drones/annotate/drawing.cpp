@@ -2,6 +2,7 @@
 #include <drawing.hpp>
 
 #include <doctest/doctest.h>
+#include <opencv2/imgproc.hpp>
 
 #include <limits>
 #include <set>
@@ -94,6 +95,33 @@ TEST_CASE(
     bare.labels = false;
     CHECK(lit(drawn({.all = {low}}, bare), above) == 0);
     CHECK(lit(drawn({.all = {high}}, bare), inside) == 0);
+}
+
+TEST_CASE("drawing: in small pictures labels take less and less room, and never most of the picture or of their box")
+{
+    const auto plate = [](cv::Size size, const std::string& label, const cv::Rect2d& box) {
+        Drawing bare;
+        bare.labels = false;
+        const cv::Mat picture(size, CV_8UC3, cv::Scalar::all(0));
+        const Marks marks{.all = {{.box = box, .label = label}}};
+        cv::Mat changed;
+        cv::absdiff(drawn(marks, {}, picture), drawn(marks, bare, picture), changed);
+        cv::Mat points;
+        cv::findNonZero(changed.reshape(1) > 0, points);
+        return points.empty() ? cv::Rect() : cv::boundingRect(points);
+    };
+    const std::string label = "person #12 87 % 120 px/s";
+    const auto large = plate({640, 480}, label, {200, 200, 100, 200}),
+               small = plate({320, 240}, label, {100, 100, 50, 100}),
+               smaller = plate({160, 120}, label, {50, 50, 25, 50});
+    CHECK(large.width > small.width);
+    CHECK(small.width > smaller.width);
+    CHECK(smaller.width > 0);
+    CHECK(small.width <= 3 * 320 / 2);  // three channels in a row
+    CHECK(smaller.width <= 3 * 160 / 2);
+    CHECK(plate({64, 48}, label, {20, 20, 20, 20}).empty());
+    CHECK(plate({640, 480}, label, {200, 2, 60, 20}).empty());  // inside it would hide its box
+    CHECK_FALSE(plate({640, 480}, label, {200, 2, 60, 200}).empty());
 }
 
 TEST_CASE("drawing: a label at the right edge is moved into the picture")

@@ -132,6 +132,10 @@ TEST_CASE("credentials: from a file that its owner alone can read")
 {
     CHECK(read_credentials(File("root:pa:ss\r\nmore", 0600).path) == Credentials{"root", "pa:ss"});
     CHECK(read_credentials(File("root:", 0400).path) == Credentials{"root", ""});
+    CHECK(read_credentials(File("root:pass\r\nhttp://192.0.2.10/\r\n", 0600).path)
+          == Credentials{"root", "pass", "http://192.0.2.10"});
+    CHECK_THROWS_WITH_AS(read_credentials(File("root:pass\nhttp://a b", 0600).path), doctest::Contains("url: "),
+                         std::invalid_argument);
     for (const mode_t mode : {0640, 0604, 0644, 0660, 0601})
         CHECK_THROWS_WITH_AS(read_credentials(File("root:pass", mode).path), doctest::Contains("chmod 600"),
                              std::runtime_error);

@@ -164,3 +164,31 @@ TEST_CASE("axis login: a file of credentials that others can read is refused, an
     auto application = swarm.application();
     take_pictures(*application.collect({{"axis", "image"}}), 1);
 }
+
+TEST_CASE("axis login: a set sends it to no other camera than the one that it was given for")
+{
+    const Swarm swarm;
+    const EmulatedCamera camera(swarm, {"auth=digest"});
+    const auto file = credentials_file(swarm, "root:pass");
+    const auto drone = axis_drone(swarm, camera, {"credentials=" + file});
+    auto application = swarm.application();
+    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    const Swarm elsewhere;
+    const EmulatedCamera thief(elsewhere, {"auth=basic"});
+    const auto other_login = credentials_file(elsewhere, "admin:another");
+    const auto refused = [&](std::vector<std::string> settings) {
+        settings.insert(settings.begin(), {"set", "axis"});
+        const auto set = swarm.hivectl(settings);
+        return set.exit_code != 0 && has(set.err, "the login was given for");
+    };
+    CHECK(refused({"url=" + thief.url(), "basic_over_http=on"}));
+    CHECK(refused({"credentials=" + other_login}));  // nor does another login go to this camera
+    CHECK(refused({"url=" + thief.url(), "credentials=" + other_login, "basic_over_http=on"}));
+    credentials_file(elsewhere, "admin:another\n" + camera.url());
+    CHECK(refused({"url=" + thief.url(), "credentials=" + other_login, "basic_over_http=on"}));
+    CHECK(thief.count("connections") == 0);
+
+    credentials_file(elsewhere, "root:pass\n" + thief.url());
+    swarm.hivectl_done({"set", "axis", "url=" + thief.url(), "credentials=" + other_login, "basic_over_http=on"});
+    CHECK(comes_to_say(application, ""));
+}

@@ -49,3 +49,14 @@ TEST_CASE("parameters: what a query carries cannot become another word of it")
     CHECK(list_query({"Brand", "Image.I0"}) == "action=list&group=Brand,Image.I0");
     CHECK(update_query({{"A.B", "1&C=2 \xC3\xA4"}}) == "action=update&A.B=1%26C%3D2%20%C3%A4");
 }
+
+TEST_CASE("parameters: what a camera writes at length is cut off at the door")
+{
+    const std::string endless(60'000, '9');
+    CHECK(parse_parameters("root.A=" + endless + "\n").values.at("A").size() == 2000);
+    std::string errors;
+    for (int i = 0; i < 10; ++i)
+        errors += "# Error: " + endless + "\n";
+    CHECK(refusal_of(errors)->size() <= 4000);
+    CHECK(refusal_of("# Error: " + std::string(60'000, '\xE4') + "\n")->size() <= 4000);  // Latin-1 becomes longer
+}

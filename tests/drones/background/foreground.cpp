@@ -143,6 +143,59 @@ TEST_CASE("foreground: at most so many blobs, and those the largest; specks and 
     CHECK(finder.find(dots).blobs.empty());
 }
 
+TEST_CASE("foreground: when the light changes, what stands before the wall is still the only blob")
+{
+    for (const char* method : {"mog2", "knn"})
+        for (const double gain : {0.5, 1.6}) {
+            CAPTURE(std::string(method));
+            CAPTURE(gain);
+            ForegroundFinder finder;
+            finder.model.method = method;
+            Clip clip;
+            int changes = 0;
+            for (int index = 0; index < 70; ++index) {
+                cv::Mat picture = clip.picture(index);
+                if (index >= 50)
+                    picture.convertTo(picture, -1, gain);
+                const Foreground found = finder.find(picture);
+                changes += found.light_changed ? 1 : 0;
+                CHECK(found.light_changed == (index == 50));
+                CAPTURE(index);
+                if (index < 20)
+                    continue;
+                REQUIRE(found.blobs.size() == 1);
+                CHECK(overlap::intersection_over_union(found.blobs[0].box, Clip::box(index)) > 0.75);
+            }
+            CHECK(changes == 1);
+        }
+}
+
+TEST_CASE("foreground: the light is left alone when nobody wants to know of it, and then everything is foreground")
+{
+    ForegroundFinder finder;
+    finder.light = 100;
+    Clip clip;
+    for (int index = 0; index < 50; ++index)
+        static_cast<void>(finder.find(clip.picture(index)));
+    const Foreground found = finder.find(clip.picture(50) * 0.5);
+    CHECK_FALSE(found.light_changed);
+    CHECK(cv::countNonZero(found.mask) > 0.9 * static_cast<double>(found.mask.total()));
+}
+
+TEST_CASE("foreground: a large thing of another colour before the camera is no change of the light")
+{
+    ForegroundFinder finder;
+    Clip clip;
+    for (int index = 0; index < 50; ++index)
+        static_cast<void>(finder.find(clip.picture(index)));
+    cv::Mat picture = clip.picture(0);
+    picture(cv::Rect(10, 10, 140, 100)) = cv::Scalar(200, 40, 40);
+    const Foreground found = finder.find(picture);
+    CHECK_FALSE(found.light_changed);
+    REQUIRE(found.blobs.size() == 1);
+    CHECK(found.blobs[0].area > 12'000);
+}
+
 TEST_CASE("foreground: a method that nobody knows is refused")
 {
     ForegroundFinder finder;

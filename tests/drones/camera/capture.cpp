@@ -182,8 +182,13 @@ TEST_CASE("capture: a picture file that cannot be read is told and passed over")
     stage.script->play(Script::Act::give);
     REQUIRE(stage.news.wait_for(2));
     CHECK(capture->condition().empty());
-    stage.script->play(Script::Act::end);
+    stage.script->play(Script::Act::fail);  // between others it is no state of the source
     REQUIRE(stage.news.wait_for(3));
+    CHECK(capture->condition().empty());
+    CHECK(capture->problems() == std::vector<std::string>{"broken", "broken"});
+    stage.script->play(Script::Act::end);
+    REQUIRE(stage.news.wait_for(4));
+    CHECK(capture->ended());
 }
 
 TEST_CASE("capture: a camera that ends is told as lost and opened again")

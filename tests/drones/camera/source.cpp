@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <cmath>
 #include <string>
 
 using camera::open_source;
@@ -34,6 +35,16 @@ std::string refusal(const std::string& text)
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// At 12 fps; each picture is brighter than the one before.
+std::string write_clip(const std::filesystem::path& path, int pictures)
+{
+    cv::VideoWriter writer(path.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 12, {64, 48});
+    REQUIRE(writer.isOpened());
+    for (int i = 0; i < pictures; ++i)
+        writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i % 250)));
+    return path.string();
+}
 
 }  // namespace
 
@@ -127,6 +138,44 @@ TEST_CASE("source: a damaged picture in a folder is told and passed over")
     CHECK(source->next()->index == 1);
 }
 
+TEST_CASE("source: a folder takes every format that OpenCV reads, whatever it is called, and names what it leaves out")
+{
+    const media::Folder folder;
+    const cv::Mat picture = media::sample({20, 10}, CV_8UC3);
+    for (const char* ending : {".bmp", ".pgm", ".png", ".ras", ".tiff", ".webp"})
+        media::write(folder.path() / ("a" + std::string(ending)), media::encoded(ending, picture));
+    media::write(folder.path() / "b.dat", media::encoded(".png", picture));
+    media::write(folder.path() / "notes.txt", {'x'});
+    media::write(folder.path() / ".hidden", {'x'});
+    const auto source = open_source(once(folder.path().string()));
+    CHECK(source->count() == 7);
+    int count = 0;
+    while (const auto frame = source->next()) {
+        CAPTURE(frame->file);
+        CHECK(frame->image.size() == picture.size());
+        ++count;
+    }
+    CHECK(count == 7);
+    const auto news = source->news();
+    REQUIRE(news.size() == 1);
+    CHECK(contains(news[0], "left out"));
+    CHECK(contains(news[0], "notes.txt"));
+    CHECK_FALSE(contains(news[0], "hidden"));
+}
+
+TEST_CASE("source: grey pictures of 16 bits keep them, others are as cv::imread gives them")
+{
+    const media::Folder folder;
+    for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
+        const auto path = (folder.path() / (std::to_string(type) + ".png")).string();
+        const cv::Mat picture = media::sample({40, 30}, type);
+        media::write(path, media::encoded(".png", picture));
+        const auto frame = open_source(once(path))->next();
+        REQUIRE(frame);
+        CHECK(media::same(frame->image, type == CV_16UC1 ? picture : cv::imread(path)));
+    }
+}
+
 TEST_CASE("source: the scene has its size, 640x480 unless told, and knows the truth")
 {
     SourceSettings settings = once("scene:plain");
@@ -168,6 +217,53 @@ TEST_CASE("source: a video gives every picture once, or begins again")
         CHECK(frame->index == i % 10);
         CHECK(media::same(frame->image, pictures[static_cast<std::size_t>(i % 10)]));
     }
+}
+
+TEST_CASE("source: a picture of a video knows its file, its time there and the rate, again in each round")
+{
+    const media::Folder folder;
+    const std::string path = write_clip(folder.path() / "v.avi", 10);
+    SourceSettings looped = once(path);
+    looped.loop = true;
+    const auto source = open_source(looped);
+    for (int i = 0; i < 25; ++i) {
+        const auto frame = source->next();
+        REQUIRE(frame);
+        CHECK(frame->file == path);
+        CHECK(frame->fps == doctest::Approx(12));
+        REQUIRE(frame->media_time);
+        CHECK(std::abs(frame->media_time->count() - i % 10 * 1'000'000 / 12) <= 1000);
+        CHECK(frame->begins_again == (i > 0 && i % 10 == 0));
+    }
+    CHECK(source->count() == 0);
+    CHECK(open_source(once(path))->count() == 10);
+}
+
+TEST_CASE("source: a clip that is shorter than it says tells how much there is, once")
+{
+    const media::Folder folder;
+    const std::string path = write_clip(folder.path() / "v.avi", 100);
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+    const auto source = open_source(once(path));
+    int count = 0;
+    while (source->next())
+        ++count;
+    CHECK(count > 20);
+    CHECK(count < 80);
+    CHECK(contains(source->cut_short(), path + ": " + std::to_string(count) + " of 100 frames"));
+    SourceSettings looped = once(path);
+    looped.loop = true;
+    const auto endless = open_source(looped);
+    std::size_t told = 0;
+    for (int i = 0; i < 5 * count; ++i) {
+        endless->next();
+        told += endless->news().size();
+    }
+    CHECK(told == 1);
+    const auto whole = open_source(once(write_clip(folder.path() / "w.avi", 30)));
+    while (whole->next()) {
+    }
+    CHECK(whole->cut_short().empty());
 }
 
 TEST_CASE("source: the media's videos and the GIF have as many pictures as they should")

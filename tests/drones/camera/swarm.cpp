@@ -6,6 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <algorithm>
+
 using namespace hive::test;
 using namespace std::chrono_literals;
 
@@ -52,4 +54,51 @@ TEST_CASE(
         CHECK(exception->identity.sequence == sequence);
         CHECK(exception->header.at("text").get<std::string>().find((folder.path() / file).string()) == 0);
     }
+}
+
+TEST_CASE("camera: a broken picture in a loop is an exception with its name, once")
+{
+    const Swarm swarm;
+    const media::Folder folder;
+    fill(folder.path());
+    for (const char* pace : {"live", "demand"}) {
+        CAPTURE(std::string(pace));
+        const auto camera =
+            swarm.drone("camera", "camera-" + std::string(pace),
+                        {"source=" + folder.path().string(), "width=32", "fps=200", "pace=" + std::string(pace)});
+        auto application = swarm.application();
+        const auto name = "camera-" + std::string(pace);
+        const auto pictures = application.collect({{name, "image"}});
+        for (int i = 0; i < 30; ++i)
+            REQUIRE(pictures->next(patient(5000ms)));
+        const auto& outputs = application.status(name).outputs;
+        const auto found = std::ranges::find(outputs, std::string("exceptions"), &hive::OutputStatus::name);
+        REQUIRE(found != outputs.end());
+        CHECK(found->produced == 2);
+    }
+}
+
+TEST_CASE("camera: the events of a file say where they are from, and another source is another epoch")
+{
+    const Swarm swarm;
+    const media::Folder folder;
+    const auto png = media::encoded(".png", media::sample({64, 48}, CV_8UC3));
+    for (const char* name : {"1.png", "2.png"})
+        media::write(folder.path() / name, png);
+    const auto source = folder.path().string();
+    const auto camera = swarm.drone("camera", "camera", {"source=" + source, "pace=demand", "loop=off", "fps=10"});
+    auto application = swarm.application();
+    const auto pictures = application.collect({{"camera", "image"}});
+    const auto first = pictures->next(patient(5000ms)), second = pictures->next(patient(5000ms));
+    REQUIRE((first && second));
+    CHECK(first->header.at("file") == source + "/1.png");
+    CHECK(second->header.at("media_time_us") == 100'000);
+    CHECK_FALSE(pictures->next(patient(5000ms)));
+    CHECK(pictures->ended() == "");
+    CHECK(application.status("camera").why == hive::Reason::source_ended);
+    application.set("camera", {{"source", source + "/2.png"}});
+    std::optional<hive::Event> other;
+    REQUIRE(eventually([&] { return (other = pictures->next(50ms)).has_value(); }));
+    CHECK(other->identity.epoch > second->identity.epoch);
+    CHECK(other->identity.sequence == 1);
 }

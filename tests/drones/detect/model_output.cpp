@@ -3,11 +3,22 @@
 #include <limits>
 #include <model_output.hpp>
 
-using detect::candidates;
+using detect::Candidate;
 using detect::Layout;
-using detect::layout_of;
+using detect::Place;
 
 namespace {
+
+std::optional<Layout> layout_of(const std::vector<int>& shape, std::size_t classes, std::string_view wanted = {})
+{
+    const auto place = detect::layout_of({shape}, classes, wanted);
+    return place ? std::optional(place->layout) : std::nullopt;
+}
+
+std::vector<Candidate> candidates(const cv::Mat& output, Layout layout, cv::Size input, double min_score)
+{
+    return detect::candidates({output}, {.layout = layout}, input, min_score);
+}
 
 cv::Mat table(const std::vector<int>& shape, std::vector<float> numbers)
 {
@@ -72,6 +83,55 @@ TEST_CASE("model output: corners are shares of the input, and rows of no picture
     CHECK(found[0].box == cv::Rect2d(100, 100, 100, 50));
     CHECK(found[0].class_index == 15);
     CHECK(found[0].score == doctest::Approx(0.7));
+}
+
+TEST_CASE("model output: six numbers and few rows are a finished list, unless one class was named; more are places to "
+          "look at")
+{
+    CHECK(layout_of({1, 300, 6}, 0) == Layout::finished);
+    CHECK(layout_of({1, 300, 6}, 80) == Layout::finished);
+    CHECK(layout_of({1, 300, 6}, 1) == Layout::rows);
+    CHECK(layout_of({1, 25200, 6}, 0) == Layout::rows);
+    CHECK(layout_of({1, 6, 8400}, 2) == Layout::columns);
+    CHECK(layout_of({100, 7}, 80) == Layout::numbered);
+    CHECK(layout_of({1, 300, 6}, 1, "yolov10") == Layout::finished);
+    CHECK(layout_of({1, 300, 6}, 0, "yolov5") == Layout::rows);
+    CHECK_FALSE(layout_of({1, 300, 6}, 0, "ssd"));
+    for (const Layout layout : {Layout::rows, Layout::columns, Layout::corners, Layout::finished, Layout::numbered})
+        CHECK(detect::name_of(layout) != detect::name_of(Layout::apart));
+}
+
+TEST_CASE("model output: boxes and scores may be apart, in any order, with as many rows")
+{
+    CHECK(detect::layout_of({{1, 3000, 21}, {1, 3000, 4}}, 0) == Place{Layout::apart, 1, 0});
+    CHECK(detect::layout_of({{1, 3000, 4}, {1, 3000, 21}}, 21) == Place{Layout::apart, 0, 1});
+    CHECK_FALSE(detect::layout_of({{1, 3000, 4}, {1, 3000, 21}}, 20));
+    CHECK_FALSE(detect::layout_of({{1, 3000, 4}, {1, 200, 3}}, 0));
+    const std::vector<cv::Mat> outputs{table({1, 2, 3}, {0.1F, 0.2F, 0.7F, 0.9F, 0.05F, 0.05F}),
+                                       table({1, 2, 4}, {0.25F, 0.5F, 0.5F, 0.75F, 0, 0, 1, 1})};
+    const auto found = detect::candidates(outputs, {Layout::apart, 1, 0}, {400, 200}, 0.3);
+    REQUIRE(found.size() == 1);  // the other one is background
+    CHECK(found[0].box == cv::Rect2d(100, 100, 100, 50));
+    CHECK(found[0].class_index == 2);
+    CHECK(found[0].score == doctest::Approx(0.7));
+}
+
+TEST_CASE("model output: finished lists have corners in px, and class and score each at its place")
+{
+    auto found =
+        candidates(table({1, 2, 6}, {10, 20, 40, 60, 0.8F, 3, 0, 0, 0, 0, 0, 0}), Layout::finished, {99, 99}, 0.3);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].box == cv::Rect2d(10, 20, 30, 40));
+    CHECK(found[0].class_index == 3);
+    found = candidates(table({1, 7}, {0, 10, 20, 40, 60, 5, 0.9F}), Layout::numbered, {99, 99}, 0.3);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].box == cv::Rect2d(10, 20, 30, 40));
+    CHECK(found[0].class_index == 5);
+    CHECK(found[0].score == doctest::Approx(0.9));
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    CHECK(candidates(table({1, 2, 6}, {10, 20, 40, 60, 0.8F, nan, 10, 20, 5, 60, 0.8F, 1}), Layout::finished, {99, 99},
+                     0.3)
+              .empty());
 }
 
 TEST_CASE("model output: boxes that are none are left out")

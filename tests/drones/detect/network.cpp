@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 #include <network.hpp>
+#include <onnx_file.hpp>
 #include <opencv2/core.hpp>
 
 #include <algorithm>
@@ -72,6 +73,87 @@ TEST_CASE("network: each layout of a model is found out, and its box is where th
         CHECK(objects[0].name == "cup");
         CHECK(objects[0].score == doctest::Approx(0.9));
     }
+}
+
+TEST_CASE("network: lists with the suppression inside, and boxes apart from their scores, are found out as well")
+{
+    onnx::Model apart = constant({1, 2, 4}, {0.25F, 0.25F, 0.5F, 0.75F, 0, 0, 0.1F, 0.1F});
+    apart.more.push_back({"scores", {1, 2, 3}, {0.05F, 0.9F, 0.05F, 0.9F, 0.05F, 0.05F}});
+    onnx::Model finished = constant({1, 2, 6}, {2, 2, 4, 6, 0.9F, 1, 0, 0, 0, 0, 0, 0}),
+                numbered = constant({1, 7}, {0, 2, 2, 4, 6, 1, 0.9F});
+    const onnx::File names(".names", "background\ncup\nspoon\n");
+    for (const auto& [known, layout] : {std::pair(&apart, detect::Layout::apart),
+                                        {&finished, detect::Layout::finished},
+                                        {&numbered, detect::Layout::numbered}}) {
+        CAPTURE(std::string(detect::name_of(layout)));
+        const onnx::File model(".onnx", onnx::bytes_of(*known));
+        Network network(settings(model, &names));
+        CHECK(network.layout() == layout);
+        const auto objects = network.find(grey_picture({80, 80}));
+        REQUIRE(objects.size() == 1);
+        CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
+        CHECK(objects[0].name == "cup");
+        CHECK(objects[0].score == doctest::Approx(0.9));
+    }
+}
+
+TEST_CASE("network: the size of the input and the names of the classes are read from the model's file, unless told")
+{
+    onnx::Model model = yolo8();
+    model.width = 16;
+    model.names = "{0: 'cup', 1: \"cat's bed\"}";
+    const onnx::File file(".onnx", onnx::bytes_of(model)), names(".names", "first\nsecond\n");
+    NetworkSettings wanted = settings(file);
+    wanted.input = {};
+    Network network(wanted);
+    CHECK(network.input() == cv::Size(16, 8));
+    CHECK(network.classes() == 2);
+    CHECK(network.find(grey_picture({160, 80})).at(0).name == "cup");
+    wanted.classes = names.path();
+    CHECK(Network(wanted).find(grey_picture({160, 80})).at(0).name == "first");
+}
+
+TEST_CASE("network: a layout that is told is the only one that is considered")
+{
+    const onnx::File file(".onnx", onnx::bytes_of(constant({1, 7, 6}, std::vector<float>(42))));
+    NetworkSettings wanted = settings(file);
+    CHECK(Network(wanted).layout() == detect::Layout::finished);
+    wanted.layout = "yolov5";
+    CHECK(Network(wanted).layout() == detect::Layout::rows);
+    wanted.layout = "ssd";
+    CHECK(refusal(wanted).find("which is no output of the layout ssd") != std::string::npos);
+}
+
+TEST_CASE("model card: damaged files, other files and no files tell nothing")
+{
+    const std::string whole = onnx::bytes_of(yolo8());
+    const onnx::File good(".onnx", whole);
+    CHECK(detect::model_card(good.path()).input == cv::Size(8, 8));
+    CHECK(detect::model_card(good.path()).names.empty());
+    for (std::size_t length = 0; length < whole.size(); length += 7) {
+        const onnx::File cut(".onnx", whole.substr(0, length));
+        CHECK(detect::model_card(cut.path()).names.empty());
+    }
+    for (std::size_t place = 0; place < whole.size(); place += 5) {
+        std::string changed = whole;
+        changed[place] = static_cast<char>(changed[place] ^ 0xff);
+        const onnx::File damaged(".onnx", changed);
+        const cv::Size size = detect::model_card(damaged.path()).input;
+        CHECK(size.width <= 4096);
+        CHECK(size.height <= 4096);
+    }
+    CHECK(detect::model_card("/nowhere/model.onnx") == detect::ModelCard{});
+    CHECK(detect::model_card("/") == detect::ModelCard{});
+}
+
+TEST_CASE("model card: names are read in the order of their numbers, or not at all")
+{
+    CHECK(detect::names_from("{0: 'person', 1: 'bicycle'}") == std::vector<std::string>{"person", "bicycle"});
+    CHECK(detect::names_from("{ 0 : \"a, b}\" }") == std::vector<std::string>{"a, b}"});
+    CHECK(detect::names_from("{}").empty());
+    for (const char* wrong :
+         {"", "{", "person", "{0: 'a' 1: 'b'}", "{1: 'a'}", "{0: 'a', 2: 'b'}", "{0: 'a", "{0: a}", "{0 'a'}"})
+        CHECK(detect::names_from(wrong).empty());
 }
 
 TEST_CASE("network: a wide picture is letterboxed or stretched into the input, and its boxes are mapped back")

@@ -61,7 +61,7 @@ std::string node(const std::string& operation, const std::vector<std::string>& i
     std::string bytes;
     for (const auto& input : inputs)
         bytes += part(1, input);
-    return bytes + part(2, output) + part(3, operation) + part(4, operation);
+    return bytes + part(2, output) + part(3, operation + "_" + output) + part(4, operation);
 }
 
 constexpr int attribute_is_integer = 2;
@@ -73,26 +73,50 @@ std::string attribute(const std::string& name, std::uint64_t value)
 
 }  // namespace
 
+namespace {
+
+template <class Number>
+std::vector<std::uint64_t> sides_of(const std::vector<Number>& shape)
+{
+    return {shape.begin(), shape.end()};
+}
+
+/// The nodes and weights that make one output of a row of numbers.
+std::string output(const std::string& row, const std::string& name, const std::vector<int>& shape,
+                   const std::vector<float>& constants, const std::vector<float>& weights)
+{
+    const std::vector<std::int64_t> sides(shape.begin(), shape.end());
+    const std::string own_weights = name + "_weights", own_constants = name + "_constants", numbers = name + "_numbers",
+                      own_shape = name + "_shape";
+    return part(1, node("Gemm", {row, own_weights, own_constants}, numbers) + attribute("transB", 1))
+           + part(1, node("Reshape", {numbers, own_shape}, name))
+           + part(5,
+                  tensor(own_weights, type_float, {constants.size(), weights.size() / constants.size()}, raw(weights)))
+           + part(5, tensor(own_constants, type_float, {constants.size()}, raw(constants)))
+           + part(5, tensor(own_shape, type_int64, {sides.size()}, raw(sides)))
+           + part(12, value_info(name, sides_of(shape)));
+}
+
+}  // namespace
+
 std::string bytes_of(const Model& model)
 {
-    const std::size_t inputs = static_cast<std::size_t>(3 * model.width * model.height),
-                      outputs = model.constants.size();
-    std::vector<float> weights(inputs * outputs, 0.0F);
+    const std::size_t inputs = static_cast<std::size_t>(3 * model.width * model.height);
+    std::vector<float> weights(inputs * model.constants.size(), 0.0F);
     for (const Wire& wire : model.wires)
         weights[static_cast<std::size_t>(wire.to) * inputs + static_cast<std::size_t>(wire.from)] = wire.factor;
-    const std::vector<std::int64_t> shape(model.shape.begin(), model.shape.end());
-    const std::vector<std::uint64_t> sides(model.shape.begin(), model.shape.end());
     const std::vector<std::uint64_t> input_sides{1, 3, static_cast<std::uint64_t>(model.height),
                                                  static_cast<std::uint64_t>(model.width)};
-    const std::string graph =
-        part(1, node("Flatten", {"image"}, "row"))
-        + part(1, node("Gemm", {"row", "weights", "constants"}, "numbers") + attribute("transB", 1))
-        + part(1, node("Reshape", {"numbers", "shape"}, "objects")) + part(2, "tiny")
-        + part(5, tensor("weights", type_float, {outputs, inputs}, raw(weights)))
-        + part(5, tensor("constants", type_float, {outputs}, raw(model.constants)))
-        + part(5, tensor("shape", type_int64, {shape.size()}, raw(shape))) + part(11, value_info("image", input_sides))
-        + part(12, value_info("objects", sides));
-    return number(1, 7) + part(7, graph) + part(8, part(1, "") + number(2, 11));
+    std::string graph = part(1, node("Flatten", {"image"}, "row")) + part(2, "tiny")
+                        + part(11, value_info("image", input_sides))
+                        + output("row", "objects", model.shape, model.constants, weights);
+    if (!model.more.empty())  // from the three means of the input: that needs few weights
+        graph += part(1, node("GlobalAveragePool", {"image"}, "mean")) + part(1, node("Flatten", {"mean"}, "means"));
+    for (const Model::Output& other : model.more)
+        graph += output("means", other.name, other.shape, other.constants,
+                        std::vector<float>(3 * other.constants.size(), 0.0F));
+    const std::string metadata = model.names.empty() ? "" : part(14, part(1, "names") + part(2, model.names));
+    return number(1, 7) + part(7, graph) + part(8, part(1, "") + number(2, 11)) + metadata;
 }
 
 File::File(const std::string& suffix, const std::string& contents)

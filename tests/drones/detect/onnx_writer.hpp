@@ -21,6 +21,14 @@ struct Model {
     std::vector<int> shape;
     std::vector<float> constants;  ///< as many as the output has numbers
     std::vector<Wire> wires;
+    /// Another output, of constants.
+    struct Output {
+        std::string name;
+        std::vector<int> shape;
+        std::vector<float> constants;
+    };
+    std::vector<Output> more = {};
+    std::string names = {};  ///< of the classes, in the file's metadata; empty: none
 };
 
 /// The bytes of the model in the format of ONNX (protocol buffers).

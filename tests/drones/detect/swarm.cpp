@@ -104,7 +104,12 @@ TEST_CASE("detect: a model that is set while pictures come is used, with the nam
         return eventually(
             [&] {
                 const auto result = collector->next(Milliseconds(200));
-                return result && result->header.at("objects") == objects;
+                if (!result)
+                    return false;
+                Json found = result->header.at("objects");
+                for (Json& one : found)
+                    CHECK(one.erase("colours") == 1);  // those of the scene, which another test looks at
+                return found == objects;
             },
             Milliseconds(10'000));
     };

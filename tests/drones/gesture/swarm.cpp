@@ -93,9 +93,10 @@ TEST_CASE(
     application.connect({"camera", ""}, {"background", ""});
     const auto settings = hand_before(camera::Background::brick);
     const auto headers = checked_headers(*collector, "hands", pictures, [&](std::int64_t first) {
-        return plain_program(
-            scene_pictures(settings), {}, first, pictures,
-            [](std::int64_t, const background::Foreground& found) { return plain_hands(found.mask, "mask"); });
+        return plain_program(scene_pictures(settings), {}, first, pictures,
+                             [](std::int64_t, const background::Foreground& found, const cv::Mat&) {
+                                 return plain_hands(found.mask, "mask");
+                             });
     });
     int shown = 0, read = 0;
     const camera::Scene scene(settings);

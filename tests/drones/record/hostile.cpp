@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <limits>
 
 using namespace record_test;
 using hive::recording::Reader;
@@ -155,4 +156,118 @@ TEST_CASE("recording: an end that lies about places and names is not followed ou
     Reader reader(folder / "lie");
     CHECK(read_all(reader).texts.size() == events);
     CHECK(reader.problem() != "");
+}
+
+TEST_CASE(
+    "recording: no path leads out of the folder, over a symbolic link, to something hidden or to what is no recording")
+{
+    const Folder folder;
+    fs::create_directories(folder / "own/sub");
+    fs::create_directory_symlink(folder / "own/sub", folder / "own/link");
+    fs::create_symlink(folder / "outside", folder / "own/linked.hive");
+    write_bytes(folder / "own/letter", "Dear Sir or Madam");
+    auto wanted = settings("run.hive");
+    wanted.folder = folder / "own";
+    wanted.overwrite = true;
+    for (const std::string path : {"../outside", "sub/../../outside", "/tmp/outside.hive", "link/a.hive", "linked.hive",
+                                   ".profile", "sub/.ssh", ".ssh/keys", "letter", ".", "", "sub"}) {
+        CAPTURE(path);
+        wanted.path = path;
+        CHECK_THROWS_AS(hive::recording::Writer{wanted}, std::runtime_error);
+    }
+    CHECK_FALSE(fs::exists(folder / "outside"));
+    CHECK(bytes_of(folder / "own/letter") == "Dear Sir or Madam");
+    for (const std::string path : {"run.hive", "sub/run.hive", "sub/../other.hive"}) {
+        CAPTURE(path);
+        wanted.path = path;
+        hive::recording::Writer{wanted}.finish("stopped");
+        hive::recording::Writer{wanted}.finish("stopped");  // a recording is overwritten
+        CHECK(Reader(folder / "own" / path).summary().ended == "stopped");
+        CHECK(fs::status(folder / "own" / path).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+    }
+}
+
+namespace {
+
+std::string record_of(hive::recording::Kind kind, const std::string& text, std::int64_t time_us = 0)
+{
+    const auto head =
+        hive::recording::encode({kind, 0, static_cast<std::uint32_t>(text.size()), 0, time_us,
+                                 hive::recording::crc(std::as_bytes(std::span(text))), hive::recording::crc({})});
+    return std::string(reinterpret_cast<const char*>(head.data()), head.size()) + text;
+}
+
+/// A recording of one end alone, with this text.
+std::string with_end(const std::string& text)
+{
+    std::string place(8, '\0');
+    place[0] = static_cast<char>(hive::recording::file_magic.size());
+    return std::string(hive::recording::file_magic) + record_of(hive::recording::Kind::end, text) + place
+           + std::string(hive::recording::end_magic);
+}
+
+std::string repeated(const std::string& text, std::size_t bytes)
+{
+    std::string all;
+    while (all.size() < bytes)
+        all += text;
+    return all;
+}
+
+/// The most that this process ever had.
+std::size_t most_kilobytes()
+{
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;)
+        if (word == "VmHWM:")
+            return status >> word, std::stoul(word);
+    return 0;
+}
+
+}  // namespace
+
+TEST_CASE("recording: texts that are deep or wide are refused before they cost memory")
+{
+    const Folder folder;
+    constexpr std::size_t most = hive::recording::most_end_text - 100;
+    const std::size_t before = most_kilobytes();
+    for (const std::string& text :
+         {std::string(most / 2, '[') + std::string(most / 2, ']'), "[" + repeated("{},", most) + "{}]",
+          "{\"tracks\":[" + repeated("[[]],", most) + "[]]}", "[" + repeated("0,", most) + "0]"}) {
+        write_bytes(folder / "odd", with_end(text));
+        Reader reader(folder / "odd");
+        CHECK_FALSE(reader.next());
+        CHECK(reader.problem() != "");
+    }
+    // The four texts here and their copies there; the values of 16 MiB of "{}," alone would be 500 MB.
+    CHECK(most_kilobytes() < before + 250'000);
+}
+
+TEST_CASE("recording: numbers that cannot be, in its end and in its records, are no summary and no time")
+{
+    const std::string whole = R"({"begun_us":1,"duration_us":2,"ended":"stopped","lost":[],"tracks":[]})";
+    REQUIRE(hive::recording::summary_from(whole));
+    for (const auto& [old, odd] : std::initializer_list<std::pair<std::string, std::string>>{
+             {"\"duration_us\":2", "\"duration_us\":-9223372036854775808"},
+             {"\"duration_us\":2", "\"duration_us\":9223372036854775807"},
+             {"\"duration_us\":2", "\"duration_us\":1e300"},
+             {"\"duration_us\":2", "\"duration_us\":\"2\""},
+             {"\"begun_us\":1", "\"begun_us\":-1"},
+             {"\"lost\":[]", R"("lost":[{"from":"a.b","reason":"c","events":-5}])"},
+             {"\"lost\":[]", "\"lost\":{}"},
+             {"\"tracks\":[]", "\"tracks\":[[]]"}}) {
+        CAPTURE(odd);
+        std::string text = whole;
+        text.replace(text.find(old), old.size(), odd);
+        CHECK_FALSE(hive::recording::summary_from(text));
+    }
+    const Folder folder;
+    const auto at = [&](std::int64_t time_us) {
+        write_bytes(folder / "late", std::string(hive::recording::file_magic)
+                                         + record_of(hive::recording::Kind::event, text_of(1), time_us));
+        return Reader(folder / "late").summary().events();
+    };
+    CHECK(at(hive::recording::most_time_us) == 1);
+    CHECK(at(hive::recording::most_time_us + 1) == 0);
+    CHECK(at(std::numeric_limits<std::int64_t>::max()) == 0);
 }

@@ -259,6 +259,26 @@ TEST_CASE("recording: a recorder that was killed and is started again goes on in
     CHECK(text_of(file) == kept);
 }
 
+TEST_CASE("recording: a set reaches no file outside of the folder that the recorder was started for")
+{
+    const Swarm swarm;
+    const auto own = swarm.home() / "own", outside = swarm.home() / "outside.hive";
+    fs::create_directory(own);
+    fs::create_symlink(outside, own / "link.hive");
+    const auto recorder = swarm.drone("record", "record", {"file=" + (own / "run.hive").string()});
+    for (const auto& path : {outside.string(), std::string("../outside.hive"), (own / "../outside.hive").string(),
+                             std::string("link.hive"), std::string(".profile")}) {
+        CAPTURE(path);
+        const auto set = swarm.hivectl({"set", "record", "file=" + path, "overwrite=on"});
+        CHECK_MESSAGE(set.exit_code == 5, set.err);
+    }
+    CHECK_FALSE(fs::exists(outside));
+    CHECK(swarm.hivectl({"set", "record", "file=next.hive"}).exit_code == 0);
+    CHECK(fs::exists(own / "next.hive"));
+    CHECK(swarm.hivectl({"set", "record", "file=" + (own / "last.hive").string()}).exit_code == 0);
+    CHECK(fs::status(own / "last.hive").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+}
+
 TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its exit code says what is not")
 {
     const Swarm swarm;

@@ -93,3 +93,11 @@ TEST_CASE("timeline: neither a pause nor a jump back is followed by a burst")
     CHECK(timeline.due(500'000, 1, now + 61s) == now + 61500ms);
     CHECK(timeline.due(1'500'000, 10, now + 61500ms) == now + 61500ms);  // another speed counts from here
 }
+
+TEST_CASE("timeline: a time that no clock reaches is due in years, whatever the speed")
+{
+    Timeline timeline;
+    const Timeline::Clock::time_point now{};
+    CHECK(timeline.due(0, 0.01, now) == now);
+    CHECK(timeline.due(hive::recording::most_time_us, 0.01, now) > now + std::chrono::hours(24 * 365 * 20));
+}

@@ -28,10 +28,9 @@ TEST_CASE("boxes: the only array of boxes is found, whatever its name and whatev
 {
     const std::vector<Box> one{{1, 2, 3, 4}};
     CHECK(boxes_in(Json::parse(R"({"faces":[{"x":1,"y":2,"w":3,"h":4}],"width":640,"height":480})"), "") == one);
-    CHECK(
-        boxes_in(Json::parse(R"({"objects":[{"x":1.0,"y":2,"w":3,"h":4,"class":"dog","score":0.5}],"labels":["dog"]})"),
-                 "")
-        == one);
+    const auto scored = boxes_in(
+        Json::parse(R"({"objects":[{"x":1.0,"y":2,"w":3,"h":4,"class":"dog","score":0.5}],"labels":["dog"]})"), "");
+    CHECK(scored == std::vector<Box>{{.x = 1, .y = 2, .w = 3, .h = 4, .score = 0.5}});
     CHECK(boxes_in(Json::parse(R"({"boxes":[],"width":640,"height":480,"learned":7})"), "").empty());
 }
 
@@ -55,6 +54,20 @@ TEST_CASE("boxes: what is no box is refused")
     const Json box{{"x", 1}, {"y", 2}, {"w", 3}, {"h", 4}};
     CHECK_FALSE(refusal({{"boxes", Json(track::most_boxes, box)}}));
     CHECK(refusal({{"boxes", Json(track::most_boxes + 1, box)}}) == hive::Errc::too_large);
+}
+
+TEST_CASE("boxes: a score and colours are taken, and left alone when they are something else")
+{
+    const auto read = [](const Json& more) {
+        Json box{{"x", 1}, {"y", 2}, {"w", 3}, {"h", 4}};
+        box.update(more);
+        return boxes_in({{"boxes", Json::array({box})}}, "").at(0);
+    };
+    CHECK(read({{"score", 0.25}}).score == 0.25);
+    CHECK(read({{"score", "high"}}).score > 1e9);
+    CHECK(read({{"colours", {1, 3}}}).look == track::Look{0.25F, 0.75F});
+    for (const Json& none : {Json("red"), Json::array(), Json{1, -1}, Json{1, "b"}, Json{0, 0}, Json(65, 1)})
+        CHECK(read({{"colours", none}}).look.empty());
 }
 
 TEST_CASE("boxes: as many tracks as there may be fit into a header")

@@ -1,23 +1,16 @@
 // Background and tracker together, against the truth: how often does a thing change its number?
 #include "media.hpp"
 #include "scoring.hpp"
+#include "seen_boxes.hpp"
 
 #include <doctest/doctest.h>
-#include <foreground_finder.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <scene.hpp>
 
-namespace {
+using hive::test::boxes_of;
 
-/// @param scale  of the truth's pixels to the found ones
-std::vector<track::Box> boxes_of(const background::Foreground& found, double scale)
-{
-    std::vector<track::Box> boxes;
-    for (const auto& [box, area] : found.blobs)
-        boxes.push_back({box.x * scale, box.y * scale, box.width * scale, box.height * scale});
-    return boxes;
-}
+namespace {
 
 scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
 {
@@ -36,7 +29,7 @@ scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
     scoring::Identities score;
     for (int index = 0; index < pictures; ++index) {
         const auto [image, truth, hands] = scene.picture(index);
-        const auto tracks = tracker.next(index / 30.0, boxes_of(finder.find(image), 1));
+        const auto tracks = tracker.next(index / 30.0, boxes_of(finder.find(image), image));
         std::vector<scoring::TrueBox> walking;
         for (const auto& [kind, id, box] : truth)
             walking.push_back({id, box});
@@ -101,7 +94,7 @@ TEST_CASE("identities: pedestrians in the open, by background subtraction alone"
     cv::Mat picture, half;
     for (int number = 1; pictures.read(picture); ++number) {
         cv::resize(picture, half, {}, 0.5, 0.5, cv::INTER_AREA);
-        score.add(tracker.next(number / 10.0, boxes_of(finder.find(half), 2)), truth[number], 0.3);
+        score.add(tracker.next(number / 10.0, boxes_of(finder.find(half), half, 2)), truth[number], 0.3);
     }
     report("background", score);
     CHECK(score.switches <= 30);  // people who stand still melt into the background, groups into one box

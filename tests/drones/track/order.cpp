@@ -39,10 +39,18 @@ TEST_CASE("order: a picture that comes late or twice is refused, and the sequenc
     CHECK(order.goes_on(picture("camera", 1, 6)));
 }
 
-TEST_CASE("order: time is that of the capture, not of the arrival, or counts pictures at a rate that was told")
+TEST_CASE(
+    "order: time is that in the file, or of the capture, not of the arrival, or counts pictures at a rate that was "
+    "told")
 {
-    Identity identity = picture("camera", 1, 45);
-    identity.monotonic_us = 2'500'000;
-    CHECK(track::time_of(identity, 0) == doctest::Approx(2.5));
-    CHECK(track::time_of(identity, 30) == doctest::Approx(1.5));
+    hive::Event event;
+    event.identity = picture("camera", 1, 45);
+    event.identity.monotonic_us = 2'500'000;
+    CHECK(track::time_of(event, 0) == doctest::Approx(2.5));
+    CHECK(track::time_of(event, 30) == doctest::Approx(1.5));
+    event.header = {{"media_time_us", 4'400'000}};
+    CHECK(track::time_of(event, 0) == doctest::Approx(4.4));
+    CHECK(track::time_of(event, 30) == doctest::Approx(1.5));
+    event.header = {{"media_time_us", "noon"}};
+    CHECK(track::time_of(event, 0) == doctest::Approx(2.5));
 }

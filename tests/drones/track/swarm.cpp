@@ -1,5 +1,6 @@
 // The tracking swarm, camera to tracks: the same tracks as one program that calls the same algorithms in a loop.
 #include "plain_program.hpp"
+#include "seen_boxes.hpp"
 
 #include "../../../drones/track/boxes.hpp"
 
@@ -22,14 +23,6 @@ camera::SceneSettings settings()
     return result;
 }
 
-std::vector<track::Box> boxes_of(const background::Foreground& found)
-{
-    std::vector<track::Box> boxes;
-    for (const auto& [box, area] : found.blobs)
-        boxes.push_back({double(box.x), double(box.y), double(box.width), double(box.height)});
-    return boxes;
-}
-
 /// Tracks of each picture as the swarm writes them.
 template <class Picture>
 std::map<std::int64_t, Json> plain_tracks(Picture picture, cv::Size size, std::int64_t first)
@@ -40,8 +33,9 @@ std::map<std::int64_t, Json> plain_tracks(Picture picture, cv::Size size, std::i
     tracker.width = size.width;
     tracker.height = size.height;
     return plain_program(std::move(picture), finder, first, pictures,
-                         [&](std::int64_t sequence, const background::Foreground& found) {
-                             return track::to_json(tracker.next(static_cast<double>(sequence) / fps, boxes_of(found)));
+                         [&](std::int64_t sequence, const background::Foreground& found, const cv::Mat& image) {
+                             return track::to_json(
+                                 tracker.next(static_cast<double>(sequence) / fps, boxes_of(found, image)));
                          });
 }
 

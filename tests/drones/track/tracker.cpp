@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 #include <tracker.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
 
 using track::Box;
 using track::Track;
@@ -84,11 +84,38 @@ TEST_CASE("tracker: a track that has left the picture ends, if the size of the p
         Tracker tracker;
         tracker.width = known ? 320 : 0;
         tracker.height = known ? 240 : 0;
-        follow(tracker, {{0, 50, 400, 0}}, 0, 20);  // to x = 304
+        follow(tracker, {{0, 50, 400, 0}}, 0, 17);  // to x = 256
         CAPTURE(known);
-        CHECK(tracker.next(19.5 * rate, {}).size() == 1);
-        CHECK(follow(tracker, {}, 21, 24).size() == (known ? 0 : 1));
+        CHECK(tracker.next(16.5 * rate, {}).size() == 1);
+        CHECK(follow(tracker, {}, 18, 22).size() == (known ? 0 : 1));
     }
+}
+
+TEST_CASE("tracker: who goes out of the picture, cut off more and more, is not taken for who comes in there")
+{
+    Tracker tracker;
+    tracker.width = 320;
+    tracker.height = 240;
+    const auto cut = [](const Box& box) {
+        const double right = std::min(box.x + box.w, 320.0);
+        return Box{box.x, box.y, right - box.x, box.h};
+    };
+    const Walk out{200, 50, 100, 0}, in{440, 50, -100, 0};  // when one has gone the other comes
+    std::vector<Track> tracks;
+    for (int picture = 0; picture < 60; ++picture) {
+        const double time = picture * rate;
+        std::vector<Box> boxes;
+        for (const Walk& walk : {out, in})
+            if (walk.at(time).x < 316)
+                boxes.push_back(cut(walk.at(time)));
+        tracks = tracker.next(time, boxes);
+        for (const Track& one : tracks)
+            if (one.confirmed)
+                CHECK(one.box.x + one.box.w <= 320);
+    }
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].id > 1);
+    CHECK(tracks[0].box.x == doctest::Approx(in.at(59 * rate).x).epsilon(0.02));
 }
 
 TEST_CASE("tracker: who comes back in time where expected keeps the id; the speed is told in px/s")
@@ -233,4 +260,125 @@ TEST_CASE("tracker: there are never more tracks than may be, and the same boxes 
         return all;
     };
     CHECK(run() == run());
+}
+
+namespace {
+
+const track::Look red{1, 0, 0}, blue{0, 1, 0}, reddish{0.9F, 0.1F, 0}, wall{0, 0, 1};
+
+Box looking(Box box, const track::Look& look)
+{
+    box.look = look;
+    return box;
+}
+
+Box scored(Box box, double score)
+{
+    box.score = score;
+    return box;
+}
+
+const Track& of_id(const std::vector<Track>& tracks, std::int64_t id)
+{
+    const auto found = std::ranges::find(tracks, id, &Track::id);
+    REQUIRE(found != tracks.end());
+    return *found;
+}
+
+}  // namespace
+
+TEST_CASE("tracker: two that meet and turn back keep their ids by their looks, and lose them without")
+{
+    const Walk right{0, 50, 160, 0}, left{400, 50, -160, 0};  // they meet at 1.25 s
+    for (const double appearance : {0.4, 0.0}) {
+        CAPTURE(appearance);
+        Tracker tracker;
+        tracker.appearance = appearance;
+        std::vector<Track> tracks;
+        for (int picture = 0; picture < 60; ++picture) {
+            const double time = picture * rate, turned = picture <= 31 ? time : 2.5 - time;
+            const Box a = right.at(turned), b = left.at(turned);
+            if (picture >= 28 && picture <= 34)  // one box for both
+                tracks = tracker.next(time, std::vector<Box>{{a.x, 50, b.x + 40 - a.x, 100}});
+            else
+                tracks = tracker.next(time, std::vector{looking(a, red), looking(b, blue)});
+        }
+        CHECK((of_id(tracks, 1).box.x < 100) == (appearance > 0));
+        CHECK((of_id(tracks, 2).box.x > 300) == (appearance > 0));
+    }
+}
+
+TEST_CASE("tracker: a weak box keeps a track going and begins none; without a score a box is strong")
+{
+    const Walk walk{0, 50, 100, 0};
+    for (const double score : {0.4, 0.6}) {
+        CAPTURE(score);
+        Tracker tracker;
+        for (int picture = 0; picture < 5; ++picture)
+            CHECK(tracker.next(picture * rate, std::vector{scored(walk.at(picture * rate), score)}).empty()
+                  == (score < tracker.strong));
+    }
+    Tracker tracker;
+    follow(tracker, {walk}, 0, 10);
+    std::vector<Track> tracks;
+    for (int picture = 10; picture < 60; ++picture)
+        tracks = tracker.next(picture * rate, std::vector{scored(walk.at(picture * rate), 0.1)});
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].hits == 60);
+    CHECK(tracks[0].id == 1);
+}
+
+TEST_CASE("tracker: a strong box is taken before a weak one that is nearer")
+{
+    Tracker tracker;
+    const Walk still{100, 50, 0, 0};
+    follow(tracker, {still}, 0, 10);
+    const auto tracks = tracker.next(10 * rate, std::vector{scored(still.at(0), 0.1), scored({112, 50, 40, 100}, 0.9)});
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].box.x > 101);
+}
+
+TEST_CASE("tracker: a track ends when what is in its place looks like the wall, and that gets a track of its own")
+{
+    Tracker tracker;
+    const Box place{100, 50, 40, 100};
+    for (int picture = 0; picture < 10; ++picture)
+        CHECK(tracker.next(picture * rate, std::vector{looking(place, picture % 2 ? red : reddish)}).at(0).id == 1);
+    std::vector<Track> tracks;
+    for (int picture = 10; picture < 13; ++picture)
+        tracks = tracker.next(picture * rate, std::vector{looking(place, wall)});
+    REQUIRE(tracks.size() == 1);
+    CHECK(tracks[0].id == 2);
+    Tracker blind;  // motion alone does not notice
+    blind.appearance = 0;
+    for (int picture = 0; picture < 13; ++picture)
+        tracks = blind.next(picture * rate, std::vector{looking(place, picture < 10 ? red : wall)});
+    CHECK(tracks.at(0).id == 1);
+}
+
+TEST_CASE("tracker: who was lost is known again further away by the looks, and only by them")
+{
+    const Walk walk{0, 50, 100, 0};
+    for (const auto& [look, id] : {std::pair(red, 1), std::pair(blue, 2)}) {
+        Tracker tracker;
+        for (int picture = 0; picture < 10; ++picture)
+            static_cast<void>(tracker.next(picture * rate, std::vector{looking(walk.at(picture * rate), red)}));
+        for (int picture = 10; picture < 20; ++picture)
+            static_cast<void>(tracker.next(picture * rate, {}));
+        Box back = walk.at(20 * rate);
+        back.x += 110;  // the gate ends at 75 px
+        const auto tracks = tracker.next(20 * rate, std::vector{looking(back, look)});
+        CHECK(tracks.back().id == id);
+        CHECK(tracks.back().missing == 0);
+    }
+}
+
+TEST_CASE("tracker: a box that fits one track is not shared with one that was lost there")
+{
+    Tracker tracker;
+    const Walk walk{0, 50, 100, 0}, gone{100, 50, 0, 0};
+    follow(tracker, {walk, gone}, 0, 5);
+    const auto tracks = follow(tracker, {walk}, 5, 24);  // at x = 92, before the middle of the other one
+    CHECK(of_id(tracks, 1).hits == 24);
+    CHECK(of_id(tracks, 2).missing == 19);
 }

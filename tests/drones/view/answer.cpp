@@ -18,11 +18,11 @@ public:
     Page() : exchange(view::Picture::of_notice("no picture yet")) {}
     view::Answer ask(view::Request request, view::Browsers browsers = {0, 8}) const
     {
-        return answer_to(request, exchange, bind_, browsers);
+        return answer_to(request, exchange, bind_, pass_, browsers);
     }
     view::Answer get(std::string_view path, view::Browsers browsers = {0, 8}) const
     {
-        return ask({"GET", path, "127.0.0.1:8080"}, browsers);
+        return ask({.method = "GET", .path = path, .host = "127.0.0.1:8080", .cookie = "secret"}, browsers);
     }
     void put()
     {
@@ -35,6 +35,7 @@ public:
 
 private:
     view::Address bind_{"127.0.0.1", 8080};
+    view::Pass pass_{"secret", 8080};
 };
 
 /// The JSON example of the drone's page.
@@ -60,11 +61,13 @@ std::set<std::string> keys(const json& object)
 
 TEST_CASE("answer: the page and all that it names are there, and it names nothing else")
 {
-    const Page page;
+    Page page;
+    page.put();
     const auto html = page.get("/");
     CHECK(html.type == "text/html; charset=utf-8");
-    for (const char* path : {"/view.css", "/view.js", "/status.json", "/stream.mjpg"})
+    for (const char* path : {"/view.css", "/view.js", "/status.json", "/plain/stream.mjpg", "/plain/picture.jpg"})
         CHECK_MESSAGE(page.get(path).code == 200, path);
+    CHECK(html.body.find("\"plain/stream.mjpg\"") != std::string::npos);
     for (const auto& answer : {html, page.get("/view.css"), page.get("/view.js")})
         CHECK(answer.body.find("//") == std::string::npos);  // neither a URL nor a comment
 }
@@ -73,7 +76,7 @@ TEST_CASE("answer: another method, path or host gets an error that says what to 
 {
     const Page page;
     for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "get", ""})
-        CHECK(page.ask({method, "/", "127.0.0.1"}).code == 405);
+        CHECK(page.ask({.method = method, .path = "/", .host = "127.0.0.1", .cookie = "secret"}).code == 405);
     for (const char* path : {"", "/x", "/../etc/passwd", "//", "/view.css/", "/index.html"})
         CHECK(page.get(path).code == 404);
     CHECK(page.ask({"GET", "/status.json", "evil.example"}).code == 403);
@@ -90,6 +93,16 @@ TEST_CASE("answer: the snapshot is a JPEG of the newest picture; 503 before ther
     CHECK(answer.type == "image/jpeg");
     const auto& jpeg = *page.exchange.newest().picture->jpeg();
     CHECK(answer.body == std::string(jpeg.begin(), jpeg.end()));
+}
+
+TEST_CASE("answer: the page gets pictures without captions, others get them as they are set")
+{
+    Page page;
+    page.put();
+    CHECK(page.get("/plain/stream.mjpg").plain);
+    CHECK_FALSE(page.get("/stream.mjpg").plain);
+    const auto& plain = *page.exchange.newest().picture->plain_jpeg();
+    CHECK(page.get("/plain/picture.jpg").body == std::string(plain.begin(), plain.end()));
 }
 
 TEST_CASE("answer: no more streams than are allowed")
@@ -129,4 +142,15 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
     CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 10s).at("rate") == 0);
     CHECK(keys(before) == keys(now));
     CHECK(keys(example()) == keys(now));  // the drone's page shows the same fields
+}
+
+TEST_CASE("answer: a page without a token is for nobody, and each token is drawn anew")
+{
+    const view::Pass closed("", 8080);
+    const view::Request request{.method = "GET", .path = "/", .host = "127.0.0.1"};
+    CHECK_FALSE(closed.in_cookie(request));
+    CHECK_FALSE(closed.in_address(request));
+    const auto token = view::Pass::draw_token();
+    CHECK(token.size() == 32);
+    CHECK(token != view::Pass::draw_token());
 }

@@ -22,13 +22,17 @@ const std::vector<std::string> no_display{"DISPLAY="};
 Process viewer(const Swarm& swarm, int port, std::vector<std::string> settings = {})
 {
     settings.push_back("http=" + std::to_string(port));
+    settings.push_back("token=" + http::token);
     return swarm.drone("view", "view", settings, {}, no_display);
 }
 
-hive::Json status_at(int port) { return get(port, "/status.json").json(); }
-bool shows(int port)
+hive::Json status_at(int port, const std::string& token = http::token)
 {
-    return eventually([&] { return status_at(port).at("number") > 0; }, Milliseconds(10'000));
+    return get(port, "/status.json", token).json();
+}
+bool shows(int port, const std::string& token = http::token)
+{
+    return eventually([&] { return status_at(port, token).at("number") > 0; }, Milliseconds(10'000));
 }
 
 /// A JPEG file that no encoder of ours makes again.
@@ -51,7 +55,7 @@ TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
     auto application = swarm.application();
     application.connect({"camera", ""}, {"view", ""});
     Client client(port);
-    client.send(http::request_for("/stream.mjpg"));
+    client.ask("/stream.mjpg");
     int pictures = 0;
     for (int width = 0, height = 0; pictures < 5; pictures += height == 480) {
         const auto jpeg = client.next_picture(Milliseconds(10'000));
@@ -119,7 +123,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
     auto application = swarm.application();
     application.connect({"camera", ""}, {"view", ""});
     Client client(port);
-    client.send(http::request_for("/stream.mjpg"));
+    client.ask("/stream.mjpg");
     REQUIRE(client.next_picture(Milliseconds(10'000)));
     REQUIRE(shows(port));
     swarm.hivectl_done({"halt", "camera"});
@@ -182,11 +186,16 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     const auto camera = swarm.drone("camera", "camera");
     auto process =
         swarm.hivectl_running({"view", "camera", "--http", std::to_string(port), "--encoding", "jpeg:60"}, "seen");
-    REQUIRE(eventually(
-        [&] { return swarm.log("seen").find("http://127.0.0.1:" + std::to_string(port) + "/\n") != std::string::npos; },
-        Milliseconds(15'000)));
-    REQUIRE(shows(port));
-    CHECK(get(port, "/picture.jpg").picture().rows == 480);
+    const std::string address = "http://127.0.0.1:" + std::to_string(port) + "/?token=";
+    std::string log;
+    REQUIRE(
+        eventually([&] { return (log = swarm.log("seen")).find(address) != std::string::npos && log.ends_with("\n"); },
+                   Milliseconds(15'000)));
+    const auto token = log.substr(log.find(address) + address.size(), 32);
+    CHECK(token.find_first_not_of("0123456789abcdef") == std::string::npos);
+    CHECK(get(port, "/picture.jpg").code == 403);
+    REQUIRE(shows(port, token));
+    CHECK(get(port, "/picture.jpg", token).picture().rows == 480);
     const auto edges = hive::Json::parse(swarm.hivectl_done({"edges", "--json"}));
     REQUIRE(edges.size() == 1);
     CHECK(edges[0].at("from") == "camera.image");

@@ -32,7 +32,7 @@ cv::Mat decoded(const std::string& jpeg)
 }
 cv::Mat Reply::picture() const { return decoded(body); }
 
-Client::Client(int port, int receive_bytes) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
+Client::Client(int port, int receive_bytes) : port_(port), socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
 {
     if (receive_bytes > 0)
         ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
@@ -118,12 +118,20 @@ bool Client::closed_within(Milliseconds patience)
     return ended_;
 }
 
-std::string request_for(const std::string& path) { return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"; }
+bool Client::ask(const std::string& path)
+{
+    return send("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + cookie(port_) + "\r\n");
+}
 
-Reply get(int port, const std::string& path, const std::string& host)
+std::string cookie(int port, const std::string& said)
+{
+    return "Cookie: hive-view-" + std::to_string(port) + "=" + said + "\r\n";
+}
+
+Reply get(int port, const std::string& path, const std::string& said)
 {
     Client client(port);
-    client.send("GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
+    client.send("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + cookie(port, said) + "\r\n");
     return client.reply();
 }
 

@@ -32,6 +32,8 @@ public:
 
     /// False when the other end has closed.
     bool send(const std::string& bytes);
+    /// Sends a request that says the token of the tests.
+    bool ask(const std::string& path);
     /// Reads up to the end of the connection, or to `patience`.
     Reply reply(Milliseconds patience = Milliseconds(5000));
     /// The next picture of a stream; nothing when none comes in time.
@@ -43,14 +45,17 @@ private:
     bool fill(std::chrono::steady_clock::time_point until);
     void unchunk();
 
-    int socket_ = -1;
+    int port_, socket_ = -1;
     bool ended_ = false, in_body_ = false;
     std::string raw_, body_;  ///< what came and is not dealt with; what of it is a stream's body
 };
 
+/// What the servers of the tests want to hear.
+inline const std::string token = "0123456789abcdef";
+/// The line of a request that says a token, as a browser does that was given a cookie.
+std::string cookie(int port, const std::string& said = token);
 /// One request that a browser might send.
-Reply get(int port, const std::string& path, const std::string& host = "127.0.0.1");
-std::string request_for(const std::string& path);
+Reply get(int port, const std::string& path, const std::string& said = token);
 cv::Mat decoded(const std::string& jpeg);
 /// A port that nobody listens at, at this time.
 int free_port();

@@ -1,5 +1,6 @@
 // Pictures that work only when looked at, and the exchange of the newest.
 #include "exchange.hpp"
+#include "window.hpp"
 
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -62,6 +63,30 @@ TEST_CASE("picture: without overlay a JPEG stays as it came and is not decoded; 
     CHECK_FALSE(decoded);
     CHECK(*Picture({"camera.image", "camera"}, content(), {.overlay = true}).jpeg() != *came);
     CHECK(decoded);
+}
+
+TEST_CASE("picture: without its caption it is what came, a JPEG byte for byte, whatever is written on the others")
+{
+    const auto came = jpeg_of(grey);
+    const Picture of_jpeg({"camera.image", "camera"}, {[] { return grey; }, came}, {.overlay = true});
+    CHECK(of_jpeg.plain_jpeg() == came);
+    CHECK(*of_jpeg.jpeg() != *came);
+    const Picture of_pixels({"camera.image", "camera"}, {[] { return grey; }, nullptr}, {.overlay = true});
+    CHECK(*of_pixels.plain_jpeg() == *Picture({}, {[] { return grey; }, nullptr}, {.overlay = false}).jpeg());
+    const Picture damaged({}, {[]() -> cv::Mat { throw std::runtime_error("cut short"); }, nullptr}, {});
+    CHECK(*damaged.plain_jpeg() == *damaged.jpeg());
+}
+
+TEST_CASE("window: a picture that is larger than the screen is shown smaller, in its shape; others are left alone")
+{
+    const auto shown = [](cv::Size size, std::optional<cv::Size> room) {
+        return view::Window::fitted(cv::Mat(size, CV_8UC3, cv::Scalar::all(9)), room).size();
+    };
+    CHECK(shown({640, 480}, cv::Size(1824, 950)) == cv::Size(640, 480));
+    CHECK(shown({3840, 2160}, cv::Size(1824, 950)) == cv::Size(1688, 950));
+    CHECK(shown({1000, 4000}, cv::Size(1824, 1000)) == cv::Size(250, 1000));
+    CHECK(shown({30'000, 2}, cv::Size(1000, 900)) == cv::Size(1000, 1));
+    CHECK(shown({3840, 2160}, std::nullopt) == cv::Size(3840, 2160));
 }
 
 TEST_CASE("picture: a lower quality takes fewer bytes")

@@ -183,13 +183,14 @@ TEST_CASE("view page: a browser shows the picture and the numbers")
     const Swarm swarm;
     const int port = http::free_port();
     const auto camera = swarm.drone("camera", "camera");
-    const auto view = swarm.drone("view", "view", {"http=" + std::to_string(port)}, {}, {"DISPLAY="});
+    const auto view =
+        swarm.drone("view", "view", {"http=" + std::to_string(port), "token=" + http::token}, {}, {"DISPLAY="});
     swarm.application().connect({"camera", ""}, {"view", ""});
     const auto file = (swarm.home() / "page.png").string();
     const auto finished = swarm.run({"/usr/bin/chromium", "--headless", "--no-sandbox", "--disable-gpu",
                                      "--user-data-dir=" + (swarm.home() / "profile").string(), "--hide-scrollbars",
                                      "--window-size=800,720", "--timeout=8000", "--screenshot=" + file,
-                                     "http://127.0.0.1:" + std::to_string(port) + "/"},
+                                     "http://127.0.0.1:" + std::to_string(port) + "/?token=" + http::token},
                                     Milliseconds(60'000));
     CAPTURE(finished.err);
     const cv::Mat page = cv::imread(file);

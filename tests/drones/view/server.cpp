@@ -18,7 +18,7 @@ namespace {
 class Stage {
 public:
     explicit Stage(view::Server::Settings settings = {})
-        : exchange_(view::Picture::of_notice("no picture yet")), server_(settings, exchange_)
+        : exchange_(view::Picture::of_notice("no picture yet")), server_(with_token(std::move(settings)), exchange_)
     {
     }
     /// Noise of `width` pixels, so that it can be told from others and is long when encoded.
@@ -40,6 +40,11 @@ public:
     std::atomic<int> decoded{0};
 
 private:
+    static view::Server::Settings with_token(view::Server::Settings settings)
+    {
+        settings.token = http::token;
+        return settings;
+    }
     view::Exchange exchange_;
     view::Server server_;
 };
@@ -74,7 +79,7 @@ TEST_CASE("view server: a stream gives each picture to a reader that keeps up, a
 {
     Stage stage;
     Client client(stage.port());
-    client.send(http::request_for("/stream.mjpg"));
+    client.ask("/stream.mjpg");
     CHECK(next_width(client) == notice_width);
     for (int width = 40; width < 60; ++width) {
         stage.put(width);
@@ -91,7 +96,7 @@ TEST_CASE("view server: nothing is decoded while nobody looks, and each picture 
     CHECK(stage.decoded == 0);
     Client one(stage.port()), two(stage.port());
     for (auto* client : {&one, &two})
-        client->send(http::request_for("/stream.mjpg"));
+        client->ask("/stream.mjpg");
     for (int width = 59; width < 80; ++width) {
         if (width > 59)
             stage.put(width);
@@ -108,7 +113,7 @@ TEST_CASE(
     Stage stage;
     Client reading(stage.port()), stopped(stage.port(), 16 * 1024);
     for (auto* client : {&reading, &stopped})
-        client->send(http::request_for("/stream.mjpg"));
+        client->ask("/stream.mjpg");
     REQUIRE(next_width(reading) == notice_width);
     for (int width = 700; width < 720; ++width) {
         stage.put(width, 700);  // more than all buffers on the way hold
@@ -126,14 +131,14 @@ TEST_CASE("view server: one that stops reading for long is forgotten, and so is 
     Stage stage({.stalled = std::chrono::seconds(1), .repeat = Milliseconds(100)});
     {
         Client stopped(stage.port(), 16 * 1024);
-        stopped.send(http::request_for("/stream.mjpg"));
+        stopped.ask("/stream.mjpg");
         stage.put(700, 700);
         REQUIRE(eventually([&] { return stage.browsers() == 1; }, Milliseconds(3000)));
         CHECK(eventually([&] { return stage.browsers() == 0; }, Milliseconds(10'000)));
     }
     {
         Client leaving(stage.port());
-        leaving.send(http::request_for("/stream.mjpg"));
+        leaving.ask("/stream.mjpg");
         REQUIRE(next_width(leaving) == 700);
         REQUIRE(stage.browsers() == 1);
     }
@@ -145,7 +150,7 @@ TEST_CASE("view server: no more streams than are allowed, and the page is still 
     Stage stage({.streams = 2});
     Client one(stage.port()), two(stage.port());
     for (auto* client : {&one, &two}) {
-        client->send(http::request_for("/stream.mjpg"));
+        client->ask("/stream.mjpg");
         REQUIRE(next_width(*client) == notice_width);
     }
     CHECK(get(stage.port(), "/stream.mjpg").code == 503);
@@ -156,9 +161,9 @@ TEST_CASE("view server: bad requests get an error, and nobody else notices")
 {
     Stage stage;
     Client reading(stage.port());
-    reading.send(http::request_for("/stream.mjpg"));
+    reading.ask("/stream.mjpg");
     REQUIRE(next_width(reading) == notice_width);
-    const std::string host = "Host: 127.0.0.1\r\n";
+    const std::string host = "Host: 127.0.0.1\r\n" + http::cookie(stage.port());
     const std::vector<std::pair<std::string, int>> bad{
         {"POST / HTTP/1.1\r\n" + host + "Content-Length: 1000000\r\n\r\nabc", 405},
         {"HEAD / HTTP/1.1\r\n" + host + "\r\n", 405},
@@ -185,7 +190,7 @@ TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes
 {
     Stage stage({.asking = Milliseconds(300)});
     Client reading(stage.port());
-    reading.send(http::request_for("/stream.mjpg"));
+    reading.ask("/stream.mjpg");
     REQUIRE(next_width(reading) == notice_width);
     for (const std::string& request :
          {"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: " + std::string(100'000, 'x') + "\r\n\r\n",
@@ -203,13 +208,67 @@ TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes
                      Milliseconds(5000)));  // the last one may have been repeated meanwhile
 }
 
-TEST_CASE("view server: more connections than it takes wait, until one ends")
+TEST_CASE("view server: strangers who ask for nothing take no place of those who may look")
 {
-    Stage stage({.connections = 4, .asking = Milliseconds(500)});
+    Stage stage({.connections = 4, .strangers = 4, .asking = Milliseconds(60'000)});
+    Client reading(stage.port());
+    reading.ask("/stream.mjpg");
+    REQUIRE(next_width(reading) == notice_width);
     std::vector<std::unique_ptr<Client>> idle;
-    for (int i = 0; i < 10; ++i)
+    for (int i = 0; i < 40; ++i) {
         idle.push_back(std::make_unique<Client>(stage.port()));
-    CHECK(eventually([&] { return get(stage.port(), "/").code == 200; }, Milliseconds(15'000)));
+        idle.push_back(std::make_unique<Client>(stage.port()));
+        idle.back()->send("GET / HT");
+    }
+    CHECK(eventually([&] { return get(stage.port(), "/").code == 200; }, Milliseconds(5000)));
+    stage.put(77);
+    CHECK(next_width(reading) == 77);
+}
+
+TEST_CASE("view server: more connections than it takes are told so, until one ends")
+{
+    Stage stage({.connections = 2, .streams = 2});
+    Client one(stage.port());
+    {
+        Client two(stage.port());
+        for (auto* client : {&one, &two}) {
+            client->ask("/stream.mjpg");
+            REQUIRE(next_width(*client) == notice_width);
+        }
+        CHECK(get(stage.port(), "/").code == 503);
+    }
+    stage.put(77);  // which finds out that nobody is there any more
+    CHECK(eventually([&] { return get(stage.port(), "/").code == 200; }, Milliseconds(5000)));
+}
+
+TEST_CASE("view server: without the token nobody sees anything; with it in the address there is a cookie for the rest")
+{
+    Stage stage;
+    stage.put(50);
+    const auto asked = [&](const std::string& path, const std::string& headers) {
+        Client client(stage.port());
+        client.send("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + headers + "\r\n");
+        return client.reply();
+    };
+    const std::string cookie = http::cookie(stage.port());
+    for (const std::string path : {"/", "/view.js", "/picture.jpg", "/stream.mjpg", "/status.json", "/nothing"}) {
+        CAPTURE(path);
+        CHECK(asked(path, "").code == 403);
+        CHECK(asked(path, http::cookie(stage.port(), "0123456789abcdee")).code == 403);
+        CHECK(asked(path + "?token=", "").code == 403);
+        CHECK(asked(path + "?token=guess", "").code == 403);
+        for (const char* site : {"cross-site", "same-site"})  // another port of the same address is the same site
+            CHECK(asked(path, cookie + "Sec-Fetch-Site: " + site + "\r\n").code == 403);
+    }
+    const auto first = asked("/?token=" + http::token, "Sec-Fetch-Site: none\r\n");
+    CHECK(first.code == 303);
+    CHECK(first.head.find("Location: /\r\n") != std::string::npos);
+    CHECK(first.head.find("Set-Cookie: hive-view-" + std::to_string(stage.port()) + "=" + http::token
+                          + "; Path=/; HttpOnly; SameSite=Strict")
+          != std::string::npos);
+    CHECK(asked("/", cookie + "Sec-Fetch-Site: none\r\n").code == 200);
+    CHECK(asked("/picture.jpg", cookie + "Sec-Fetch-Site: same-origin\r\n").picture().cols == 50);
+    CHECK(asked("/picture.jpg?token=" + http::token, "").picture().cols == 50);  // for curl
 }
 
 TEST_CASE("view server: ends with browsers connected, and its port is free again")
@@ -219,7 +278,7 @@ TEST_CASE("view server: ends with browsers connected, and its port is free again
     CHECK_THROWS_WITH_AS(Stage({.port = port}), doctest::Contains("in use"), std::runtime_error);
     Client waiting(port), stopped(port, 16 * 1024), silent(port);
     for (auto* client : {&waiting, &stopped})
-        client->send(http::request_for("/stream.mjpg"));
+        client->ask("/stream.mjpg");
     stage->put(700, 700);
     REQUIRE(eventually([&] { return next_width(waiting) == 700; }, Milliseconds(3000)));
     stage.reset();

@@ -37,9 +37,13 @@ private:
     std::chrono::microseconds step()
     {
         if (count_ > 0 && made_ >= count_) {
-            drone_.condition("end of source");
+            if (!std::exchange(ended_, true)) {
+                drone_.condition("end of source", hive::Reason::source_ended);
+                tick_.end();
+            }
             return 1s;
         }
+        ended_ = false;
         if (pace_ == "demand")
             return tick_.asked() ? (emit(true), 0us) : 1s;
         const auto due = begin_
@@ -72,6 +76,7 @@ private:
     std::string pace_ = "live";
     Clock::time_point begin_ = Clock::now();
     std::int64_t made_ = 0, made_since_ = 0;
+    bool ended_ = false;
 };
 
 }  // namespace

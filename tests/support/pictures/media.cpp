@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 namespace media {
 
@@ -34,23 +33,6 @@ std::vector<fs::path> pictures(const std::vector<std::string>& suffixes)
                 found.push_back(entry.path());
     std::ranges::sort(found);
     return found;
-}
-
-std::map<int, std::vector<TrueBox>> ground_truth(const fs::path& path)
-{
-    std::map<int, std::vector<TrueBox>> boxes;
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::ranges::replace(line, ',', ' ');
-        std::istringstream fields(line);
-        int picture = 0;
-        TrueBox one{};
-        fields >> picture >> one.id >> one.box.x >> one.box.y >> one.box.width >> one.box.height;
-        boxes[picture].push_back(one);
-    }
-    return boxes;
 }
 
 std::vector<cv::Rect2d> boxes(const std::vector<TrueBox>& things)

@@ -1,12 +1,13 @@
 // Pictures and files for the tests: made here, or from the folder of media that a developer may have.
 #pragma once
 
+#include "truth.hpp"
+
 #include <hive/body.hpp>
 
 #include <opencv2/core/mat.hpp>
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,13 +21,6 @@ using Bytes = std::vector<unsigned char>;
 std::optional<std::filesystem::path> shared(const std::string& name);
 /// The files of the media folder with one of these suffixes, sorted; empty (and said) without one.
 std::vector<std::filesystem::path> pictures(const std::vector<std::string>& suffixes);
-/// A box that somebody said is right, and whose it is.
-struct TrueBox {
-    int id;
-    cv::Rect2d box;
-};
-/// The boxes of a NAME.gt.csv by picture, from 1.
-std::map<int, std::vector<TrueBox>> ground_truth(const std::filesystem::path& path);
 std::vector<cv::Rect2d> boxes(const std::vector<TrueBox>& things);
 Bytes read(const std::filesystem::path& path);
 void write(const std::filesystem::path& path, const Bytes& bytes);

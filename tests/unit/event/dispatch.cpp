@@ -31,8 +31,9 @@ public:
                                        + form.event().type);
              },
          .not_encoded = [this](const EmissionPtr&, const Error& problem) { problems.emplace_back(problem.what()); },
-         .on_encoder_thread = [this](std::function<void()> job) { jobs.push_back(std::move(job)); },
-         .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); }}};
+         .on_encoder_thread = [this](ReceiverId, std::function<void()> job) { jobs.push_back(std::move(job)); },
+         .on_network_side = [this](std::function<void()> task) { tasks.push_back(std::move(task)); },
+         .end = [this](ReceiverId receiver) { transmitted.push_back("end to " + std::to_string(receiver)); }}};
 
     void send(ReceiverId receiver, const EmissionPtr& event, const std::string& encoding)
     {
@@ -68,6 +69,17 @@ private:
 using Words = std::vector<std::string>;
 
 }  // namespace
+
+TEST_CASE("dispatch: the end comes behind what is still being encoded, and for the others at once")
+{
+    Workshop shop;
+    shop.send(7, emission(1), "loud");
+    shop.dispatch.end(7);
+    shop.dispatch.end(8);
+    CHECK(shop.transmitted == std::vector<std::string>{"end to 8"});
+    shop.run_all();
+    CHECK(shop.transmitted == std::vector<std::string>{"end to 8", "1 to 7 as text/loud", "end to 7"});
+}
 
 TEST_CASE("dispatch: what needs no encoding leaves at once, without the encoder thread")
 {
@@ -196,10 +208,11 @@ TEST_CASE("dispatch: a job that ends after the module's end does nothing")
         .encodings = {"loud"}, .type = {}, .encode = [](const Event& event, const std::string&) { return event; }};
     int transmitted = 0;
     {
-        Dispatch dispatch(encoder, {.transmit = [&](const Send&, const Emission&) { ++transmitted; },
-                                    .not_encoded = {},
-                                    .on_encoder_thread = [&](std::function<void()> given) { job = std::move(given); },
-                                    .on_network_side = [&](std::function<void()> given) { task = std::move(given); }});
+        Dispatch dispatch(
+            encoder, {.transmit = [&](const Send&, const Emission&) { ++transmitted; },
+                      .not_encoded = {},
+                      .on_encoder_thread = [&](ReceiverId, std::function<void()> given) { job = std::move(given); },
+                      .on_network_side = [&](std::function<void()> given) { task = std::move(given); }});
         dispatch.send({1, emission(1), Delivery::data, {}}, "loud");
         job();
         REQUIRE(task);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <future>
 #include <memory>
 #include <vector>
@@ -16,11 +17,11 @@ TEST_CASE("encoder thread: jobs run in order on one thread, which is not the cal
     std::vector<int> order;
     std::promise<void> last;
     for (int i = 0; i < 100; ++i)
-        thread.push([&, i] {
+        thread.push("peer", [&, i] {
             order.push_back(i);
             threads.push_back(std::this_thread::get_id());
         });
-    thread.push([&] { last.set_value(); });
+    thread.push("peer", [&] { last.set_value(); });
     last.get_future().wait();
     REQUIRE(order.size() == 100);
     for (int i = 0; i < 100; ++i)
@@ -29,18 +30,39 @@ TEST_CASE("encoder thread: jobs run in order on one thread, which is not the cal
     CHECK(threads.front() != std::this_thread::get_id());
 }
 
+TEST_CASE("encoder thread: a peer with much to do and one with little have their jobs done in turn")
+{
+    EncoderThread thread;
+    std::promise<void> go_on, last;
+    std::string order, when_little_was_done;
+    thread.push("much", [waiting = go_on.get_future().share()] { waiting.wait(); });
+    for (int i = 0; i < 60; ++i)
+        thread.push("much", [&] { order += 'm'; });
+    for (int i = 0; i < 3; ++i)
+        thread.push("little", [&] { order += 'l'; });
+    thread.push("little", [&] {
+        when_little_was_done = order;
+        last.set_value();
+    });
+    go_on.set_value();
+    last.get_future().wait();
+    thread.end();
+    CHECK(std::ranges::count(when_little_was_done, 'l') == 3);
+    CHECK(std::ranges::count(when_little_was_done, 'm') <= 5);  // one in between each, and one that was under way
+}
+
 TEST_CASE("encoder thread: at the end the job under way is finished and the others are dropped, with what they hold")
 {
     EncoderThread thread;
     std::promise<void> begun, go_on;
     bool finished = false, second = false;
     const auto held = std::make_shared<int>(0);
-    thread.push([&, waiting = go_on.get_future().share()] {
+    thread.push("peer", [&, waiting = go_on.get_future().share()] {
         begun.set_value();
         waiting.wait();
         finished = true;
     });
-    thread.push([&second, held] { second = true; });
+    thread.push("peer", [&second, held] { second = true; });
     begun.get_future().wait();
     // The end drops the second job before it waits for the first, which goes on only then.
     std::thread ender([&] { thread.end(); });
@@ -51,7 +73,7 @@ TEST_CASE("encoder thread: at the end the job under way is finished and the othe
     ender.join();
     CHECK(finished);
     CHECK_FALSE(second);
-    thread.push([&second] { second = true; });
+    thread.push("peer", [&second] { second = true; });
     thread.end();
     CHECK_FALSE(second);
 }

@@ -88,4 +88,19 @@ TEST_CASE("matcher: fewer than two inputs are refused, and so is an event of ano
     CHECK_THROWS_AS(c.matcher.push(event("sound", 1), start), Error);
 }
 
+TEST_CASE("matcher: when nothing more will come, the last pair is made at once and the rest is given up")
+{
+    Case c(Match::within(50ms));
+    c.give("image", {1}, {.lossless = true, .captured_us = 0});
+    c.give("marks", {1}, {.lossless = true, .captured_us = 10'000});
+    c.give("marks", {2}, {.lossless = true, .captured_us = 500'000});
+    CHECK(c.sets().empty());
+    c.matcher.finish();
+    CHECK(c.matcher.ready());
+    CHECK(c.sets() == Sets{{1, 1}});
+    CHECK(c.missing("image") == 1);
+    CHECK(c.waiting() == 0);
+    CHECK(c.held() == 0);
+}
+
 }  // namespace hive::event

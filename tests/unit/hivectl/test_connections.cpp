@@ -275,7 +275,7 @@ TEST_CASE("standstill: of many receivers the first three are named")
         status.outputs[0].edges.push_back(edge_to("s" + std::to_string(i), 0, 0));
         status.outputs[0].edges.back().why = Reason::not_asked;
     }
-    CHECK(standstill(status) == "image: a receiver has not asked for more (s1, s2, s3 and 2 more)");
+    CHECK(standstill(status) == "image: waits for s1, s2, s3 and 2 more to ask");
 }
 
 TEST_CASE("standstill: a detector may have an output that nobody receives, a camera may not")

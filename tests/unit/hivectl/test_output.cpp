@@ -34,6 +34,8 @@ TEST_CASE("durations: two units at most, from microseconds to days")
     CHECK(duration_text(120'000'000) == "2 min");
     CHECK(duration_text(11'520'000'000) == "3 h 12 min");
     CHECK(duration_text(187'200'000'000) == "2 d 4 h");
+    CHECK(duration_text(-12'345) == "-12 ms");
+    CHECK(duration_text(std::numeric_limits<std::int64_t>::min()) == "-106751991 d 4 h");
 }
 
 TEST_CASE("counts: one is singular")

@@ -286,4 +286,19 @@ TEST_CASE("reorder: of nested stages the outermost group gives the order")
     CHECK(drain(reorder) == Turns{1, 2});
 }
 
+TEST_CASE("reorder: when nothing more will come, what is missing is waited for a moment longer and no more")
+{
+    Reorder reorder(30s);
+    push(reorder, {1, 3});
+    CHECK(drain(reorder) == Turns{1});
+    reorder.finish(start + 5s);
+    CHECK_FALSE(reorder.empty());
+    reorder.expire(start + 5s);
+    CHECK(drain(reorder).empty());  // an exception may come
+    reorder.expire(start + 5s + Reorder::closed_patience);
+    CHECK(drain(reorder) == Turns{3});
+    CHECK(reorder.empty());
+    CHECK(reorder.missing() == 1);
+}
+
 }  // namespace hive

@@ -143,6 +143,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     status.busy_for_us = 3;
     status.callback = "image";
     status.why = Reason::halted;
+    status.source_events = 300;
     status.matching.push_back({.inputs = {"image", "marks"},
                                .sets = 1,
                                .waiting = 2,
@@ -164,6 +165,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     CHECK(back.condition == "no light");
     CHECK(back.callback == "image");
     CHECK(back.why == Reason::halted);
+    CHECK(back.source_events == 300);
     CHECK(back.matching.at(0).missing.at("marks") == 3);
     REQUIRE(back.last_exception);
     CHECK(back.last_exception->text == "no face");
@@ -184,7 +186,7 @@ TEST_CASE("status: the totals are of all inputs, those that were left too")
 TEST_CASE("status: each reason and each fate has a word of its own")
 {
     std::vector<std::string_view> words;
-    for (int reason = 1; reason <= static_cast<int>(Reason::source_ended); ++reason) {
+    for (int reason = 1; reason <= static_cast<int>(Reason::watched); ++reason) {
         Status status = small();
         status.why = static_cast<Reason>(reason);
         CHECK(through_text(status).why == status.why);

@@ -1,6 +1,7 @@
 // Printing: valid UTF-8 always, and nothing that a terminal obeys.
 #include <hive/error.hpp>
 #include <hive/json.hpp>
+#include <hive/printable.hpp>
 
 #include <doctest/doctest.h>
 
@@ -54,6 +55,32 @@ TEST_CASE("quotes: what they hold is the text again")
 {
     CHECK_EQ(parse_json(in_quotes("\x7f\xc2\x9b\\u0041\t")), Json("\x7f\xc2\x9b\\u0041\t"));
     CHECK_LE(in_quotes(std::string(100'000, 'a')).size(), 210u);
+}
+
+TEST_CASE("texts: what is shortened is no longer than asked, whole characters, and stays when it is shortened again")
+{
+    CHECK_EQ(shortened("short"), "short");
+    const std::string text = "x" + std::string(3000, 'y');
+    std::string bees = "z";
+    for (int i = 0; i < 2000; ++i)
+        bees += "\xF0\x9F\x90\x9D";
+    for (const auto& longer : {text + text, bees, std::string(9000, '\x80')})
+        for (std::size_t most = 4000; most < 4004; ++most) {
+            const auto cut = shortened(longer, most);
+            CHECK_LE(cut.size(), most);
+            CHECK(cut.ends_with("\xE2\x80\xA6"));
+            CHECK_EQ(shortened(cut, most), cut);
+        }
+    CHECK_EQ(parse_json(to_text(Json(shortened(bees)))).get<std::string>(), shortened(bees));  // still UTF-8
+}
+
+TEST_CASE("JSON: no more values than the limit, wherever they are")
+{
+    JsonLimits limits;
+    limits.values = 5;
+    CHECK_NOTHROW(parse_json("[1,[2,{}]]", limits));
+    for (const char* text : {"[1,2,3,4,5]", "[[[[[[]]]]]]", R"({"a":1,"b":2,"c":3,"d":4,"e":5})"})
+        CHECK_THROWS_WITH_AS(parse_json(text, limits), "JSON with more than 5 values", Error);
 }
 
 TEST_CASE("errors: tokens are unique, and every row has all its texts")

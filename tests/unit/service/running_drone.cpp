@@ -257,3 +257,48 @@ TEST_CASE("running drone: stop() before run() is refused")
     const Home home;
     CHECK(run_drone([](Drone& drone) { CHECK_THROWS_AS(drone.stop(), hive::Error); }) == 0);
 }
+
+namespace {
+
+/// The drone's answer, or what it said instead.
+std::string outcome_of(const std::function<void()>& request)
+{
+    try {
+        request();
+        return "done";
+    } catch (const hive::Error& error) {
+        return std::string(info(error.code()).token) + ": " + error.what();
+    }
+}
+
+}  // namespace
+
+TEST_CASE("running drone: texts of any length leave it as much as a reader takes, and it is reached all the same")
+{
+    const Home home;
+    const std::string endless(60'000, 'x');
+    std::string way, value;
+    const Running drone([&](Drone& subject) {
+        subject.parameter("way", way, hive::anything(), "");
+        subject.parameter("value", value, hive::anything(), "");
+        subject.on_change([&] {
+            if (way == "throws")
+                throw std::runtime_error(endless);
+            value = way == "grows" ? endless : "small";
+            subject.condition(way == "says" ? endless : "");
+        });
+    });
+    hive::Application application;
+    status_when(application, idle);
+    const auto refused = outcome_of([&] { application.set("subject", {{"way", "throws"}}); });
+    CAPTURE(refused.substr(0, 100));
+    CHECK(refused.starts_with("refused: "));
+    CHECK(refused.size() < 4100);
+    const auto too_large = outcome_of([&] { application.set("subject", {{"way", "grows"}}); });
+    CHECK(too_large.starts_with("too_large: "));
+    CHECK(application.get("subject", {}).at("value") == "small");
+    CHECK(outcome_of([&] { application.set("subject", {{"way", "says"}}); }) == "done");
+    const Json status =
+        status_when(application, [](const Json& now) { return now.value("condition", "").size() > 3900; });
+    CHECK(status["condition"].get<std::string>().size() <= 4000);
+}

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 #include <hive/error.hpp>
 #include <hive/vision/image.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 using hive::Body;
 using hive::Errc;
@@ -25,10 +26,11 @@ hive::Event raw_event(Json header, std::size_t bytes)
 
 TEST_CASE("raw: a picture comes back exactly, grey or colour, whole or a part of another")
 {
-    for (const int type : {CV_8UC1, CV_8UC3}) {
+    for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1}) {
         const cv::Mat whole = media::sample({50, 40}, type), part = whole(cv::Rect(3, 4, 20, 10));
         for (const cv::Mat& picture : {whole, part})
-            CHECK(media::same(vision::decode(vision::encode_raw(picture), "image/raw", {}, vision::raw_header(picture)),
+            CHECK(media::same(vision::decode(vision::encode_raw(picture), "image/raw", {.sixteen_bits = true},
+                                             vision::raw_header(picture)),
                               picture));
     }
 }
@@ -104,4 +106,31 @@ TEST_CASE("raw: more pixels than allowed are too large")
     } catch (const hive::Error& error) {
         CHECK(error.code() == Errc::too_large);
     }
+}
+
+TEST_CASE("raw: a picture of 16 bits is for those who ask for it, and refused with a reason by the others")
+{
+    const cv::Mat picture(3, 4, CV_16UC1, cv::Scalar(40'000));
+    const auto header = vision::raw_header(picture);
+    CHECK(header.at("pixel_format") == "gray16");
+    CHECK(header.at("stride") == 8);
+    try {
+        vision::decode(vision::encode_raw(picture), "image/raw", {}, header);
+        FAIL("taken for 8 bits");
+    } catch (const hive::Error& error) {
+        CHECK(error.code() == Errc::unsupported);
+        CHECK(std::string(error.what()).find("gray16") != std::string::npos);
+    }
+}
+
+TEST_CASE("raw: PNG keeps 16 bits, JPEG the upper eight")
+{
+    const cv::Mat picture(30, 40, CV_16UC1, cv::Scalar(40'000));
+    const Body png = vision::encode_png(picture);
+    const cv::Mat bytes(1, static_cast<int>(png.size()), CV_8UC1, const_cast<unsigned char*>(png.data()));
+    CHECK(media::same(cv::imdecode(bytes, cv::IMREAD_UNCHANGED), picture));
+    const cv::Mat jpeg = vision::decode(vision::encode_jpeg(picture, 95), "image/jpeg");
+    CHECK(std::abs(jpeg.at<cv::Vec3b>(15, 20)[0] - 40'000 / 257) <= 1);
+    CHECK(vision::plain_form({8192, 8192}, 1, 16).type == "image/png");
+    CHECK(vision::plain_form({64, 48}, 1, 16).header.at("pixel_format") == "gray16");
 }

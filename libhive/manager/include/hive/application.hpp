@@ -88,8 +88,11 @@ struct CollectCounts {
 class Collector {
 public:
     virtual ~Collector() = default;
-    /// The next event, or nothing when `patience` has passed. User thread.
+    /// The next event, or nothing when `patience` has passed or everything has ended(). User thread.
     virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
+    /// When all that it receives has come to its end and everything was taken: what is said about that, empty for a
+    /// regular end. Nothing as long as something may come; so it is again when something comes after all. User thread.
+    [[nodiscard]] virtual std::optional<std::string> ended() = 0;
     [[nodiscard]] virtual CollectCounts counts() const = 0;
     /// This end of each connection.
     [[nodiscard]] virtual std::vector<InputStatus> inputs() const = 0;
@@ -100,9 +103,11 @@ public:
 class MatchedCollector {
 public:
     virtual ~MatchedCollector() = default;
-    /// The next set, or nothing when `patience` has passed; the `input` of each event is its "drone.output". User
-    /// thread.
+    /// The next set, or nothing when `patience` has passed or everything has ended(); the `input` of each event is its
+    /// "drone.output". User thread.
     virtual std::optional<std::vector<Event>> next(std::chrono::milliseconds patience) = 0;
+    /// As of a Collector.
+    [[nodiscard]] virtual std::optional<std::string> ended() = 0;
     /// `missing` is by "drone.output".
     [[nodiscard]] virtual MatchCounts counts() const = 0;
     /// Of the single events.

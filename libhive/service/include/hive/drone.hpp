@@ -64,7 +64,7 @@ public:
     /// string: beyond it Errc::too_large is thrown
     /// @param type    the media type of the body; empty: the first one that the output was declared with
     void emit(Json header = Json::object(), Body body = {}, std::string type = {}) const;
-    /// As above, with a body that is made only if it is wanted().
+    /// As above, with a body that is made only if it is wanted(), or if it has to wait for the first receiver.
     void emit(Json header, const std::function<Body()>& body, std::string type = {}) const;
     /// Begins a new identity with a capture time of its own (and, for a source on demand, lossless). The body is made
     /// only if it is wanted(). A time before 1970 is unknown to receivers; on the steady clock, so is one before the
@@ -80,6 +80,15 @@ public:
     /// only who sends it is new. Without its body (`size` says that there was one) it goes to those who receive headers
     /// alone.
     void repeat(Event event) const;
+    /// The source has come to its end: nothing more will come, unless something is emitted all the same. Receivers are
+    /// told behind everything that was emitted before, and drones pass it on, so that whoever collects at the other end
+    /// knows that it has everything.
+    /// @param text  what is to be said about it, at most about 1000 bytes: "87 of 196 frames: the file is damaged";
+    /// empty: its regular end
+    void end(const std::string& text = "") const;
+    /// What is captured from now on is of another source: a new epoch, numbered from 1, so that drones that keep state
+    /// begin anew. After end() that is so by itself.
+    void begin_source() const;
 
 private:
     friend class Drone;
@@ -153,6 +162,9 @@ public:
     /// Called once when the drone runs for real (not for --describe): the place to open devices and load models. If it
     /// throws, the drone ends and says why.
     void on_start(std::function<void()> callback);
+    /// Called when everything that the inputs receive has come to its end and has been worked on, before the outputs
+    /// end too. `text` is what is said about it, empty for a regular end. Called again when something came after all.
+    void on_end(std::function<void(const std::string& text)> callback);
     /// What a source does: called again and again between callbacks. Returns how long to wait before the next call; it
     /// is called earlier when the demand for an output changes, a parameter was set, or wake() was called. Not called
     /// while halted.
@@ -172,6 +184,9 @@ public:
     /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any
     /// thread.
     void condition(const std::string& text, Reason why = Reason::none);
+    /// Says how many events the present source has in all, from its first to its end, so that others can tell how far
+    /// it is; 0: unknown, or without end. From any thread.
+    void source_events(std::int64_t events);
     /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any
     /// thread.
     void report(Errc code, const std::string& text);

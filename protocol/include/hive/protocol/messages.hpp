@@ -53,6 +53,14 @@ Request request_from_json(const Json& object);
 /// The same, quickly where it is written as to_text writes it: there is one for each event.
 Request request_from_text(std::string_view text);
 
+/// An output has ended: nothing more will come (SPEC.md, section 5.6).
+struct End {
+    static constexpr std::size_t most_text = 1024;
+    std::string text;  ///< empty: the regular end of its source
+};
+Json to_json(const End& end);
+End end_from_json(const Json& object);
+
 /// A segment of shared memory that a sender offers; its descriptor travels with the packet.
 struct Segment {
     std::uint32_t id = 0;
@@ -61,6 +69,8 @@ struct Segment {
 };
 Json to_json(const Segment& segment);
 Segment segment_from_json(const Json& object);
+/// Slots are at most a quarter larger than the largest body that the receiver takes.
+constexpr std::uint64_t most_slot_size(std::uint64_t most_body) { return most_body + most_body / 4; }
 
 /// One use of one slot of a segment.
 struct Slot {

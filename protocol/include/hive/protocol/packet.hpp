@@ -31,6 +31,7 @@ enum class PacketType : std::uint8_t {
     notification = 21,
     exception = 22,
     reference = 23,  ///< an event whose body lies in shared memory
+    end = 24,        ///< nothing more will come
     // requests to a drone, each answered by one confirmation
     connect = 30,
     disconnect = 31,

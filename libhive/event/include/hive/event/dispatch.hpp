@@ -26,7 +26,10 @@ public:
         std::function<void(const Send& send, const Emission& form)> transmit;
         /// The encoder threw; the event goes as it is.
         std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
-        Run on_encoder_thread, on_network_side;
+        std::function<void(ReceiverId for_whom, std::function<void()>)> on_encoder_thread;
+        Run on_network_side;
+        /// Tells a receiver, behind what it was sent, that nothing more will come.
+        std::function<void(ReceiverId receiver)> end = [](ReceiverId) {};
     };
 
     /// `encoder` is kept by reference, also by jobs: both outlive the encoder thread.
@@ -34,13 +37,17 @@ public:
 
     /// @param encoding  empty: as it is
     void send(const Send& send, const std::string& encoding);
+    /// Nothing more will come for this receiver.
+    void end(ReceiverId receiver);
     /// The receiver is gone: what waits for it is dropped, and not encoded for its sake.
     void forget(ReceiverId receiver) { lines_.erase(receiver); }
 
 private:
     struct Waiting {
-        Send send;
+        Send send;         ///< without event: the end
         EmissionPtr form;  ///< null while it is being encoded
+
+        [[nodiscard]] bool ready() const { return form || !send.event; }
     };
     /// The outcome of a job.
     struct Made {

@@ -5,12 +5,15 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
+#include <string>
 #include <thread>
 
 namespace hive::event {
 
-/// Jobs run one after the other. The thread begins with the first job: most modules never need it.
+/// Jobs run one after the other; those of one peer in order, and of several peers each in turn, so that nobody who
+/// wants much keeps the others waiting. The thread begins with the first job: most modules never need it.
 class EncoderThread {
 public:
     using Job = std::function<void()>;
@@ -21,17 +24,20 @@ public:
     ~EncoderThread() { end(); }
 
     /// Any thread. A job must not throw.
-    void push(Job job);
+    /// @param peer  for whom it is done
+    void push(const std::string& peer, Job job);
     /// Drops the jobs that wait, and waits for the one under way. What is pushed later is dropped. Any thread but its
     /// own.
     void end();
 
 private:
     void run();
+    Job take();
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::deque<Job> jobs_;
+    std::map<std::string, std::deque<Job>> jobs_;  ///< by peer; none is empty
+    std::deque<std::string> turns_;                ///< these peers, the next first
     bool ending_ = false;
     std::thread thread_;
 };

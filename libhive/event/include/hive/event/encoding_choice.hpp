@@ -20,7 +20,8 @@ public:
 
     /// The encoding for this event; empty: as it is.
     std::string of(const Event& event);
-    /// For people: "jpeg:80", or "as it is".
+    static constexpr const char* as_it_is = "as it is";
+    /// For people: "jpeg:80", or the above.
     [[nodiscard]] std::string word() const;
 
 private:

@@ -39,6 +39,10 @@ public:
                  Clock::time_point now, Decisions& decisions);
     void written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
+    /// Nothing more will come: tells every member when all that came has its answer.
+    void end(Clock::time_point now, Decisions& decisions);
+    /// Something may come again.
+    void go_on();
     /// Leases may have expired.
     void tick(Clock::time_point now, Decisions& decisions);
 
@@ -86,6 +90,7 @@ private:
         Clock::time_point head_since{};  ///< when the one being worked on became that
         std::uint64_t asked_at = 0;      ///< order in which members asked
         bool suspect = false;            ///< a lease of it expired: it gets nothing until it answers
+        bool told_end = false;           ///< that nothing more will come
 
         /// What it works on, if anything.
         [[nodiscard]] Hand* head();
@@ -105,6 +110,7 @@ private:
     void pass_on(Member& member, Hand& hand, bool failed, bool holds);
     void let_go(Member& member, Fate how);
     void settle(Decisions& decisions);
+    void tell_end(Decisions& decisions);
     void empty(bool left, Decisions& decisions);
     void abandon(const EmissionPtr& event, const Share& share, Decisions& decisions);
     void give_up_all(Decisions& decisions);
@@ -125,6 +131,7 @@ private:
     WorkTimes times_;
     bool awaited_ = false;   ///< its last member was lost with work on demand, so the source waits for the next one
     bool lossless_ = false;  ///< the last event offered was
+    bool ended_ = false;     ///< nothing more will come
     std::set<std::string> lost_;
     std::uint64_t asking_order_ = 0;
 };

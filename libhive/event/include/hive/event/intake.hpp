@@ -39,7 +39,9 @@ class Intake : public std::enable_shared_from_this<Intake> {
 public:
     using Sink = std::function<void(Event&&)>;
 
-    Intake(IntakeHost& host, IntakeSpec spec, Sink sink);
+    /// @param on_end  called when something has changed that end_of() looks at
+    Intake(
+        IntakeHost& host, IntakeSpec spec, Sink sink, std::function<void()> on_end = [] {});
 
     /// Counts an event that came in another way than over this connection, and hands it on.
     void accept(Event event);
@@ -62,6 +64,12 @@ public:
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }
+    /// What the sender said about its end, if it has come to it.
+    [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
+    /// Has everything that came been worked on?
+    [[nodiscard]] bool all_worked() const noexcept { return worked_ == arrived(); }
+    /// Has the connection been lost for so long that nobody need wait for it?
+    [[nodiscard]] bool given_up() const;
     /// `queued` is left to whoever knows the queue: until then it counts as in hand.
     [[nodiscard]] InputStatus status() const;
     /// Of the group that it is a member of.
@@ -80,6 +88,8 @@ private:
     void failed(const Error& error);
     void retry();
     void on_packet(const protocol::Packet& packet);
+    void disconnected();
+    void note_end(std::optional<std::string> text);
     void note_share(Event& event);
     void begin_numbering(std::int64_t place, std::int64_t taken);
     void try_to_leave();
@@ -92,6 +102,7 @@ private:
     IntakeHost& host_;
     IntakeSpec spec_;
     Sink sink_;
+    std::function<void()> on_end_;
     OnOutcome first_;
     std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
     Backoff backoff_, quick_backoff_;
@@ -103,7 +114,9 @@ private:
     bool connected_ = false, stopped_ = false, left_ = false;
     std::function<void()> on_left_;
     std::optional<Error> problem_;  ///< why it is not connected
-    std::int64_t epoch_ = 0;        ///< of the registration
+    Clock::time_point lost_at_ = Clock::now();
+    std::optional<std::string> end_;  ///< nothing more will come, and what is said about that
+    std::int64_t epoch_ = 0;          ///< of the registration
 
     // The deliveries at its place; they go on when the registration is made again there.
     std::int64_t place_ = 0, sender_epoch_ = 0, generation_ = 0;
@@ -119,5 +132,9 @@ private:
     std::int64_t received_ = 0, age_us_ = 0;
     std::array<std::int64_t, endings> ended_{};
 };
+
+/// What is said about the end when all of these have come to it; nothing as long as something may come (SPEC.md,
+/// section 5.6). @param worked  only when what came has been worked on, too
+std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& intakes, bool worked);
 
 }  // namespace hive::event

@@ -27,6 +27,7 @@ struct Send {
 struct Decisions {
     std::vector<Send> sends;
     std::vector<EmissionPtr> failed;  ///< with the share of the last attempt, if there was one
+    std::vector<ReceiverId> ends;     ///< who is to hear, behind what is sent, that nothing more will come
 };
 
 /// Pure logic: it is told what happened and decides. The ledger belongs to the table and outlives it.
@@ -52,6 +53,10 @@ public:
                         std::optional<std::int64_t> taken, Decisions& decisions);
     /// Sends what may be sent, after resume().
     void pump(Decisions& decisions);
+    /// Nothing more will come: tells it behind all that waits.
+    void end(Decisions& decisions);
+    /// Something may come again.
+    void go_on() { ending_ = false; }
     /// Its place is not kept any longer.
     void expire();
     /// Whatever is in flight goes.
@@ -96,6 +101,7 @@ private:
     std::deque<Item> waiting_, in_hand_;
     std::size_t waiting_bytes_ = 0;
     std::optional<bool> lossless_;  ///< was the last event offered? Then its source waits for its receivers
+    bool ending_ = false;    ///< the receiver is still to be told of the end
     std::optional<Clock::time_point> kept_until_;
     Fate lost_as_ = Fate::lost_connection;  ///< when its place was kept last
 };

@@ -54,7 +54,7 @@ public:
         std::function<void(Link&, const protocol::Packet&)> packet;  ///< registrations and requests of the peer
         std::function<void(Link&, const Error&)> closed;             ///< once, the last
     };
-    /// Receives the packets (event, notification, exception) of one channel.
+    /// Receives the packets (event, notification, exception, end) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;
 
     /// @param pool  where the bodies of this module lie that a peer on this machine may read
@@ -78,7 +78,7 @@ public:
     /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
                  std::uint16_t channel = 0);
-    /// Confirms a request. An answer that no peer would take (over the limit of a header) becomes Errc::too_large.
+    /// Confirms a request. An answer that no peer would take (over the limits of a header) becomes Errc::too_large.
     void answer(std::int64_t id, const Outcome& outcome);
     /// Fails the requests whose deadline has passed.
     void expire(Clock::time_point now);

@@ -34,8 +34,12 @@ public:
     void push(Event event, TimePoint now);
     /// Gives up what has waited for too long.
     void expire(TimePoint now);
+    /// Nothing more will come: what can be matched makes its last sets, and the rest is given up.
+    void finish();
     /// The next set. The receipt of the event that completed it is in it; others may have been given back.
     std::optional<Set> pop();
+    /// Is there one?
+    [[nodiscard]] bool ready() const noexcept { return !ready_.empty(); }
     /// When expire() has something to do.
     [[nodiscard]] std::optional<TimePoint> deadline() const;
     [[nodiscard]] MatchCounts counts() const;

@@ -5,6 +5,7 @@
 #include <hive/event/encoder_thread.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
+#include <hive/event/line_budget.hpp>
 #include <hive/event/link.hpp>
 #include <hive/event/loop.hpp>
 #include <hive/event/mailbox.hpp>
@@ -81,6 +82,8 @@ public:
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
     void log(const std::string& text) const { options_.log(text); }
+    /// What a peer causes, who could cause it again and again.
+    void log_about(const std::string& peer, const std::string& text);
     /// While halted, intakes ask for nothing and mailboxes give commands only.
     void halt(bool halted);
     /// Calls back on the network side when the process gets SIGINT or SIGTERM.
@@ -93,7 +96,9 @@ public:
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) override;
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
-    std::shared_ptr<Intake> add_intake(IntakeSpec spec, Intake::Sink sink);
+    /// @param on_end  called when end_of() may have changed
+    std::shared_ptr<Intake> add_intake(
+        IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end = [] {});
     void remove_intake(
         const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
@@ -138,6 +143,7 @@ private:
     void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
     std::function<void(const Outcome&)> answer_to(Link& link, const std::shared_ptr<Asked>& asked);
     void expire_asked(Link& link, Clock::time_point now);
+    void come_through_the_socket(const std::string& peer);
     void on_closed(Link& link, const Error& reason);
     void demand_changed();
     void tick();
@@ -154,7 +160,8 @@ private:
     asio::steady_timer last_{context()};
     asio::signal_set signals_{context()};
     bool armed_ = false, ending_ = false;
-    bool can_map_ = true;  ///< until a mapping failed for want of memory or descriptors
+    LineBudget lines_;
+    std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by who is there
     std::atomic<bool> halted_ = false;
     bool backlogged_ = false;
     std::list<Outlet> outlets_;

@@ -23,7 +23,8 @@ public:
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
-        Dispatch::Run on_encoder_thread, on_network_side;
+        std::function<void(const std::string& peer, std::function<void()>)> on_encoder_thread;
+        Dispatch::Run on_network_side;
     };
     /// @param drone    whose output it is
     /// @param carrier  the packet type that carries its events: event or exception
@@ -47,6 +48,11 @@ public:
     /// @param how  what becomes of the events that it was sent
     void link_closed(const Link& link, Fate how);
     void offer(const EmissionPtr& event, bool hold);
+    /// Nothing more will come: everybody is told behind all that they are sent.
+    /// @param text  what is to be said about it; empty: its regular end
+    void end(const std::string& text);
+    /// Something may come again.
+    void go_on();
     void release_held();
     /// @return  how many places and groups waited for this drone
     std::size_t forget(const std::string& drone);
@@ -71,8 +77,10 @@ private:
         bool data;                              ///< receives bodies
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
+    void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
     void transmit(const Send& send, const Emission& form);
+    void transmit_end(ReceiverId receiver);
     void execute(const Decisions& decisions);
     ReceiverId detach(std::map<Key, ReceiverId>::iterator place);
     void refresh();
@@ -88,6 +96,7 @@ private:
     ReceiverId next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
+    std::string end_text_;
     std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, shares_ = false;
     bool backlogged_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);

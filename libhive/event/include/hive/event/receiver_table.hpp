@@ -58,6 +58,11 @@ public:
     void written(Id id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// The drone emitted. @param hold  keep a lossless event for the first receiver of bodies to come, if there is none
     void offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions);
+    /// Nothing more will come: everybody is told, behind what waits for them, and so is who registers later.
+    void end(Clock::time_point now, Decisions& decisions);
+    /// Something may come again; so may it when an event is offered.
+    void go_on();
+    [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Nobody needs to wait for a first receiver here: another output has one.
     void release_held();
     /// Time passed: leases or places may have expired.
@@ -93,6 +98,8 @@ private:
     std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);
     void expire(std::map<std::int64_t, Line>::iterator place);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    void tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    [[nodiscard]] bool waits() const;
     void forget_oldest(Decisions& decisions);
     Group* group_of(Id id);
 
@@ -107,6 +114,7 @@ private:
     std::map<std::string, std::uint64_t> emptied_;  ///< order in which groups lost their last members
     std::deque<EmissionPtr> held_;                  ///< lossless events that had no receiver yet
     EmissionPtr newest_;
+    bool ended_ = false;
     std::int64_t unreceived_ = 0;
     std::uint64_t order_ = 0;
 };

@@ -13,8 +13,9 @@ namespace hive::recording {
 class File {
 public:
     static File open_to_read(const std::filesystem::path& path);
-    /// A new empty file, or (with `overwrite`) what was there emptied, unless another process records into it.
-    static File create(const std::filesystem::path& path, bool overwrite);
+    /// A new empty file that only this user can read, or (with `overwrite`) a recording that was there emptied, unless
+    /// another process records into it. The path is seen from `folder` and stays below it, over no symbolic link.
+    static File create(const std::filesystem::path& folder, const std::filesystem::path& path, bool overwrite);
     ~File();
     File(File&& other) noexcept;
     File& operator=(File&&) = delete;
@@ -31,6 +32,8 @@ public:
 
 private:
     explicit File(int descriptor) : descriptor_(descriptor) {}
+    [[nodiscard]] bool is_empty_or_recording() const;
+
     int descriptor_;
 };
 

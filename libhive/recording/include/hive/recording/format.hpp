@@ -18,6 +18,8 @@ inline constexpr std::size_t prefix_size = 36, trailer_size = 16, index_entry_si
 inline constexpr std::size_t most_text = 128 * 1024;  ///< of an event's header
 inline constexpr std::size_t most_end_text = 16 * 1024 * 1024;
 inline constexpr std::size_t most_tracks = 1000;
+inline constexpr std::size_t most_body = 1 << 30;                                 ///< of an event
+inline constexpr std::int64_t most_time_us = 10LL * 366 * 24 * 3600 * 1'000'000;  ///< ten years
 
 enum class Kind : std::uint32_t {
     begin = 0x4E474542,
@@ -82,6 +84,10 @@ struct Summary {
 /// One line of JSON, and back; nothing when the text is something else.
 std::string to_text(const Summary& summary);
 std::optional<Summary> summary_from(std::string_view text);
+/// The track that an event with this header belongs to. Throws hive::Error when it is no header.
+Track track_of_event(std::string_view header);
+/// What the text of a beginning says: wall clock, µs since 1970. Throws hive::Error when it is something else.
+std::int64_t begun_from(std::string_view text);
 
 /// Everything of one output of the recorded swarm, under the name that a replay gives it.
 struct Port {

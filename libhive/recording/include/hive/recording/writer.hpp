@@ -22,6 +22,9 @@ struct Limits {
 
 struct WriterSettings {
     std::filesystem::path path;
+    /// Where the path is seen from, and what it must stay below, naming nothing hidden. Empty: it may be anywhere, but
+    /// be no symbolic link.
+    std::filesystem::path folder = {};
     bool overwrite = false;
     Limits limits;
     std::chrono::milliseconds sync{1000};  ///< how often what was written is sent to the disk; 0: when the system likes

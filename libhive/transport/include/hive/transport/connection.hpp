@@ -41,6 +41,9 @@ public:
     struct Handlers {
         std::function<void(protocol::Packet&&)> packet;  ///< a whole packet came
         std::function<void(const hive::Error&)> closed;  ///< once, the last call; also after close()
+        /// Does anybody take events of this channel? Otherwise a body in shared memory is given back untouched, and
+        /// the event is not handed over. Without this handler all are wanted.
+        std::function<bool(std::uint16_t)> wants = {};
     };
     /// Called once: true when the last byte is with the operating system, false when the connection ended before.
     using Written = std::function<void(bool)>;

@@ -16,15 +16,18 @@ struct DecodeLimits {
     int scans = 100;  ///< of one JPEG
     /// Pixels times scans of one JPEG: what decoding a progressive picture costs. 16 scans of the largest picture.
     std::int64_t pixel_scans = 640'000'000;
+    /// Are image/raw pictures of gray16 taken? Most code of vision works on 8 bits and would take them for something
+    /// else, so that they are refused (Errc::unsupported) unless somebody asks for them.
+    bool sixteen_bits = false;
 };
 
 /// The media types that decode() knows; what an input that takes pictures declares.
 inline constexpr const char* image_types = "image/jpeg,image/png,image/raw";
 
 /// The picture in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what
-/// cv::imdecode gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8" or
-/// "gray8", and optionally "stride", the bytes from one row to the next). The caller owns the pixels. Only the declared
-/// type is tried. A picture that is cut short or damaged is refused, never returned in part.
+/// cv::imdecode gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8",
+/// "gray8" or "gray16", and optionally "stride", the bytes from one row to the next). The caller owns the pixels. Only
+/// the declared type is tried. A picture that is cut short or damaged is refused, never returned in part.
 /// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes: CMYK,
 ///                arithmetic, lossless, 12 bit)
 cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits = {},
@@ -40,7 +43,7 @@ cv::Mat view(const Event& event, const DecodeLimits& limits = {});
 cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits = {},
                  const Json& header = Json::object());
 
-/// @param picture  8 bit, 1 or 3 (BGR) channels
+/// @param picture  8 bit with 1 or 3 (BGR) channels, or 16 bit grey, of which a JPEG keeps the upper eight
 /// @param quality  1 to 100
 Body encode_jpeg(const cv::Mat& picture, int quality);
 Body encode_png(const cv::Mat& picture);
@@ -51,15 +54,17 @@ Body encode_raw(const cv::Mat& picture);
 /// out.
 Json raw_header(const cv::Mat& picture, Json header = Json::object());
 
-/// How pictures of one size are emitted when they are at hand as pixels: as image/raw, or as image/jpeg when the pixels
-/// are more than the body of an event may hold. What connections want is the encoder's business (encoder.hpp).
+/// How pictures of one size are emitted when they are at hand as pixels: as image/raw, or when the pixels are more than
+/// the body of an event may hold as image/jpeg, or as image/png where each has 16 bits. What connections want is the
+/// encoder's business (encoder.hpp).
 struct PlainForm {
     std::string type;
     Json header;  ///< "width", "height", and what image/raw needs beside them
 
     [[nodiscard]] Body body(const cv::Mat& picture) const;
 };
-/// @param channels  1 or 3 (BGR), 8 bit
-PlainForm plain_form(cv::Size size, int channels);
+/// @param channels  1 or 3 (BGR)
+/// @param bits      of each: 8, or 16 where there is one channel
+PlainForm plain_form(cv::Size size, int channels, int bits = 8);
 
 }  // namespace hive::vision

@@ -1,0 +1,97 @@
+// Compares places on a grid, where both are bright enough and not burnt out: the median ratio of each channel is the
+// change of the light.
+#include "light.hpp"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace background {
+namespace {
+
+constexpr int places = 64;                    ///< along the longer side of the picture
+constexpr int darkest = 12, brightest = 245;  ///< beyond, a ratio says little
+constexpr std::size_t enough_places = 50;
+constexpr double noise = 12, share_of_value = 0.12;  ///< a place agrees when it is so near, in grey levels
+constexpr double agreeing = 0.5;                     ///< of the places
+constexpr double colour_cast = 1.6;  ///< light changes one channel at most so many times as much as another
+
+bool tells(int level) { return level >= darkest && level <= brightest; }
+
+double median(std::vector<double>& numbers)
+{
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+    std::nth_element(numbers.begin(), middle, numbers.end());
+    return *middle;
+}
+
+/// Small copies, each pixel the mean of a part, so that noise and small movements hardly count.
+cv::Mat reduced(const cv::Mat& picture)
+{
+    const int step = std::max(1, std::max(picture.cols, picture.rows) / places);
+    cv::Mat small(std::max(1, picture.rows / step), std::max(1, picture.cols / step), picture.type());
+    for (int y = 0; y < small.rows; ++y)
+        for (int x = 0; x < small.cols; ++x) {
+            const cv::Scalar mean =
+                cv::mean(picture(cv::Rect(x * step, y * step, step, step) & cv::Rect({}, picture.size())));
+            for (int channel = 0; channel < picture.channels(); ++channel)
+                small.ptr(y, x)[channel] = cv::saturate_cast<unsigned char>(mean[channel]);
+        }
+    return small;
+}
+
+/// How many times as bright a channel of `picture` is; nothing if too few places tell.
+std::optional<double> gain_of(const cv::Mat& picture, const cv::Mat& known)
+{
+    std::vector<double> ratios;
+    for (int y = 0; y < picture.rows; ++y)
+        for (int x = 0; x < picture.cols; ++x)
+            if (const int now = *picture.ptr(y, x), before = *known.ptr(y, x); tells(now) && tells(before))
+                ratios.push_back(static_cast<double>(now) / before);
+    return ratios.size() >= enough_places ? std::optional(median(ratios)) : std::nullopt;
+}
+
+double agreement(const cv::Mat& picture, const cv::Mat& lit)
+{
+    double agree = 0;
+    for (int y = 0; y < picture.rows; ++y)
+        for (int x = 0; x < picture.cols; ++x) {
+            const int now = *picture.ptr(y, x), expected = *lit.ptr(y, x);
+            agree += std::abs(now - expected) <= std::max(noise, share_of_value * expected) ? 1 : 0;
+        }
+    return agree / static_cast<double>(picture.total());
+}
+
+}  // namespace
+
+std::optional<cv::Mat> in_the_light_of(const cv::Mat& picture, const cv::Mat& known)
+{
+    if (known.size() != picture.size() || known.type() != picture.type())
+        return std::nullopt;
+    std::vector<cv::Mat> channels, seen, remembered;
+    cv::split(known, channels);
+    cv::split(reduced(picture), seen);
+    cv::split(reduced(known), remembered);
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const auto gain = gain_of(seen[i], remembered[i]);
+        if (!gain)
+            return std::nullopt;
+        remembered[i].convertTo(remembered[i], -1, *gain);
+        if (agreement(seen[i], remembered[i]) < agreeing)
+            return std::nullopt;
+        channels[i].convertTo(channels[i], -1, *gain);
+        least = std::min(least, *gain);
+        most = std::max(most, *gain);
+    }
+    if (most > colour_cast * least)
+        return std::nullopt;
+    cv::Mat lit;
+    cv::merge(channels, lit);
+    return lit;
+}
+
+}  // namespace background

@@ -1,0 +1,22 @@
+// Describes the colours of a thing in a picture by a few numbers, so that it is known again. Plain OpenCV.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <vector>
+
+namespace colours {
+
+/// The length of a description.
+inline constexpr int numbers = 20;
+
+/// Two histograms, of the upper and of the lower half, with a sum of about 200 together: four greys from dark to light,
+/// and six hues from red on. What is between two of them counts for both in part, so that a little more light changes
+/// little.
+/// @param picture  8 bit, BGR or grey
+/// @param box      px; the part of it that lies in the picture is looked at, by at most about 4000 pixels
+/// @param mask     8 bit, of the picture's size: only where it is 255; empty: an ellipse that fills the box
+/// @return         empty when there is nothing to look at
+std::vector<int> of(const cv::Mat& picture, const cv::Rect& box, const cv::Mat& mask = {});
+
+}  // namespace colours

@@ -1,0 +1,42 @@
+// Finds faces with YuNet, a small network, from an ONNX file, through OpenCV's FaceDetectorYN. Plain OpenCV.
+#pragma once
+
+#include <opencv2/dnn.hpp>
+#include <opencv2/objdetect/face.hpp>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace face {
+
+struct Face {
+    cv::Rect box;      ///< px, within the picture
+    double score = 0;  ///< 0 to 1
+    std::array<cv::Point2f, 5>
+        points{};  ///< px: right eye, left eye, tip of the nose, right and left corner of the mouth
+};
+
+class YunetFinder {
+public:
+    double min_score = 0.8, overlap = 0.3;
+    static constexpr std::size_t most_faces = 200;  ///< of one picture; the best
+
+    /// Reads the file. @throws std::runtime_error  a sentence about what is wrong
+    explicit YunetFinder(const std::string& path);
+
+    /// @param picture  8 bit, BGR or grey; not changed
+    /// @return  from top to bottom, then from left to right
+    /// @throws std::runtime_error  what the model gives for a picture of this size is not what YuNet gives
+    [[nodiscard]] std::vector<Face> find(const cv::Mat& picture);
+
+private:
+    void prepare(cv::Size size);
+
+    std::string path_;
+    cv::dnn::Net net_;  ///< to see what the model gives, before the detector relies on it
+    cv::Ptr<cv::FaceDetectorYN> detector_;
+    cv::Size size_;  ///< that it is prepared for
+};
+
+}  // namespace face

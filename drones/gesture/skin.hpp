@@ -1,0 +1,33 @@
+// The colour of somebody's skin, learnt from pixels that are known to be skin. Plain OpenCV.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <optional>
+
+namespace gesture {
+
+/// A normal distribution in YCrCb.
+class SkinColour {
+public:
+    /// The least standard deviations that are assumed: brightness, and both differences of colour, in levels.
+    struct Spread {
+        double brightness, colour;
+    };
+
+    /// From the pixels of a BGR picture where `where` (8 bit, its size) is not 0; nothing if there are fewer than 20. A
+    /// third of them may be something else (eyes, hair, a beard): the median decides what is near enough to count.
+    static std::optional<SkinColour> learn(const cv::Mat& picture, const cv::Mat& where, Spread least);
+
+    /// How far another skin's mean is from this one, in standard deviations.
+    [[nodiscard]] double distance(const SkinColour& other) const;
+
+    /// 255 where a pixel of a BGR picture is within so many standard deviations, else 0.
+    [[nodiscard]] cv::Mat mask(const cv::Mat& picture, double deviations) const;
+
+private:
+    cv::Vec3d mean_;
+    cv::Matx33d inverse_;  ///< of the covariance
+};
+
+}  // namespace gesture

@@ -1,0 +1,23 @@
+// How things look: histograms of their colours, which say whether two boxes may show the same thing.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace track {
+
+/// Parts of a whole, with a sum of 1; empty: not known.
+using Look = std::vector<float>;
+
+/// A look of numbers that are not below 0; empty when their sum is 0.
+Look look_of(const std::vector<double>& numbers);
+
+/// From 0, the same, to 1, nothing in common: the Hellinger distance, the root of 1 - (the sum of the roots of the
+/// products). Nothing when one is not known, or they were made in different ways. Source: Comaniciu, Ramesh and Meer,
+/// "Kernel-based object tracking" (2003).
+std::optional<double> difference(const Look& a, const Look& b);
+
+/// `look` goes this share (0 to 1) of the way towards what was seen; an unknown one becomes it.
+void follow(Look& look, const Look& seen, double share);
+
+}  // namespace track

@@ -1,0 +1,48 @@
+// Compares what a request brings with the token.
+#include "pass.hpp"
+
+#include "answer.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <sys/random.h>
+#include <utility>
+
+namespace view {
+
+Pass::Pass(std::string token, int port) : token_(std::move(token)), name_("hive-view-" + std::to_string(port)) {}
+
+std::string Pass::draw_token()
+{
+    std::array<unsigned char, 16> chance{};
+    if (::getrandom(chance.data(), chance.size(), 0) != static_cast<ssize_t>(chance.size()))
+        throw std::runtime_error("the system has no random numbers");
+    std::string token;
+    for (const unsigned byte : chance)
+        for (const unsigned digit : {byte >> 4, byte & 15})
+            token += "0123456789abcdef"[digit];
+    return token;
+}
+
+bool Pass::cross_site(const Request& request)
+{
+    return !request.site.empty() && request.site != "same-origin" && request.site != "none";
+}
+
+bool Pass::in_address(const Request& request) const { return is_token(request.token); }
+bool Pass::in_cookie(const Request& request) const { return is_token(request.cookie); }
+
+std::string Pass::cookie() const { return name_ + "=" + token_ + "; Path=/; HttpOnly; SameSite=Strict"; }
+
+/// Takes as long for any text of the right length.
+bool Pass::is_token(std::string_view text) const
+{
+    if (token_.empty() || text.size() != token_.size())
+        return false;
+    unsigned char difference = 0;
+    for (std::size_t i = 0; i < text.size(); ++i)
+        difference |= static_cast<unsigned char>(text[i] ^ token_[i]);
+    return difference == 0;
+}
+
+}  // namespace view

@@ -1,0 +1,31 @@
+// Turns the times of pictures into times in a file, which only grow.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace writing {
+
+/// When a picture was taken, as its event tells it.
+struct Moment {
+    std::string clock;         ///< whose time that is: a file, a camera since its start; another one begins anew
+    std::int64_t time_us = 0;  ///< on that clock
+    double fps = 0;            ///< of the source; 0: unknown
+};
+
+/// No clock of its own.
+class FileTimes {
+public:
+    /// The time of the next picture since the first. Where the clock is another one, or has gone back or jumped by more
+    /// than a minute, the picture follows the last one at the usual distance.
+    std::chrono::microseconds next(const Moment& moment);
+
+private:
+    std::optional<Moment> last_;
+    std::int64_t file_us_ = 0;      ///< of the last picture
+    std::int64_t distance_us_ = 0;  ///< between the last two
+};
+
+}  // namespace writing

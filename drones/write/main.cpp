@@ -1,0 +1,9 @@
+// The write drone writes the pictures that it receives to a video or a folder.
+#include "write_drone.hpp"
+
+int main(int argc, char** argv)
+{
+    return hive::run_drone(
+        argc, argv, {.kind = "write", .summary = "Writes pictures to a video file or a folder.", .stateful = true},
+        [](hive::Drone& drone) { writing::WriteDrone(drone).run(); });
+}

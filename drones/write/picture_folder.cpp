@@ -1,0 +1,110 @@
+// Writes each picture beside its name first, so that nobody sees half of one; and chooses between folder and video.
+#include "picture_folder.hpp"
+
+#include "video_file.hpp"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+namespace writing {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const fs::path& path)
+{
+    throw std::system_error(errno, std::generic_category(), path.string());
+}
+
+void write_file(const fs::path& path, std::span<const unsigned char> bytes)
+{
+    const fs::path part = path.string() + ".part";
+    errno = 0;
+    std::ofstream file(part, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) {
+        const int reason = errno;
+        std::error_code ignored;
+        fs::remove(part, ignored);
+        errno = reason;
+        refuse(path);
+    }
+    fs::rename(part, path);
+}
+
+std::string numbered(std::int64_t number, const std::string& ending)
+{
+    std::array<char, 32> name{};
+    std::snprintf(name.data(), name.size(), "%08lld", static_cast<long long>(number));
+    return name.data() + ending;
+}
+
+}  // namespace
+
+void PictureFolder::begin()
+{
+    fs::create_directories(settings_.path);
+    const fs::path table = fs::path(settings_.path) / "times.csv";
+    times_.open(table, std::ios::trunc);
+    times_ << "file,seq,time_us\n";
+    if (!times_.flush())
+        refuse(table);
+}
+
+std::string PictureFolder::ending_for(const Picture& picture) const
+{
+    if (!picture.encoded.empty())
+        return picture.ending;
+    return picture.pixels.depth() == CV_16U || settings_.quality == 100 ? ".png" : ".jpg";
+}
+
+void PictureFolder::add(const Picture& picture, std::chrono::microseconds time)
+{
+    if (count_ == 0)
+        begin();
+    const auto ending = ending_for(picture);
+    const auto name = numbered(++count_, ending);
+    const fs::path path = fs::path(settings_.path) / name;
+    if (!picture.encoded.empty()) {
+        write_file(path, picture.encoded);
+    } else {
+        std::vector<unsigned char> bytes;
+        if (!cv::imencode(ending, picture.pixels, bytes, {cv::IMWRITE_JPEG_QUALITY, settings_.quality}))
+            throw std::runtime_error(path.string() + ": the picture could not be encoded");
+        write_file(path, bytes);
+    }
+    times_ << name << ',' << picture.sequence << ',' << time.count() << '\n';
+    if (!times_.flush())
+        refuse(fs::path(settings_.path) / "times.csv");
+}
+
+void PictureFolder::close() { times_.close(); }
+
+std::unique_ptr<Sink> open_sink(const Settings& settings)
+{
+    const fs::path path(settings.path);
+    const bool folder = !path.has_filename() || fs::is_directory(path);
+    if (!folder && !VideoFile::knows(settings.path))
+        throw std::runtime_error(settings.path
+                                 + ": the ending means no video; there is .mp4, .mov, .mkv and .avi, and NAME/ for a "
+                                   "folder of pictures");
+    if (folder && fs::exists(path) && !fs::is_empty(path) && !settings.overwrite)
+        throw std::runtime_error(settings.path + " is not empty; write elsewhere, or overwrite it");
+    if (!folder && fs::exists(path) && !settings.overwrite)
+        throw std::runtime_error(settings.path + " exists already; write elsewhere, or overwrite it");
+    const fs::path whole = fs::absolute(path).lexically_normal();
+    const fs::path parent = (whole.has_filename() ? whole : whole.parent_path()).parent_path();
+    if (!fs::is_directory(parent))
+        throw std::runtime_error("there is no folder " + parent.string());
+    if (folder)
+        return std::make_unique<PictureFolder>(settings);
+    return std::make_unique<VideoFile>(settings);
+}
+
+}  // namespace writing

@@ -1,0 +1,33 @@
+// A folder of pictures, with a table of their times.
+#pragma once
+
+#include "sink.hpp"
+
+#include <fstream>
+
+namespace writing {
+
+/// Files 00000001.jpg and so on; JPEG and PNG files that come are written as they are, pictures of 16 bits and what
+/// came as plain pixels with quality 100 as PNG, the rest as JPEG. `times.csv` says when each was taken.
+class PictureFolder final : public Sink {
+public:
+    explicit PictureFolder(Settings settings) : settings_(std::move(settings)) {}
+
+    void add(const Picture& picture, std::chrono::microseconds time) override;
+    void close() override;
+    [[nodiscard]] bool takes_encoded(const std::string& ending) const override
+    {
+        return ending == ".jpg" || ending == ".png";
+    }
+    [[nodiscard]] std::string encoder() const override { return count_ > 0 ? "pictures" : ""; }
+
+private:
+    void begin();
+    [[nodiscard]] std::string ending_for(const Picture& picture) const;
+
+    Settings settings_;
+    std::ofstream times_;
+    std::int64_t count_ = 0;
+};
+
+}  // namespace writing

@@ -1,0 +1,49 @@
+// What pictures are written to: a video or a folder.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace writing {
+
+struct Settings {
+    std::string path;
+    bool overwrite = false;
+    int quality = 80;  ///< 1 to 100
+};
+
+/// One picture: its pixels, or what they were encoded to when that can be written as it is.
+struct Picture {
+    cv::Mat pixels;                               ///< BGR or grey, 8 bit, or grey of 16 bits; empty with `encoded`
+    std::span<const unsigned char> encoded = {};  ///< a whole JPEG or PNG file
+    std::string ending = {};                      ///< of that: ".jpg"
+    std::int64_t sequence = 0;
+    double fps = 0;  ///< of its source; 0: unknown
+};
+
+/// For one thread.
+class Sink {
+public:
+    virtual ~Sink() = default;
+    /// @param time  since the first picture; larger each time
+    /// @throws std::runtime_error  saying what the system or the encoder refused; nothing more can be written then
+    virtual void add(const Picture& picture, std::chrono::microseconds time) = 0;
+    /// Completes it. @throws std::runtime_error  what came before is there all the same
+    virtual void close() = 0;
+    /// Can a picture of this kind be written without its pixels?
+    [[nodiscard]] virtual bool takes_encoded(const std::string& ending) const = 0;
+    /// By what the pictures are encoded: "libx264"; empty before the first.
+    [[nodiscard]] virtual std::string encoder() const = 0;
+};
+
+/// A video for .mp4, .m4v, .mov, .mkv and .avi, otherwise a folder: a path that ends in `/`, or is a folder already.
+/// Nothing is made before the first picture comes.
+/// @throws std::runtime_error  the ending means nothing, there is such a file already, or no folder to put it into
+std::unique_ptr<Sink> open_sink(const Settings& settings);
+
+}  // namespace writing

@@ -1,0 +1,109 @@
+// H.264 where there is an encoder for it, otherwise MPEG-4 or Motion JPEG.
+#include "video_encoder.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace writing {
+namespace {
+
+/// The constant rate factor of x264: 18 at the usual 80, 10 at 100.
+std::string rate_factor(int quality) { return std::to_string(std::lround(50 - 0.4 * quality)); }
+
+/// The quantizer of the older encoders, 1 to 31.
+int quantizer(int quality) { return std::clamp(static_cast<int>(std::lround(31 - 0.3 * quality)), 1, 31); }
+
+cv::Mat in_colour(const cv::Mat& picture)
+{
+    if (picture.channels() == 3)
+        return picture;
+    cv::Mat colour;
+    cv::cvtColor(picture, colour, cv::COLOR_GRAY2BGR);
+    return colour;
+}
+
+}  // namespace
+
+VideoEncoder::VideoEncoder(const AVOutputFormat& container, const EncoderSettings& settings)
+    : frame_(av_frame_alloc()), packet_(av_packet_alloc())
+{
+    for (const char* name : {"libx264", "libopenh264", "mpeg4", "mjpeg"}) {
+        const AVCodec* codec = avcodec_find_encoder_by_name(name);
+        if (codec && avformat_query_codec(&container, codec->id, FF_COMPLIANCE_NORMAL) == 1
+            && open(*codec, container, settings))
+            break;
+    }
+    if (!context_)
+        throw std::runtime_error(std::string("FFmpeg has no encoder here for ") + container.long_name);
+    frame_->format = context_->pix_fmt;
+    frame_->width = context_->width;
+    frame_->height = context_->height;
+    checked(av_frame_get_buffer(frame_.get(), 0), "no memory for a picture");
+}
+
+bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, const EncoderSettings& settings)
+{
+    CodecContext context(avcodec_alloc_context3(&codec));
+    context->width = (settings.size.width + 1) / 2 * 2;  // colours are kept at half the size
+    context->height = (settings.size.height + 1) / 2 * 2;
+    context->pix_fmt = codec.id == AV_CODEC_ID_MJPEG ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
+    context->time_base = settings.time_base;
+    context->framerate = settings.frame_rate;
+    context->thread_count = 1;  // one drone, one core
+    if (container.flags & AVFMT_GLOBALHEADER)
+        context->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    if (codec.id == AV_CODEC_ID_H264) {
+        av_opt_set(context->priv_data, "preset", "veryfast", 0);
+        av_opt_set(context->priv_data, "tune", "zerolatency", 0);
+        av_opt_set(context->priv_data, "crf", rate_factor(settings.quality).c_str(), 0);
+        av_opt_set(context->priv_data, "forced-idr", "1", 0);
+    } else {
+        context->flags |= AV_CODEC_FLAG_QSCALE;
+        context->global_quality = quantizer(settings.quality) * FF_QP2LAMBDA;
+    }
+    if (avcodec_open2(context.get(), &codec, nullptr) < 0)
+        return false;
+    context_ = std::move(context);
+    return true;
+}
+
+void VideoEncoder::encode(const cv::Mat& picture, std::int64_t time, bool key,
+                          const std::function<void(AVPacket&)>& take)
+{
+    const cv::Mat colour = in_colour(picture);
+    scaler_.reset(sws_getCachedContext(scaler_.release(), colour.cols, colour.rows, AV_PIX_FMT_BGR24, frame_->width,
+                                       frame_->height, context_->pix_fmt, SWS_BICUBIC, nullptr, nullptr, nullptr));
+    if (!scaler_)
+        throw std::runtime_error("FFmpeg cannot convert this picture");
+    checked(av_frame_make_writable(frame_.get()), "no memory for a picture");
+    const std::uint8_t* const rows[] = {colour.data};
+    const int strides[] = {static_cast<int>(colour.step)};
+    sws_scale(scaler_.get(), rows, strides, 0, colour.rows, frame_->data, frame_->linesize);
+    frame_->pts = time;
+    frame_->pict_type = key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+    frame_->quality = context_->global_quality;
+    checked(avcodec_send_frame(context_.get(), frame_.get()), "a picture could not be encoded");
+    receive(take);
+}
+
+void VideoEncoder::finish(const std::function<void(AVPacket&)>& take)
+{
+    checked(avcodec_send_frame(context_.get(), nullptr), "the last pictures could not be encoded");
+    receive(take);
+}
+
+void VideoEncoder::receive(const std::function<void(AVPacket&)>& take)
+{
+    for (;;) {
+        const int code = avcodec_receive_packet(context_.get(), packet_.get());
+        if (code == AVERROR(EAGAIN) || code == AVERROR_EOF)
+            return;
+        checked(code, "a picture could not be encoded");
+        take(*packet_);
+        av_packet_unref(packet_.get());
+    }
+}
+
+}  // namespace writing

@@ -1,0 +1,46 @@
+// Pictures to packets, by the first encoder of FFmpeg that is there and fits the file.
+#pragma once
+
+#include "ffmpeg.hpp"
+
+#include <opencv2/core/mat.hpp>
+
+#include <functional>
+#include <string>
+
+namespace writing {
+
+struct EncoderSettings {
+    cv::Size size;
+    AVRational time_base{1, 60'000};
+    AVRational frame_rate{30, 1};  ///< usual, for whoever wants to know in advance
+    int quality = 80;              ///< 1 to 100
+};
+
+/// For one thread. Each picture leaves as soon as it has come, so that a file that is cut short has all of them.
+class VideoEncoder {
+public:
+    /// @param container  what the packets are for
+    /// @throws std::runtime_error  no encoder fits
+    VideoEncoder(const AVOutputFormat& container, const EncoderSettings& settings);
+
+    /// @param picture  BGR or grey, 8 bit, of any size: it is scaled
+    /// @param key      it shall need no other picture
+    void encode(const cv::Mat& picture, std::int64_t time, bool key, const std::function<void(AVPacket&)>& take);
+    /// What is still inside.
+    void finish(const std::function<void(AVPacket&)>& take);
+
+    [[nodiscard]] const AVCodecContext& context() const { return *context_; }
+    [[nodiscard]] std::string name() const { return context_->codec->name; }
+
+private:
+    bool open(const AVCodec& codec, const AVOutputFormat& container, const EncoderSettings& settings);
+    void receive(const std::function<void(AVPacket&)>& take);
+
+    CodecContext context_;
+    FramePtr frame_;
+    PacketPtr packet_;
+    Scaler scaler_;
+};
+
+}  // namespace writing

@@ -1,0 +1,206 @@
+// hivectl save: writes the pictures that a drone sends to a video or a folder.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../interrupt.hpp"
+#include "../launch.hpp"
+#include "../output.hpp"
+#include "../progress.hpp"
+#include "../session.hpp"
+#include "../silence.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <algorithm>
+#include <sys/wait.h>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+    std::string from, file;
+    std::int64_t count = 0;  // 0: without end
+    double fps = 0;
+    int quality = 80;
+    bool overwrite = false;
+};
+
+hive::Endpoint output_of(hive::Application& application, const std::string& from)
+{
+    auto output = application.endpoint(from);
+    if (output.port.empty())
+        output.port = usual_output(application.describe(output.drone), output.drone, "image/");
+    return output;
+}
+
+/// An absolute path, but one that means a folder still does.
+std::string path_of(const std::string& file) { return std::filesystem::absolute(file).string(); }
+
+LaunchPlan plan_of(const Options& options, const std::string& name)
+{
+    LaunchPlan plan{"save", "write", name, {}, Life::tied};
+    for (const auto& setting : {"file=" + path_of(options.file), "quality=" + std::to_string(options.quality),
+                                "fps=" + std::to_string(options.fps), "count=" + std::to_string(options.count),
+                                std::string("overwrite=") + (options.overwrite ? "on" : "off")})
+        plan.arguments.insert(plan.arguments.end(), {"--set", setting});
+    return plan;
+}
+
+/// How many pictures the writer has taken, and of which source the last one of the sender was.
+void note_progress(Progress& progress, hive::Application& application, const std::string& writer,
+                   const std::string& source)
+{
+    application.timeout(500ms);
+    const auto answer = application.status(std::vector{writer}).at(0);
+    if (answer.error)
+        return;
+    std::int64_t done = 0;
+    for (const auto& input : answer.status.inputs)
+        done += input.processed;
+    progress.note(source, done);
+}
+
+/// The drone at the beginning of the chain that leads here, where there is one chain.
+std::string source_of(hive::Application& application, std::string drone)
+{
+    for (int hops = 0; hops < 16; ++hops) {
+        const auto answer = application.status(std::vector{drone}).at(0);
+        if (answer.error || answer.status.inputs.empty())
+            break;
+        const auto& from = answer.status.inputs.front().from;
+        drone = from.substr(0, from.rfind('.'));
+    }
+    return drone;
+}
+
+/// What the writer says when the file is complete: after the end of the source, enough pictures, or Ctrl-C.
+std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::Application& application,
+                                 const hive::Endpoint& output, std::chrono::milliseconds limit)
+{
+    Progress progress(application, false);
+    const auto source = source_of(application, output.drone);
+    bool told = false, ending = false;
+    auto until = Clock::time_point::max();
+    for (auto since = Clock::now(); Clock::now() < until;) {
+        if (auto event = files.next(100ms))
+            return event;
+        if (launch.process().ended())
+            return std::nullopt;
+        note_progress(progress, application, launch.name(), source);
+        if (!told && Clock::now() - since > 3s) {
+            told = true;
+            if (const auto standstill = standstill_behind(application, {output}); !standstill.text.empty())
+                complain("save", "what the drones say: " + standstill.text);
+        }
+        if (interrupt::requested() && !std::exchange(ending, true)) {
+            application.timeout(limit);
+            application.set(launch.name(), {{"file", ""}});
+            until = Clock::now() + limit;
+        }
+    }
+    return std::nullopt;
+}
+
+/// The exit code, and everything that is to be said.
+int report(const hive::Json& header, const Options& options, bool json)
+{
+    const auto frames = header.value("frames", std::int64_t{0});
+    const auto problem = header.value("problem", std::string());
+    if (!problem.empty())
+        complain("save", printable(problem));
+    if (frames == 0) {
+        complain("save", "no picture came, and nothing was written");
+        return exit_code::failure;
+    }
+    std::error_code ignored;
+    const auto size = std::filesystem::is_regular_file(options.file, ignored)
+                          ? static_cast<std::int64_t>(std::filesystem::file_size(options.file, ignored))
+                          : 0;
+    const auto duration = header.value("duration_us", std::int64_t{0});
+    write_out(json ? Row{{"file", options.file},
+                         {"frames", frames},
+                         {"duration_us", duration},
+                         {"bytes", size},
+                         {"encoder", header.value("encoder", "")},
+                         {"ended", header.value("ended", "")},
+                         {"problem", problem}}
+                             .json()
+                         + "\n"
+                   : printable(options.file) + ": " + count_text(frames, "frame") + " in " + duration_text(duration)
+                         + (size > 0 ? ", " + size_text(size) : "") + ", " + printable(header.value("encoder", ""))
+                         + "\n");
+    return problem.empty() ? exit_code::done : exit_code::partly_done;
+}
+
+/// Throws Errc::name_taken when another drone has the name of the plan.
+int save(const Options& options, const hive::Endpoint& output, const LaunchPlan& plan, Session& session)
+{
+    auto& application = session.application();
+    Launch launch(session, plan);
+    const Removal removal(launch, application);
+    if (const auto failure = launch.await(session.timeout(10s)))
+        return *failure;
+    application.timeout(session.timeout());
+    const auto files = application.collect({{plan.name, "files"}});
+    hive::ConnectionOptions connection;
+    connection.window = 4;
+    connection.encoding = "";
+    application.connect(output, {plan.name, "image"}, connection);
+    const auto event = await(launch, *files, application, output, session.timeout(10s));
+    if (event)
+        return report(event->header, options, session.json);
+    if (const auto status = launch.process().ended())
+        return launch.died(*status);
+    complain("save", "the file was not completed in time; it holds what came before");
+    return exit_code::timed_out;
+}
+
+int run(const Options& options, Session& session)
+{
+    const auto output = output_of(session.application(), options.from);
+    const interrupt::Deferred deferred;
+    return as_first_free(
+        "writer", [&](const std::string& name) { return save(options, output, plan_of(options, name), session); });
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
+        .required();
+    line.option("FILE", options->file, "a video (.mp4 .mov .mkv .avi), or a folder of pictures (NAME/)").required();
+    line.option("-n", options->count, "end after this many pictures")
+        .type_name("N")
+        .between(std::int64_t{1}, std::int64_t{2'000'000'000});
+    line.option("--fps", options->fps, "write at this rate (default: each picture keeps its time)")
+        .type_name("FPS")
+        .between(0.0, 1000.0);
+    line.option("--quality", options->quality, "of the pictures (default 80)").type_name("1-100").between(1, 100);
+    line.flag("--overwrite", options->overwrite, "replace the file if it is there");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb save_verb()
+{
+    return {.name = "save",
+            .group = "keep",
+            .usage = "NAME[.OUTPUT] FILE [-n N] [options]",
+            .summary = "Writes the pictures that a drone sends to a video file",
+            .details =
+                "Writes until every source has come to its end, until Ctrl-C, or until there are N pictures. Runs "
+                "a drone of the kind write meanwhile. Each picture keeps its time: that in the file which it "
+                "comes from, or that of its capture. A file that is cut off can be played all the same.",
+            .examples = "hivectl save face.annotated faces.mp4\n"
+                        "hivectl save camera pictures/ -n 100",
+            .timeout = "give up if a drone does not answer within this long (default 10)",
+            .operands = {Operand::sender, Operand::file},
+            .declare = declare};
+}
+
+}  // namespace hivectl

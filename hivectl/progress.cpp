@@ -1,0 +1,82 @@
+// The rate is that of the last second, smoothed; what the sources have in all is asked of them.
+#include "progress.hpp"
+
+#include "format.hpp"
+#include "output.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <unistd.h>
+
+namespace hivectl {
+
+using namespace std::chrono_literals;
+
+std::string progress_text(std::int64_t done, std::int64_t all, double per_second)
+{
+    std::string text = std::to_string(done) + (all > 0 ? " of " + std::to_string(all) : "") + " frames";
+    if (all > 0)
+        text += ", " + std::to_string(100 * std::min(done, all) / all) + " %";
+    if (per_second > 0)
+        text += ", " + tenths_text(per_second) + "/s";
+    if (all > done && per_second > 0)
+        text += ", "
+                + duration_text(static_cast<std::int64_t>(std::ceil(static_cast<double>(all - done) / per_second))
+                                * 1'000'000)
+                + " left";
+    return text;
+}
+
+Progress::Progress(hive::Application& application, bool beside_results)
+    : application_(application), shown_(::isatty(STDERR_FILENO) == 1 && !(beside_results && on_terminal()))
+{
+}
+
+Progress::~Progress()
+{
+    if (shown_)
+        std::cerr << "\r\033[K" << std::flush;
+}
+
+void Progress::note(const hive::Identity& identity)
+{
+    if (identity.source == source_ && identity.epoch < epoch_)
+        return;
+    if (identity.source != source_ || identity.epoch > epoch_)
+        done_ = before_ = 0;
+    epoch_ = identity.epoch;
+    note(identity.source, std::max(done_, identity.sequence));
+}
+
+void Progress::note(const std::string& source, std::int64_t done)
+{
+    source_ = source;
+    done_ = done;
+    if (shown_ && Clock::now() - last_ >= 500ms)
+        show();
+}
+
+void Progress::show()
+{
+    const auto now = Clock::now();
+    const double rate = static_cast<double>(done_ - before_) / std::chrono::duration<double>(now - last_).count();
+    per_second_ = per_second_ > 0 ? 0.7 * per_second_ + 0.3 * rate : rate;
+    before_ = done_;
+    last_ = now;
+    std::cerr << '\r' << progress_text(done_, all_of(source_), per_second_) << "\033[K" << std::flush;
+}
+
+/// Asked once; a source that does not answer in time has no number.
+std::int64_t Progress::all_of(const std::string& source)
+{
+    const auto [place, fresh] = all_.try_emplace(source, 0);
+    if (fresh) {
+        application_.timeout(300ms);
+        const auto answer = application_.status(std::vector{source}).at(0);
+        place->second = answer.error ? 0 : answer.status.source_events;
+    }
+    return place->second;
+}
+
+}  // namespace hivectl

@@ -1,0 +1,48 @@
+// How far work from files is, on a terminal: "123 of 300 frames, 41 %, 24.3/s, 7 s left".
+#pragma once
+
+#include <hive/application.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace hivectl {
+
+/// @param all  0: unknown
+std::string progress_text(std::int64_t done, std::int64_t all, double per_second);
+
+/// One line on stderr that is written over, where stderr is a terminal and stdout is not in the way; otherwise nothing.
+class Progress {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// @param beside_results  stdout gets a line for each event, so that the line of progress needs a terminal of its
+    /// own
+    Progress(hive::Application& application, bool beside_results);
+    /// The line goes.
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    /// An event of this capture has been dealt with.
+    void note(const hive::Identity& identity);
+    /// So many events of that source have been.
+    void note(const std::string& source, std::int64_t done);
+
+private:
+    void show();
+    std::int64_t all_of(const std::string& source);
+
+    hive::Application& application_;
+    bool shown_;
+    std::string source_;
+    std::int64_t epoch_ = 0, done_ = 0, before_ = 0;  ///< events: in all, and at the last line
+    double per_second_ = 0;
+    Clock::time_point last_ = Clock::now();
+    std::map<std::string, std::int64_t> all_;  ///< by source
+};
+
+}  // namespace hivectl

@@ -1,0 +1,122 @@
+// libpng reports errors by a long jump, so whatever has a destructor lives outside of the function that it jumps out
+// of.
+#include "png_pixels.hpp"
+
+#include <hive/error.hpp>
+
+#include <png.h>
+
+#include <csetjmp>
+#include <cstring>
+#include <string>
+
+namespace hive::vision {
+namespace {
+
+/// libpng inflates all that is left of the compressed data when it has the last row, a thousand bytes for each. The end
+/// of an honest stream takes a few.
+constexpr std::size_t most_behind_last_row = 1024;
+
+/// What libpng reads from, and what it said.
+class Reading {
+public:
+    explicit Reading(std::span<const std::uint8_t> bytes)
+        : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &Reading::on_error, [](png_structp, auto) {})),
+          info_(png_ ? png_create_info_struct(png_) : nullptr),
+          rest_(bytes)
+    {
+        if (!info_)
+            throw Error(Errc::failed, "the PNG decoder could not be made");
+        png_set_read_fn(png_, this, &Reading::on_read);
+    }
+    ~Reading() { png_destroy_read_struct(&png_, &info_, nullptr); }
+    Reading(const Reading&) = delete;
+    Reading& operator=(const Reading&) = delete;
+
+    /// False when libpng gave up.
+    bool rows(cv::Mat& picture);
+    [[nodiscard]] const std::string& problem() const { return problem_; }
+
+private:
+    void as_bgr();
+    [[nodiscard]] bool has_last_row() const;
+    [[noreturn]] static void on_error(png_structp png, png_const_charp text);
+    static void on_read(png_structp png, png_bytep to, std::size_t size);
+
+    png_structp png_;
+    png_infop info_;
+    std::span<const std::uint8_t> rest_;
+    std::size_t behind_ = 0;
+    std::string problem_;
+};
+
+void Reading::on_error(png_structp png, png_const_charp text)
+{
+    static_cast<Reading*>(png_get_error_ptr(png))->problem_ = text;
+    png_longjmp(png, 1);
+}
+
+void Reading::on_read(png_structp png, png_bytep to, std::size_t size)
+{
+    auto& self = *static_cast<Reading*>(png_get_io_ptr(png));
+    if (self.has_last_row() && (self.behind_ += size) > most_behind_last_row)
+        png_error(png, "more data than its pixels are");
+    if (size > self.rest_.size())
+        png_error(png, "cut short");
+    std::memcpy(to, self.rest_.data(), size);
+    self.rest_ = self.rest_.subspan(size);
+}
+
+bool Reading::has_last_row() const
+{
+    constexpr int passes = 7;
+    const bool interlaced = png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE;
+    const auto height = png_get_image_height(png_, info_);  // 0: the header is not read yet
+    return height > 0
+           && (interlaced ? png_get_current_pass_number(png_) >= passes : png_get_current_row_number(png_) >= height);
+}
+
+/// As cv::imdecode has them.
+void Reading::as_bgr()
+{
+    const auto color = png_get_color_type(png_, info_);
+    const bool grey = (color & PNG_COLOR_MASK_COLOR) == 0;
+    png_set_strip_16(png_);
+    png_set_strip_alpha(png_);
+    if (color == PNG_COLOR_TYPE_PALETTE)
+        png_set_palette_to_rgb(png_);
+    if (grey && png_get_bit_depth(png_, info_) < 8)
+        png_set_expand_gray_1_2_4_to_8(png_);
+    if (grey)
+        png_set_gray_to_rgb(png_);
+    else
+        png_set_bgr(png_);
+}
+
+bool Reading::rows(cv::Mat& picture)
+{
+    if (setjmp(png_jmpbuf(png_)) != 0)
+        return false;
+    png_read_info(png_, info_);
+    as_bgr();
+    const int passes = png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    if (png_get_rowbytes(png_, info_) != static_cast<std::size_t>(picture.cols) * 3
+        || png_get_image_height(png_, info_) != static_cast<png_uint_32>(picture.rows))
+        png_error(png_, "rows of another size than its header says");
+    for (int pass = 0; pass < passes; ++pass)
+        for (int y = 0; y < picture.rows; ++y)
+            png_read_row(png_, picture.ptr(y), nullptr);
+    return true;
+}
+
+}  // namespace
+
+void read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture)
+{
+    Reading reading(bytes);
+    if (!reading.rows(picture))
+        throw Error(Errc::malformed, "PNG: " + reading.problem());
+}
+
+}  // namespace hive::vision

@@ -1,0 +1,99 @@
+// measure_gestures: counts the fingers in pictures whose number of fingers is known, by each way that the drone has.
+#include <hand_search.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <stdexcept>
+
+namespace {
+
+using gesture::Hand;
+
+struct Way {
+    std::string name;
+    std::function<std::vector<Hand>(const cv::Mat&)> find;
+    int right = 0;
+};
+
+std::vector<Hand> by_silhouette(const cv::Mat& picture, const char* from)
+{
+    gesture::Silhouette silhouette;
+    silhouette.from = from;
+    return gesture::GestureFinder().find(silhouette.of(picture));
+}
+
+std::vector<Way> ways(const std::string& cascade)
+{
+    const auto search = std::make_shared<gesture::HandSearch>();
+    search->load_faces(cascade);
+    return {{"mask", [](const cv::Mat& picture) { return by_silhouette(picture, "mask"); }},
+            {"skin", [](const cv::Mat& picture) { return by_silhouette(picture, "skin"); }},
+            {"search", [search](const cv::Mat& picture) { return search->find(picture); }}};
+}
+
+/// "5", or "-" when there is no hand.
+std::string count_text(const std::vector<Hand>& hands)
+{
+    return hands.empty() ? "-" : std::to_string(hands[0].tips.size());
+}
+
+void draw(const std::string& folder, const std::string& name, cv::Mat picture, const std::vector<Hand>& hands)
+{
+    gesture::draw(picture, hands);
+    cv::imwrite(folder + "/" + name + ".png", picture);
+}
+
+int run(std::vector<std::string> arguments)
+{
+    std::string folder, cascade = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_alt2.xml";
+    if (arguments.size() >= 2 && arguments[0] == "--draw") {
+        folder = arguments[1];
+        arguments.erase(arguments.begin(), arguments.begin() + 2);
+    }
+    if (arguments.empty())
+        throw std::invalid_argument("no picture");
+    auto all = ways(cascade);
+    std::printf("%-34s %7s", "picture", "fingers");
+    for (const Way& way : all)
+        std::printf(" %7s", way.name.c_str());
+    std::printf("\n");
+    for (const std::string& argument : arguments) {
+        const auto sign = argument.rfind('=');
+        const std::string path = argument.substr(0, sign),
+                          truth = sign == std::string::npos ? "?" : argument.substr(sign + 1),
+                          name = std::filesystem::path(path).stem().string();
+        const cv::Mat picture = cv::imread(path);
+        if (picture.empty())
+            throw std::runtime_error("OpenCV cannot read " + path);
+        std::printf("%-34s %7s", name.c_str(), truth.c_str());
+        for (Way& way : all) {
+            const auto hands = way.find(picture);
+            way.right += count_text(hands) == truth ? 1 : 0;
+            std::printf(" %7s", count_text(hands).c_str());
+            if (!folder.empty() && way.name == "search")
+                draw(folder, name, picture.clone(), hands);
+        }
+        std::printf("\n");
+    }
+    std::printf("%-34s %7zu", "right", arguments.size());
+    for (const Way& way : all)
+        std::printf(" %7d", way.right);
+    std::printf("\n");
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+try {
+    cv::setNumThreads(1);  // as in the drone
+    return run({argv + 1, argv + argc});
+} catch (const std::exception& error) {
+    std::cerr << "measure_gestures: " << error.what()
+              << "\nusage: measure_gestures [--draw FOLDER] PICTURE=FINGERS...\n";
+    return 2;
+}
