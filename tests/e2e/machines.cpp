@@ -92,9 +92,10 @@ std::string missing()
     if (!fs::exists("/usr/sbin/sshd"))
         return "openssh-server";
     const Swarm swarm;
-    return Namespace(swarm, "hv-try-" + std::to_string(::getpid())).made()
-               ? ""
-               : "iproute2, or the right to make network namespaces";
+    const Namespace trial(swarm, "hv-try-" + std::to_string(::getpid()));
+    const std::string links = "ip link add a type veth peer name b && echo 1 > /proc/sys/net/ipv4/ip_forward";
+    const bool possible = trial.made() && swarm.run(trial.inside({"/bin/sh", "-c", links})).exit_code == 0;
+    return possible ? "" : "iproute2, and the right to make network namespaces that forward packets";
 }
 
 /// A laptop, and machines that it reaches through ssh by their names.
