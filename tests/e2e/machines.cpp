@@ -93,7 +93,7 @@ std::string missing()
         return "openssh-server";
     const Swarm swarm;
     const Namespace trial(swarm, "hv-try-" + std::to_string(::getpid()));
-    const std::string links = "ip link add a type veth peer name b && echo 1 > /proc/sys/net/ipv4/ip_forward";
+    const std::string links = "ip link add h1 type veth peer name h2 && echo 1 > /proc/sys/net/ipv4/ip_forward";
     const bool possible = trial.made() && swarm.run(trial.inside({"/bin/sh", "-c", links})).exit_code == 0;
     return possible ? "" : "iproute2, and the right to make network namespaces that forward packets";
 }
