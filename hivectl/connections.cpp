@@ -144,6 +144,21 @@ void add_receiver_counts(Row& row, const InputStatus* input)
     for (const auto& [key, count] : counts)
         row.add(key, input ? hive::Json(input->*count) : hive::Json());
     row.add("error", input ? text_or_null(input->error) : hive::Json());
+    const bool measured = input && input->round_trip_us > 0;
+    row.add("round_trip_us", measured ? hive::Json(input->round_trip_us) : hive::Json());
+    row.add("clock_offset_us", measured ? hive::Json(input->clock_offset_us) : hive::Json());
+}
+
+/// The window that would let a video come through: of so many events a second, each asked for a round trip ahead. Null
+/// when the present one does, or when nobody is held up by it.
+hive::Json window_advised(const BothEnds& ends)
+{
+    constexpr std::int64_t per_second = 60, most_window = 64;
+    const auto round_trip_us = ends.at_receiver ? ends.at_receiver->round_trip_us : 0;
+    const auto needed = std::min(most_window, round_trip_us * per_second / 1'000'000 + 1);
+    const bool skips = ends.at_sender && ends.at_sender->events.of(Fate::skipped) > 0;
+    const bool waits = ends.options().transfer == hive::Transfer::synchronized && skips;
+    return waits && ends.options().window < needed ? hive::Json(needed) : hive::Json();
 }
 
 Row row_of(const BothEnds& ends)
@@ -152,7 +167,7 @@ Row row_of(const BothEnds& ends)
     add_names(row, ends);
     add_sender_counts(row, ends.at_sender);
     add_receiver_counts(row, ends.at_receiver);
-    return row.add("missing", missing(ends)).add("why", why_of(ends));
+    return row.add("missing", missing(ends)).add("why", why_of(ends)).add("window_advised", window_advised(ends));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "format.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
+#include "places.hpp"
 #include "programs.hpp"
 #include "session.hpp"
 #include "table.hpp"
@@ -35,25 +36,43 @@ std::filesystem::path require_program(const std::string& kind)
                         kind, known, "see what can be started: hivectl start --help");
 }
 
-void require_free(Session& session, const LaunchPlan& plan)
-{
-    hive::require_name(plan.name, "drone");
-    if (runs(session.application(), plan.name))
-        throw hive::Error(hive::Errc::name_taken, plan.name + " is running already",
-                          "stop it: hivectl stop " + plan.name + ", or start another beside it: hivectl start "
-                              + plan.kind + " --as " + plan.name + "-2");
-}
-
 BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
 {
     const auto program = require_program(plan.kind);
-    require_free(session, plan);
+    require_free(session.application(), plan.verb, plan.kind, plan.name);
     std::vector<std::string> words{"--name", plan.name};
     words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
     return {program, words, {"HIVE_HOME=" + session.home().string()}, log, plan.life};
 }
 
+/// The name belongs to one drone of the swarm. Of one that does not answer from another machine only the place is
+/// known, and that is forgotten: it may have been switched off for good.
+bool holds(hive::Application& application, std::string_view verb, const hive::Place& place)
+{
+    if (!is_elsewhere(place) || !application.status(std::vector{place.drone}).at(0).error)
+        return true;
+    complain(verb, place.drone + " at " + place_text(place) + " " + answered_text(place)
+                       + " and does not answer now; that place is forgotten");
+    application.forget_place(place);
+    return false;
+}
+
 }  // namespace
+
+void require_free(hive::Application& application, std::string_view verb, const std::string& kind,
+                  const std::string& name)
+{
+    hive::require_name(name, "drone");
+    if (!runs(application, name))
+        return;
+    const auto place = application.place(name);
+    if (!holds(application, verb, place))
+        return;
+    throw hive::Error(hive::Errc::name_taken,
+                      name + " is running already" + (is_elsewhere(place) ? ", at " + place_text(place) : ""),
+                      "stop it: hivectl stop " + name + ", or start another beside it: hivectl start " + kind + " --as "
+                          + name + "-2");
+}
 
 Launch::Launch(Session& session, LaunchPlan plan)
     : session_(session), plan_(std::move(plan)), process_(start(session_, plan_, log()))
@@ -65,7 +84,7 @@ std::filesystem::path Launch::log() const { return session_.home() / (plan_.name
 /// Does the process itself answer to the name, and is it past its start?
 bool Launch::ready()
 {
-    const auto answer = session_.application().status(std::vector{plan_.name}).at(0);
+    const auto answer = session_.application().status(std::vector{plan_.name + "@" + hive::Place::here}).at(0);
     return !answer.error && answer.status.pid == process_.pid() && answer.status.state != hive::State::starting;
 }
 
@@ -76,7 +95,7 @@ std::optional<int> Launch::await(std::chrono::milliseconds limit)
     session_.application().timeout(500ms);
     while (!ready()) {
         if (const auto status = process_.ended()) {
-            require_free(session_, plan_);
+            require_free(session_.application(), plan_.verb, plan_.kind, plan_.name);
             return died(*status);
         }
         const bool late = std::chrono::steady_clock::now() >= end;
@@ -140,8 +159,12 @@ int start_in_background(Session& session, const LaunchPlan& plan)
     Launch launch(session, plan);
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;
-    const Row row{
-        {"drone", plan.name}, {"kind", plan.kind}, {"pid", launch.process().pid()}, {"log", launch.log().string()}};
+    const auto places = session.application().status(plan.name + "@" + hive::Place::here).places;
+    const Row row{{"drone", plan.name},
+                  {"kind", plan.kind},
+                  {"pid", launch.process().pid()},
+                  {"log", launch.log().string()},
+                  {"places", places}};
     write_out(session.json ? row.json() + "\n" : plan.name + "\n");
     return exit_code::done;
 }

@@ -50,6 +50,10 @@ private:
     bool was_ready_ = false;
 };
 
+/// Throws Errc::name_taken, with its place, when a drone of the swarm has the name.
+void require_free(hive::Application& application, std::string_view verb, const std::string& kind,
+                  const std::string& name);
+
 /// Ends a drone that is tied to a command, whichever way the command ends; nothing of it is left. The log belongs to
 /// whoever has the name.
 class Removal {

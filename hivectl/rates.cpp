@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hivectl {
 namespace {
@@ -90,6 +91,13 @@ constexpr std::array<std::string_view, 4> calm{"acknowledged", "skipped", "passe
 constexpr std::array<std::string_view, 5> losses{"dropped", "abandoned", "lost", "dropped_by_receiver",
                                                  "abandoned_by_receiver"};
 
+/// Clocks that are so far apart deserve a look: null when they are not.
+hive::Json skew(const Row& edge)
+{
+    constexpr double noticeable_us = 100'000;
+    return std::abs(edge.number("clock_offset_us")) > noticeable_us ? edge["clock_offset_us"] : hive::Json();
+}
+
 Row edge_row(const Row* before, const Row& now, std::chrono::nanoseconds interval)
 {
     Row row{{"from", now["from"]}, {"to", now["to"]}, {"kind", now["kind"]}, {"state", now["state"]}};
@@ -103,6 +111,7 @@ Row edge_row(const Row* before, const Row& now, std::chrono::nanoseconds interva
     }
     for (const char* key : {"in_flight", "missing", "age_us", "why"})
         row.add(key, now[key]);
+    row.add("skew_us", skew(now));
     return losing ? row.add("losing", true) : row;
 }
 
@@ -165,6 +174,7 @@ std::vector<Column> edge_rate_columns()
             {"IN-FLIGHT", "in_flight"},
             {"MISSING", "missing", nullptr, nothing},
             {"AGE", "age_us", as_duration},
+            {"SKEW", "skew_us", as_duration, nothing},
             {"WHY", "why", nullptr, nothing},
             {"", "losing", as_losing}};
 }

@@ -13,6 +13,8 @@
     VERB(ps)                                                                                                           \
     VERB(describe)                                                                                                     \
     VERB(wait)                                                                                                         \
+    VERB(place)                                                                                                        \
+    VERB(logs)                                                                                                         \
     VERB(connect)                                                                                                      \
     VERB(disconnect)                                                                                                   \
     VERB(edges)                                                                                                        \

@@ -2,7 +2,9 @@
 #include "../command_line.hpp"
 #include "../connections.hpp"
 #include "../exit_code.hpp"
+#include "../format.hpp"
 #include "../output.hpp"
+#include "../places.hpp"
 #include "../session.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -30,6 +32,7 @@ const std::vector<Column> columns{{"FROM", "from"},
                                   {"TRANSFER", "transfer"},
                                   {"DELIVERY", "delivery", nullptr, "data"},
                                   {"WINDOW", "window"},
+                                  {"ROUND-TRIP", "round_trip_us", as_duration, nothing},
                                   {"ENCODING", "encoding", nullptr, nothing},
                                   {"BY", "way", nullptr, nothing},
                                   {"STATE", "state"},
@@ -53,6 +56,22 @@ const std::vector<Column> columns{{"FROM", "from"},
                                   {"MISSING", "missing", nullptr, nothing},
                                   {"WHY", "why", nullptr, nothing}};
 
+/// Across a distance a receiver that asks for one event at a time waits most of the time.
+void advise_windows(const std::vector<Row>& rows)
+{
+    for (const auto& row : rows)
+        if (!row["window_advised"].is_null())
+            complain("edges",
+                     row.text("from") + " -> " + row.text("to") + ": with a round trip of "
+                         + duration_text(static_cast<std::int64_t>(row.number("round_trip_us"))) + " a window of "
+                         + std::to_string(static_cast<std::int64_t>(row.number("window"))) + " lets at most "
+                         + std::to_string(
+                             static_cast<std::int64_t>(1e6 * row.number("window") / row.number("round_trip_us")))
+                         + " events a second through; ask ahead: hivectl connect " + row.text("from") + " "
+                         + row.text("to") + " --window "
+                         + std::to_string(static_cast<std::int64_t>(row.number("window_advised"))));
+}
+
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application(1s);
@@ -63,11 +82,14 @@ int run(const std::vector<std::string>& words, Session& session)
     const auto statuses = application.status(application.drones());
     for (const auto& answer : statuses)
         if (answer.error)
-            complain("edges", answer.drone + " does not answer; its edges are known from their other ends only");
+            complain("edges", answer.drone + (is_elsewhere(answer.place) ? " at " + answer.place.host : "")
+                                  + " does not answer; its edges are known from their other ends only");
     auto rows = connection_rows(statuses);
     if (!words.empty())
         std::erase_if(rows, [&](const Row& row) { return !concerns(row, named); });
     outcome.done();
+    if (!session.json)
+        advise_windows(rows);
     print_rows(session.json, columns, rows);
     return outcome.exit_code();
 }
@@ -101,12 +123,17 @@ Verb edges_verb()
             "full) "
             "+ unmatched (no partner at the other inputs) + queued + in_hand; in the table R- stands for receiver. "
             "missing is what was lost to the receiver for good, at either end.\n\n"
+            "ROUND-TRIP: of a receiver on another machine, the shortest of late; a receiver asks for WINDOW events "
+            "ahead, "
+            "so window / round trip is the most that comes through in a second, and stderr says when more would help. "
             "STATE: connected; waiting, when the receiver is not registered; place_kept, when the receiver was cut off "
             "and the sender keeps what is its own; gone. KNOWN-BY sender: the receiver is an application, or does not "
             "know of it; receiver: the sender does not run. WHY: why nothing moves. ENCODING and BY: how bodies "
             "travel, through shared memory or through the socket.\n\n"
             "More keys of --json: kind (receiver, member, group), delivery, way, shared and fallback (bodies that went "
-            "through shared memory, and that could not), waiting (of in_flight: not yet sent), age_us, error.",
+            "through shared memory, and that could not), waiting (of in_flight: not yet sent), age_us, clock_offset_us "
+            "(the sender's clock minus the receiver's, "
+            "when they are on two machines; ages are corrected by it), window_advised, error.",
         .examples = "hivectl edges\n"
                     "hivectl edges camera --json | jq -r '.[].to'",
         .timeout = "how long to wait for drones that do not answer (default 1)",

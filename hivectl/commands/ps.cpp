@@ -3,6 +3,7 @@
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
+#include "../places.hpp"
 #include "../reasons.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
@@ -62,12 +63,22 @@ hive::Json matching_json(const hive::Status& status)
     return rows.empty() ? hive::Json() : rows;
 }
 
+/// Why there is no answer, and of one on another machine how long ago there was one.
+std::string silence_note(const hive::StatusAnswer& answer)
+{
+    if (!is_elsewhere(answer.place))
+        return answer.error->what();
+    return answered_text(answer.place) + "; " + answer.error->what();
+}
+
 Row silent_row(const hive::StatusAnswer& answer)
 {
     const bool silent = answer.error->code() == hive::Errc::timeout;
     return Row{
-        {"name", answer.drone}, {"kind", nullptr},         {"state", silent ? "silent" : "gone"}, {"pid", nullptr},
-        {"uptime_us", nullptr}, {"busy_percent", nullptr}, {"note", answer.error->what()}};
+        {"name", answer.drone},    {"host", answer.place.host},
+        {"kind", nullptr},         {"state", is_elsewhere(answer.place) ? "unreachable" : silent ? "silent" : "gone"},
+        {"pid", nullptr},          {"uptime_us", nullptr},
+        {"busy_percent", nullptr}, {"note", silence_note(answer)}};
 }
 
 Row row_of(const hive::StatusAnswer& answer)
@@ -76,6 +87,7 @@ Row row_of(const hive::StatusAnswer& answer)
     const double percent = std::min(100.0, 100.0 * static_cast<double>(status.busy_us)
                                                / static_cast<double>(std::max<std::int64_t>(1, status.uptime_us)));
     return Row{{"name", answer.drone},
+               {"host", answer.place.host},
                {"kind", status.kind},
                {"state", token(status.state)},
                {"pid", status.pid},
@@ -100,6 +112,7 @@ int run(const std::vector<std::string>& words, Session& session)
     }
     print_rows(session.json,
                {{"NAME", "name"},
+                {"HOST", "host", nullptr, hive::Place::here},
                 {"KIND", "kind"},
                 {"STATE", "state"},
                 {"PID", "pid"},
@@ -126,9 +139,12 @@ Verb ps_verb()
         .alias = "list",
         .group = "run drones",
         .usage = "[NAME...] [options]",
-        .summary = "Lists the drones that run on this machine",
+        .summary = "Lists the drones that run, on this machine and on those that it knows of",
         .details =
-            "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer. "
+            "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer, "
+            "or "
+            "unreachable for one on another machine that does not. HOST is where it runs; the column is left out when "
+            "all run on this machine. "
             "BUSY is the share of its lifetime that its code was working. NOTE says what the drone reports about its "
             "world, why it or one of its outputs or inputs stands still, what has kept it busy for more than a second, "
             "its last exception, and how many events found no partner where several inputs belong together.",

@@ -1,6 +1,7 @@
 // hivectl start: runs a drone in the background and returns when it answers.
 #include "../command_line.hpp"
 #include "../launch.hpp"
+#include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
 #include "../verbs.hpp"
@@ -9,35 +10,57 @@ namespace hivectl {
 namespace {
 
 struct Options {
-    std::string kind, name, on_exception, listen, key, log_level;
+    std::string kind, name, on_exception, listen, advertise, key, log_level, on;
     std::vector<std::string> settings;
     bool halted = false, insecure = false, remote_operator = false;
 };
 
-std::vector<std::string> arguments(const Options& options)
+/// The options that are handed on; to a drone here as to a hivectl elsewhere.
+std::vector<std::string> handed_on(const Options& options)
 {
     std::vector<std::string> words;
-    for (const auto& setting : options.settings)
-        words.insert(words.end(), {"--set", setting});
     for (const auto& [flag, value] : {std::pair{"--on-exception", options.on_exception},
                                       {"--listen", options.listen},
+                                      {"--advertise", options.advertise},
                                       {"--key", options.key},
                                       {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
-    if (options.halted)
-        words.emplace_back("--halted");
-    if (options.insecure)
-        words.emplace_back("--insecure");
-    if (options.remote_operator)
-        words.emplace_back("--remote-operator");
+    for (const auto& [flag, chosen] : {std::pair{"--halted", options.halted},
+                                       {"--insecure", options.insecure},
+                                       {"--remote-operator", options.remote_operator}})
+        if (chosen)
+            words.emplace_back(flag);
+    return words;
+}
+
+/// For the drone's program.
+std::vector<std::string> arguments(const Options& options)
+{
+    auto words = handed_on(options);
+    for (const auto& setting : options.settings)
+        words.insert(words.end(), {"--set", setting});
+    return words;
+}
+
+/// For the hivectl there: as here, but that the drone is met from other machines.
+std::vector<std::string> words_for_other_machine(Options options)
+{
+    if (options.listen.empty())
+        options.listen = "tcp://0.0.0.0";
+    auto words = handed_on(options);
+    words.insert(words.end(), options.settings.begin(), options.settings.end());
     return words;
 }
 
 int run(const Options& options, Session& session)
 {
     parse_settings(options.settings);  // mistakes are found before anything is started
-    return start_in_background(session, {"start", options.kind, options.name, arguments(options)});
+    if (options.on.empty())
+        return start_in_background(session, {"start", options.kind, options.name, arguments(options)});
+    return start_remotely(
+        session,
+        {.ssh = options.on, .kind = options.kind, .name = options.name, .words = words_for_other_machine(options)});
 }
 
 Run declare(CommandLine& line, Session& session)
@@ -53,8 +76,17 @@ Run declare(CommandLine& line, Session& session)
         .type_name("skip|halt")
         .one_of({"skip", "halt"});
     line.flag("--halted", options->halted, "start it halted, so that everything can be connected first");
-    line.option("--listen", options->listen, "also be reachable there: tcp://HOST:PORT").type_name("ADDRESS");
-    line.option("--key", options->key, "the swarm's key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
+    line.option("--on", options->on, "start it on that machine, through ssh: HOST, USER@HOST, or a name of ssh's own")
+        .type_name("HOST");
+    line.option("--listen", options->listen,
+                "also be reachable there: tcp://HOST:PORT, or tcp://HOST for a port from 7700 on (default with --on: "
+                "tcp://0.0.0.0)")
+        .type_name("ADDRESS");
+    line.option("--advertise", options->advertise,
+                "where other machines find it, if that is not where it listens: tcp://HOST or tcp://HOST:PORT")
+        .type_name("ADDRESS");
+    line.option("--key", options->key,
+                "the swarm's key file, on the machine where it runs (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
         .type_name("FILE");
     line.flag("--insecure", options->insecure,
               "let --listen take peers without a key: only on a network that you trust wholly");
@@ -77,11 +109,16 @@ Verb start_verb()
 {
     return {.name = "start",
             .group = "run drones",
-            .usage = "KIND [--as NAME] [key=value ...] [options]",
-            .summary = "Starts a drone in the background",
-            .details = "Returns when the drone answers, and prints its name. Its output goes to NAME.log in the "
-                       "directory where drones meet. If it ends instead of answering, hivectl shows the last lines of "
-                       "the log and exits with the drone's exit code.",
+            .usage = "KIND [--as NAME] [--on HOST] [key=value ...] [options]",
+            .summary = "Starts a drone in the background, here or on another machine",
+            .details =
+                "Returns when the drone answers, and prints its name. Its output goes to NAME.log in the "
+                "directory where drones meet. If it ends instead of answering, hivectl shows the last lines of "
+                "the log and exits with the drone's exit code. A drone keeps the port at which it listens when "
+                "it is started again after a crash.\n\n"
+                "With --on HOST it is started there, by the hivectl of that machine, through ssh as you have "
+                "set it up; from then on every verb finds it by its name. The connection of ssh is kept open for "
+                "a minute, for the commands that follow.",
             .examples = "hivectl start camera\n"
                         "hivectl start face --as face-2 scale=1.05 min_size=40",
             .timeout = "end it if it does not answer within this long (default 10)",

@@ -2,6 +2,8 @@
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
+#include "../places.hpp"
+#include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
@@ -28,7 +30,7 @@ std::vector<std::string> all_of(hive::Application& application)
 std::vector<std::string> meant_by(const std::string& word, hive::Application& application)
 {
     auto names = all_of(application);
-    if (!is_glob(word) && runs(application, hive::require_name(word, "drone")))
+    if (!is_glob(word) && runs(application, word))
         return {word};
     const auto nothing_fits = hive::no_such("no drone " + hive::in_quotes(word) + " runs or is remembered", word, names,
                                             "see what runs: hivectl ps");
@@ -52,11 +54,30 @@ std::vector<std::string> meant_by(const Options& options, hive::Application& app
     return names;
 }
 
+/// One on another machine that does not answer has crashed, or is cut off: ssh may get there all the same.
+void stop_anywhere(const std::string& name, Session& session)
+{
+    auto& application = session.application();
+    const auto place = runs(application, name) ? application.place(name) : hive::Place{};
+    try {
+        application.stop(name);
+    } catch (const hive::Error& error) {
+        const bool silent = error.code() == hive::Errc::unreachable || error.code() == hive::Errc::timeout;
+        if (!is_elsewhere(place) || !silent)
+            throw;
+        if (place.ssh.empty())
+            throw hive::Error(error.code(), error.what(), "if it is gone for good: hivectl place remove " + name);
+        if (const int code = stop_remotely(session, place); code != exit_code::done && code != exit_code::not_found)
+            throw hive::Error(error.code(), name + " could not be stopped on " + place.host,
+                              "see why it does not answer: hivectl logs " + name);
+    }
+}
+
 void stop(const std::string& name, Session& session)
 {
     auto& application = session.application();
     const bool ran = runs(application, name);
-    application.stop(name);
+    stop_anywhere(name, session);
     if (session.json)
         write_out(Row{{ran ? "stopped" : "forgotten", name}}.json() + "\n");
     else if (ran)
@@ -87,7 +108,8 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones, or globs such as 'face-*'");
-    line.flag("--all", options->all, "every drone that runs on this machine; those that crashed are forgotten");
+    line.flag("--all", options->all,
+              "every drone that hivectl ps lists, also on other machines; those that crashed are forgotten");
     return [options, &session] { return run(*options, session); };
 }
 

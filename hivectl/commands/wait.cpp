@@ -4,8 +4,10 @@
 #include "../format.hpp"
 #include "../interrupt.hpp"
 #include "../output.hpp"
+#include "../places.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
+#include "../targets.hpp"
 #include "../verbs.hpp"
 
 #include <hive/name.hpp>
@@ -22,15 +24,16 @@ struct Options {
     std::string goal = "running";
 };
 
-/// The state of a drone in words: its own, or "gone", or "silent".
+/// The state of a drone in words: its own, or "gone", or "silent", or "unreachable" of one on another machine.
 std::string state_of(hive::Application& application, const std::string& name)
 {
-    const auto running = application.drones();
-    if (std::ranges::find(running, name) == running.end())
+    if (!runs(application, name))
         return "gone";
     const auto answer = application.status(std::vector{name}).at(0);
     if (!answer.error)
         return std::string(token(answer.status.state));
+    if (is_elsewhere(answer.place))
+        return "unreachable";
     return answer.error->code() == hive::Errc::timeout ? "silent" : "gone";
 }
 
@@ -59,7 +62,7 @@ int await(const std::string& name, const std::string& goal, Session& session, st
 int run(const Options& options, Session& session)
 {
     for (const auto& name : options.names)
-        hive::require_name(name, "drone");
+        hive::require_name(name.substr(0, name.find('@')), "drone");
     const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
     for (const auto& name : options.names)
         if (const int code = await(name, options.goal, session, end); code != exit_code::done)

@@ -133,13 +133,18 @@ End end_from_json(const Json& object)
 
 Json to_json(const Confirmation& confirmation)
 {
-    if (confirmation.ok)
-        return {{"id", confirmation.id},
-                {"result", confirmation.result.is_null() ? Json::object() : confirmation.result}};
+    Json json{{"id", confirmation.id}};
+    if (confirmation.time_us != 0)
+        json["time_us"] = confirmation.time_us;
+    if (confirmation.ok) {
+        json["result"] = confirmation.result.is_null() ? Json::object() : confirmation.result;
+        return json;
+    }
     Json error{{"code", info(confirmation.code).token}, {"text", confirmation.text}};
     if (!confirmation.advice.empty())
         error["advice"] = confirmation.advice;
-    return {{"id", confirmation.id}, {"error", error}};
+    json["error"] = std::move(error);
+    return json;
 }
 
 Confirmation confirmation_from_json(const Json& object)
@@ -147,6 +152,7 @@ Confirmation confirmation_from_json(const Json& object)
     const Fields fields(object, "confirmation");
     Confirmation confirmation;
     confirmation.id = fields.integer("id", 0, max_json_integer);
+    confirmation.time_us = fields.integer_or("time_us", 0, max_json_integer, 0);
     if (fields.has("error")) {
         const Fields error(fields.object("error"), "confirmation error");
         confirmation.ok = false;

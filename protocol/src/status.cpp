@@ -53,8 +53,9 @@ constexpr std::array input_counts{
     std::pair{"unmatched", &InputStatus::unmatched}, std::pair{"queued", &InputStatus::queued},
     std::pair{"in_hand", &InputStatus::in_hand}};
 
-constexpr std::array input_numbers{std::pair{"last_age_us", &InputStatus::last_age_us},
-                                   std::pair{"registration", &InputStatus::registration}};
+constexpr std::array input_numbers{
+    std::pair{"last_age_us", &InputStatus::last_age_us}, std::pair{"round_trip_us", &InputStatus::round_trip_us},
+    std::pair{"clock_offset_us", &InputStatus::clock_offset_us}, std::pair{"registration", &InputStatus::registration}};
 
 constexpr std::array matching_numbers{
     std::pair{"sets", &MatchingStatus::sets}, std::pair{"waiting", &MatchingStatus::waiting},
@@ -296,6 +297,8 @@ Json to_json(const Status& status)
         write_list(json, "matching", status.matching, matching_to_json);
     if (status.last_exception)
         json["last_exception"] = exception_to_json(*status.last_exception);
+    if (!status.places.empty())
+        json["places"] = status.places;
     return json;
 }
 
@@ -317,6 +320,8 @@ Status status_from_json(const Json& object)
     status.matching = read_list<MatchingStatus>(fields, "matching", matching_from_json);
     if (fields.has("last_exception"))
         status.last_exception = exception_from_json(fields.object("last_exception"));
+    status.places = read_list<std::string>(
+        fields, "places", [](const Json& place) { return place.is_string() ? place.get<std::string>() : ""; });
     return status;
 }
 

@@ -25,7 +25,8 @@ void Event::let_go()
 
 std::chrono::microseconds Event::age() const
 {
-    return std::chrono::microseconds(identity.captured_us == 0 ? 0 : event::wall_us() - identity.captured_us);
+    const auto here_us = identity.captured_us - identity.offset_us;  // as the clock of this machine would have had it
+    return std::chrono::microseconds(identity.captured_us == 0 ? 0 : event::wall_us() - here_us);
 }
 
 }  // namespace hive
@@ -57,6 +58,7 @@ Identity identity_from(const Fields& fields)
     identity.sequence = fields.integer("seq", 0, max_json_integer);
     identity.captured_us = fields.integer_or("time_us", 0, max_json_integer, 0);
     identity.monotonic_us = fields.integer_or("mono_us", 0, max_json_integer, 0);
+    identity.offset_us = fields.integer_or("offset_us", -max_json_integer, max_json_integer, 0);
     identity.lossless = fields.flag_or("lossless", false);
     identity.part = static_cast<int>(fields.integer_or("part", 0, most_part, 0));
     if (fields.has("shares"))

@@ -53,6 +53,15 @@ void write_shares(std::string& text, const std::vector<Share>& shares, const Sha
     text += ']';
 }
 
+bool read_signed(PlainReader& text, std::int64_t& value)
+{
+    const bool negative = text.skip("-");
+    if (!text.integer(value) || (negative && value == 0))
+        return false;
+    value = negative ? -value : value;
+    return true;
+}
+
 bool read_shares(PlainReader& text, std::vector<Share>& shares)
 {
     if (!text.skip("["))
@@ -140,6 +149,8 @@ constexpr std::array known_fields{
     Field{"\"seq\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.sequence); }},
     Field{"\"time_us\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.captured_us); }},
     Field{"\"mono_us\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.monotonic_us); }},
+    Field{"\"offset_us\":",
+          [](PlainReader& text, Event& event) { return read_signed(text, event.identity.offset_us); }},
     Field{"\"size\":", [](PlainReader& text, Event& event) { return event.sized = text.integer(event.size); }},
     Field{"\"lossless\":", [](PlainReader& text, Event& event) { return text.flag(event.identity.lossless); }},
     Field{"\"part\":", [](PlainReader& text, Event& event) { return text.integer(event.identity.part, most_part); }},
@@ -166,6 +177,8 @@ std::string header_text(const Event& event, const Share* own)
     header.number(",\"seq\":", identity.sequence);
     header.number(",\"time_us\":", identity.captured_us);
     header.number(",\"mono_us\":", identity.monotonic_us);
+    if (identity.offset_us != 0)
+        header.number(",\"offset_us\":", identity.offset_us);
     if (event.sized || !event.body.empty())
         header.number(",\"size\":", static_cast<std::int64_t>(event.body.empty() ? event.size : event.body.size()));
     if (identity.lossless)

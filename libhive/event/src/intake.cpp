@@ -16,11 +16,22 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto patience = 3s;               // for one attempt to dial and register
+constexpr auto patience = 3s;      // for one attempt to dial and register
+constexpr auto short_break = 10s;  // so long after a loss it is tried more often: most networks are back by then
+constexpr auto patience_in_break = 600ms;   // for one attempt to dial then, and six round trips more
 constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
 constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row for each input
 constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
 constexpr auto lost_for_good = 2s;          // who has not come back by then does not hold up the end of the others
+
+/// A socket file is the name of its drone; a port may be another one's by now.
+std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
+{
+    if (spec.address.scheme != transport::Address::Scheme::tcp || link.peer().name == spec.sender)
+        return std::nullopt;
+    return Error(Errc::unreachable,
+                 "at " + to_text(spec.address) + " is " + link.peer().name + ", and not " + spec.sender);
+}
 
 Backoff backoff_for(const transport::Address& address)
 {
@@ -37,6 +48,7 @@ Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink, std::function<void(
       sink_(std::move(sink)),
       on_end_(std::move(on_end)),
       backoff_(backoff_for(spec_.address)),
+      quick_backoff_(100ms, 200ms, static_cast<std::uint32_t>(wall_us())),
       timer_(host.context())
 {
 }
@@ -56,17 +68,26 @@ void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
     register_on(link_, Clock::now() + patience);
 }
 
+/// What the kernel sent while there was no network it sends again only after one second, and then after two more.
+bool Intake::in_short_break() const
+{
+    return lost_ && spec_.address.scheme == transport::Address::Scheme::tcp && Clock::now() < *lost_ + short_break;
+}
+
 void Intake::attempt()
 {
-    const auto deadline = Clock::now() + patience;
+    const std::chrono::microseconds round_trips(6 * round_trip_us_);
+    const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
     host_.with_link(spec_.address, deadline,
                     [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
                         if (self->stopped_)
                             return;
-                        if (link)
-                            self->register_on(link, deadline);
-                        else
+                        if (!link)
                             self->failed(error);
+                        else if (const auto wrong = met_another(self->spec_, *link))
+                            self->failed(*wrong);
+                        else
+                            self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
                     });
 }
 
@@ -126,9 +147,26 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
     before_.reset();
     problem_.reset();
     backoff_.reset();
+    quick_backoff_.reset();
+    lost_.reset();
     if (const auto first = std::exchange(first_, {}))
         first(result);
     flush();
+    keep_time();
+}
+
+/// The ages of events need the clock of a sender on another machine, for as long as it sends.
+void Intake::keep_time()
+{
+    if (!connected_ || stopped_ || link_->local())
+        return;
+    link_->ask_time();
+    host_.arm();
+    timer_.expires_at(std::max(link_->peer_clock().due(), Clock::now() + 10ms));
+    timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
+        if (const auto self = weak.lock(); self && !problem)
+            self->keep_time();
+    });
 }
 
 /// What this end has in hand stays in hand only where the sender goes on behind it.
@@ -161,7 +199,7 @@ void Intake::failed(const Error& error)
 
 void Intake::retry()
 {
-    timer_.expires_after(backoff_.next());
+    timer_.expires_after(in_short_break() ? quick_backoff_.next() : backoff_.next());
     timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
         if (const auto self = weak.lock(); self && !problem && !self->stopped_)
             self->attempt();
@@ -235,6 +273,8 @@ void Intake::link_closed(const Link& link)
         return;  // the pending registration reports it
     disconnected();
     problem_ = Error(Errc::connection_lost, "connection lost");
+    lost_ = Clock::now();
+    round_trip_us_ = link.peer_clock().round_trip_us();
     if (stopped_)
         try_to_leave();
     else
@@ -268,6 +308,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     ++received_;
+    event.identity.offset_us += link_ ? link_->peer_clock().offset_us() : 0;
     age_us_ = event.age().count();
     event.input = spec_.input;
     note_share(event);
@@ -399,6 +440,8 @@ InputStatus Intake::status() const
                        .dropped = ended(Ending::dropped),
                        .unmatched = ended(Ending::unmatched),
                        .last_age_us = age_us_,
+                       .round_trip_us = link_ ? link_->peer_clock().round_trip_us() : 0,
+                       .clock_offset_us = link_ ? link_->peer_clock().offset_us() : 0,
                        .error = problem_ ? shortened(problem_->what(), most_shown) : ""};
     status.in_hand = received_;
     for (const auto count : ended_)

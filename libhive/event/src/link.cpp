@@ -91,6 +91,8 @@ void Link::on_confirmation(const Json& header)
     const auto found = pending_.find(confirmation.id);
     if (found == pending_.end())
         return;  // its deadline has passed
+    if (confirmation.time_us != 0 && !local())
+        peer_clock_.answered(found->second.asked, Clock::now(), found->second.asked_wall_us, confirmation.time_us);
     const auto on_outcome = std::move(found->second.on_outcome);
     pending_.erase(found);
     if (confirmation.ok)
@@ -124,13 +126,25 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
     } catch (const Error& error) {
         return on_outcome(error.reworded(what + ": " + error.what()));
     }
-    pending_[id] = {deadline, std::move(on_outcome), what};
+    pending_[id] = {deadline, std::move(on_outcome), what, Clock::now(), wall_us()};
     connection_->send(protocol::make_packet(type, std::move(text), channel, std::move(body)));
+}
+
+/// The status of a drone tells the time as any answer does, is answered at once, and without edges it is short.
+void Link::ask_time()
+{
+    const auto now = Clock::now();
+    if (!open_ || local() || asking_time_ || now < peer_clock_.due())
+        return;
+    asking_time_ = true;
+    request(PacketType::status, {{"skip_edges", max_json_integer}}, {}, now + std::chrono::seconds(2),
+            [this](const Outcome&) { asking_time_ = false; });
 }
 
 void Link::answer(std::int64_t id, const Outcome& outcome)
 {
-    protocol::Confirmation confirmation{.id = id, .result = {}, .ok = true, .code = {}, .text = {}, .advice = {}};
+    protocol::Confirmation confirmation{
+        .id = id, .result = {}, .ok = true, .code = {}, .text = {}, .advice = {}, .time_us = local() ? 0 : wall_us()};
     if (const auto* error = std::get_if<Error>(&outcome)) {
         confirmation.ok = false;
         confirmation.code = error->code();

@@ -155,6 +155,7 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
             handler->second({.peer = link.peer().name,
                              .peer_epoch = link.peer().epoch,
                              .role = link.credentials().role,
+                             .peer_place = link.connection().peer(),
                              .header = header,
                              .body = packet.body,
                              .asked = asked,

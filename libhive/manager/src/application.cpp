@@ -20,16 +20,20 @@ Application::~Application() = default;
 const std::string& Application::name() const { return core_->module.self().name; }
 void Application::timeout(std::chrono::milliseconds timeout) { core_->timeout = timeout; }
 
-std::vector<std::string> Application::drones() { return core_->running(); }
+std::vector<std::string> Application::drones() { return core_->directory.names(); }
+Place Application::place(const std::string& drone) { return core_->place(drone); }
+std::vector<Place> Application::listed_places() { return core_->directory.list().places(); }
+void Application::add_place(const Place& place) { core_->directory.list().add(place); }
+bool Application::forget_place(const Place& place) { return core_->directory.list().forget(place); }
 std::vector<std::string> Application::remembered() { return core_->remembered(); }
 
 std::vector<std::string> Application::find(const std::string& pattern)
 {
     if (pattern.find_first_of("*?") == std::string::npos) {
-        core_->require_running(pattern);
+        core_->place(pattern);
         return {pattern};
     }
-    auto names = core_->running();
+    auto names = core_->directory.names();
     std::erase_if(names, [&](const std::string& name) { return !matches_glob(pattern, name); });
     if (names.empty())
         throw Error(Errc::not_found, "no drone that runs fits " + in_quotes(pattern));
@@ -39,7 +43,7 @@ std::vector<std::string> Application::find(const std::string& pattern)
 Endpoint Application::endpoint(const std::string& text)
 {
     const auto dot = text.rfind('.');
-    if (dot == std::string::npos || (is_name(text) && core_->home.alive(text)))
+    if (dot == std::string::npos || core_->directory.find(text))
         return {text, ""};
     return {text.substr(0, dot), text.substr(dot + 1)};
 }
@@ -88,9 +92,11 @@ Json Application::set(const std::string& drone, const Json& parameters)
 SetResult Application::set(const std::vector<std::string>& drones, const Json& parameters,
                            const std::function<bool()>& cancelled)
 {
-    return JointSet(core_->module, core_->home,
-                    {.drones = drones, .parameters = parameters, .deadline = core_->deadline(), .cancelled = cancelled})
-        .run();
+    JointSet::Terms terms{
+        .drones = {}, .parameters = parameters, .deadline = core_->deadline(), .cancelled = cancelled};
+    for (const auto& drone : drones)
+        terms.drones.emplace_back(drone, core_->place_or_error(drone));
+    return JointSet(core_->module, std::move(terms)).run();
 }
 
 Json Application::get(const std::string& drone, const std::vector<std::string>& names)
@@ -127,19 +133,22 @@ void Application::exception_policy(const std::string& drone, ExceptionPolicy pol
 void Application::stop(const std::string& drone)
 {
     if (core_->remembers(drone))
-        return core_->home.forget_state(drone);
+        return core_->directory.home().forget_state(drone);
     const auto until = core_->deadline();
+    const auto place = core_->place(drone);
     try {
         core_->ask(drone, PacketType::stop);
     } catch (const Error& error) {
         if (error.code() != Errc::connection_lost)
             throw;  // it may be gone before its answer is
     }
-    while (core_->home.alive(drone)) {
+    while (core_->answers(place)) {
         if (event::Clock::now() >= until)
             throw Error(Errc::timeout, drone + " was told to stop and still runs");
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
+    if (!is_here(place))
+        core_->directory.list().forget(place);
 }
 
 }  // namespace hive

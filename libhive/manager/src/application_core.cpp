@@ -36,10 +36,18 @@ Error named(const std::string& drone, const Error& error)
     return error.reworded(text.starts_with(drone) ? text : drone + ": " + text);
 }
 
+std::optional<Error> met_another(const Place& place, const event::Link& link)
+{
+    if (is_here(place) || link.peer().name == place.drone)
+        return std::nullopt;
+    return Error(Errc::unreachable, "at " + place.address + " is " + link.peer().name + ", and not " + place.drone,
+                 "strike it off the list: hivectl place remove " + place.drone);
+}
+
 Application::Core::Core(Application::Options options)
     : timeout(options.timeout),
       advice_if_missing(std::move(options.advice_if_missing)),
-      home(options.home.empty() ? default_home() : options.home),
+      directory(options.home.empty() ? default_home() : options.home),
       module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
               .limits = {},
               .timing = {},
@@ -48,52 +56,62 @@ Application::Core::Core(Application::Options options)
     module.start();
 }
 
-std::vector<std::string> Application::Core::running() const
-{
-    std::vector<std::string> names;
-    for (const auto& name : home.names())
-        if (home.alive(name))
-            names.push_back(name);
-    return names;
-}
-
 bool Application::Core::remembers(const std::string& drone) const
 {
     std::error_code ignored;
-    return is_name(drone) && std::filesystem::exists(home.path(drone, ".state"), ignored) && !home.alive(drone);
+    return is_name(drone) && std::filesystem::exists(directory.home().path(drone, ".state"), ignored)
+           && !directory.home().alive(drone);
 }
 
 std::vector<std::string> Application::Core::remembered() const
 {
     std::vector<std::string> names;
     std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(home.directory(), ignored))
+    for (const auto& entry : std::filesystem::directory_iterator(directory.home().directory(), ignored))
         if (entry.path().extension() == ".state" && remembers(entry.path().stem().string()))
             names.push_back(entry.path().stem().string());
     std::ranges::sort(names);
     return names;
 }
 
-void Application::Core::require_running(const std::string& drone) const
+Place Application::Core::place(const std::string& drone) const
 {
-    if (is_name(drone) && home.alive(drone))
-        return;
-    require_name(drone, "drone");
+    if (auto found = directory.find(drone))
+        return *std::move(found);
+    require_name(drone_of(drone), "drone");
     throw not_running(drone);
+}
+
+std::variant<Place, Error> Application::Core::place_or_error(const std::string& drone) const
+try {
+    return place(drone);
+} catch (const Error& error) {
+    return error;
 }
 
 Error Application::Core::not_running(const std::string& drone) const
 {
-    return no_such(drone + " is not running", drone, running(), advice_if_missing ? advice_if_missing(drone) : "");
+    return no_such(drone + " is not running", drone, directory.names(),
+                   advice_if_missing ? advice_if_missing(drone) : "");
 }
 
-Application::Core::Reply Application::Core::send(const std::string& drone, protocol::PacketType type,
-                                                 const Json& header, const Body& body)
+Application::Core::Reply Application::Core::send(const Place& place, protocol::PacketType type, const Json& header,
+                                                 const Body& body)
 {
     auto reply = std::make_shared<std::optional<event::Outcome>>();
-    module.loop().perform([this, address = home.address(drone), type, header, body, until = deadline(), reply] {
-        module.request(address, type, header, body, until,
-                       [reply](const event::Outcome& outcome) { *reply = outcome; });
+    const auto ask = [this, place, type, header, body, until = deadline(), reply](const event::LinkPtr& link,
+                                                                                  const Error& error) {
+        if (!link) {
+            *reply = error;
+        } else if (auto wrong = met_another(place, *link)) {
+            *reply = *std::move(wrong);
+        } else {
+            link->request(type, header, body, until, [reply](const event::Outcome& outcome) { *reply = outcome; });
+            module.arm();
+        }
+    };
+    module.loop().perform([this, address = transport::parse_address(place.address), until = deadline(), ask] {
+        module.with_link(address, until, ask);
     });
     return reply;
 }
@@ -104,12 +122,25 @@ const event::Outcome& Application::Core::wait_for(const Reply& reply)
     return reply->value();
 }
 
+bool Application::Core::answers(const Place& place)
+{
+    if (is_here(place))
+        return directory.home().alive(place.drone);
+    const auto reply = send(place, protocol::PacketType::status, {{"skip_edges", max_json_integer}}, {});
+    return !std::holds_alternative<Error>(wait_for(reply));
+}
+
 std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
                                                const std::vector<Json>& headers)
 {
     std::vector<Reply> replies;
-    for (std::size_t i = 0; i < drones.size(); ++i)
-        replies.push_back(send(drones[i], type, headers[i], {}));
+    for (std::size_t i = 0; i < drones.size(); ++i) {
+        const auto found = place_or_error(drones[i]);
+        if (const auto* place = std::get_if<Place>(&found))
+            replies.push_back(send(*place, type, headers[i], {}));
+        else
+            replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(found)));
+    }
     std::vector<Answer> answers;
     for (std::size_t i = 0; i < drones.size(); ++i) {
         const auto& outcome = wait_for(replies[i]);
@@ -129,8 +160,7 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
 
 Json Application::Core::ask(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
 {
-    require_running(drone);
-    const auto reply = send(drone, type, header, body);
+    const auto reply = send(place(drone), type, header, body);
     const auto& outcome = wait_for(reply);
     if (const auto* error = std::get_if<Error>(&outcome))
         throw named(drone, *error);
@@ -139,7 +169,7 @@ Json Application::Core::ask(const std::string& drone, protocol::PacketType type,
 
 Endpoint Application::Core::with_output(const Endpoint& end)
 {
-    require_running(end.drone);
+    place(end.drone);
     if (!end.port.empty())
         return end;
     const auto outputs = interface_from_json(ask(end.drone, protocol::PacketType::describe)).outputs;

@@ -1,16 +1,21 @@
 // The machinery of an application: its module, and asking drones with a deadline.
 #pragma once
 
+#include "directory.hpp"
+
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
 
 #include <memory>
 #include <optional>
+#include <variant>
 
 namespace hive {
 
 /// The error of a drone, saying whose it is.
 Error named(const std::string& drone, const Error& error);
+/// An error when the peer at a place is not the drone that is meant: a port may be another one's by now.
+std::optional<Error> met_another(const Place& place, const event::Link& link);
 
 class Application::Core {
 public:
@@ -23,13 +28,21 @@ public:
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
                                 const std::vector<Json>& headers);
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
-    /// Throws Errc::not_found, with the nearest name, when no drone of this name runs here.
-    void require_running(const std::string& drone) const;
-    /// That error.
+    /// Where a drone is met. Throws Errc::not_found, with the nearest name, when none of this name is known, and
+    /// Errc::invalid_argument when several are.
+    Place place(const std::string& drone) const;
+    /// The same, but what was said is kept as the error of an answer.
+    [[nodiscard]] std::variant<Place, Error> place_or_error(const std::string& drone) const;
+    /// The error when there is none.
     [[nodiscard]] Error not_running(const std::string& drone) const;
     /// The receiver is gone; its sender is to wait for it no longer.
     void forget(const Endpoint& sender, const Endpoint& receiver);
-    [[nodiscard]] std::vector<std::string> running() const;
+    /// Where the receiver can reach the sender, the nearest first; an empty one: by its name in the receiver's home.
+    std::vector<std::string> ways(const std::string& sender, const std::string& receiver);
+    /// Writes down which drones of other machines have just answered.
+    void note_answers(const std::vector<StatusAnswer>& answers);
+    /// Does a drone live there, as far as it can be told from here?
+    [[nodiscard]] bool answers(const Place& place);
     /// Has what this drone was told outlived it?
     [[nodiscard]] bool remembers(const std::string& drone) const;
     [[nodiscard]] std::vector<std::string> remembered() const;
@@ -39,13 +52,13 @@ public:
 
     std::chrono::milliseconds timeout;
     std::function<std::string(const std::string&)> advice_if_missing;
-    event::Home home;
+    Directory directory;
     event::Module module;
 
 private:
     using Reply =
         std::shared_ptr<const std::optional<event::Outcome>>;  ///< comes by the deadline: the module sees to it
-    Reply send(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body);
+    Reply send(const Place& place, protocol::PacketType type, const Json& header, const Body& body);
     const event::Outcome& wait_for(const Reply& reply);
 };
 

@@ -28,11 +28,23 @@ try {
 
 }  // namespace
 
+void Application::Core::note_answers(const std::vector<StatusAnswer>& answers)
+{
+    std::vector<Place> answered;
+    for (const auto& answer : answers)
+        if (!answer.error && !answer.place.address.empty() && !is_here(answer.place))
+            answered.push_back(answer.place);
+    directory.list().answered(answered);
+}
+
 std::vector<StatusAnswer> Application::status(const std::vector<std::string>& drones)
 {
     std::vector<StatusAnswer> answers;
-    for (const auto& drone : drones)
-        answers.push_back({drone, {}, {}});
+    for (const auto& drone : drones) {
+        const auto found = core_->place_or_error(drone);
+        const auto* place = std::get_if<Place>(&found);
+        answers.push_back({.drone = drone, .status = {}, .error = {}, .place = place ? *place : Place{}});
+    }
     std::vector<StatusAnswer*> unfinished;
     std::ranges::transform(answers, std::back_inserter(unfinished), [](StatusAnswer& answer) { return &answer; });
     for (int page = 0; page < most_pages && !unfinished.empty(); ++page) {
@@ -50,12 +62,13 @@ std::vector<StatusAnswer> Application::status(const std::vector<std::string>& dr
                 more.push_back(unfinished[i]);
         unfinished = std::move(more);
     }
+    core_->note_answers(answers);
     return answers;
 }
 
 Status Application::status(const std::string& drone)
 {
-    core_->require_running(drone);
+    core_->place(drone);
     auto answer = status(std::vector{drone}).at(0);
     if (answer.error)
         throw *answer.error;

@@ -42,16 +42,17 @@ private:
 /// Intakes whose events meet in one mailbox, taken by the user thread.
 class MailboxCollector final : public Collector {
 public:
-    MailboxCollector(event::Module& module, const event::Home& home, CollectOptions options)
-        : module_(module), home_(home), options_(std::move(options)), reorder_(options_.patience)
+    MailboxCollector(event::Module& module, const Directory& directory, CollectOptions options)
+        : module_(module), directory_(directory), options_(std::move(options)), reorder_(options_.patience)
     {
     }
     ~MailboxCollector() override;
 
     /// Registers at one output; throws what the drone answers.
-    void receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection,
-                 event::Clock::time_point deadline);
-    /// Of a drone, from now on, once; failures to register are retried in the background.
+    /// @param drone  as it is called here
+    void receive(const std::string& drone, const Place& place, const std::string& output,
+                 const ConnectionOptions& connection, event::Clock::time_point deadline);
+    /// Of the drones of this name, from now on, once; failures to register are retried in the background.
     void hear_exceptions(const std::string& drone);
 
     std::optional<Event> next(std::chrono::milliseconds patience) override;
@@ -61,7 +62,7 @@ public:
     [[nodiscard]] bool ordered() const noexcept { return options_.ordered; }
 
 private:
-    std::shared_ptr<event::Intake> add(const std::string& drone, const std::string& output,
+    std::shared_ptr<event::Intake> add(const std::string& drone, const Place& place, const std::string& output,
                                        const ConnectionOptions& connection);
     std::optional<Event> take(Event event);
     std::optional<Event> put_in_order(Event event);
@@ -69,7 +70,7 @@ private:
     void follow_those_on_the_way(const Event& event);
 
     event::Module& module_;
-    const event::Home& home_;
+    const Directory& directory_;
     CollectOptions options_;
     std::shared_ptr<event::Mailbox> mailbox_ = std::make_shared<event::Mailbox>();
     std::shared_ptr<Ends> ends_ = std::make_shared<Ends>();
@@ -92,17 +93,17 @@ MailboxCollector::~MailboxCollector()
     module_.loop().wait(event::Clock::now() + std::chrono::milliseconds(500), [&] { return *remaining == 0; });
 }
 
-std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const std::string& output,
-                                                     const ConnectionOptions& connection)
+std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, const Place& place,
+                                                     const std::string& output, const ConnectionOptions& connection)
 {
     const auto sink = [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); };
     const auto look = [mailbox = mailbox_, weak = std::weak_ptr(ends_)] {
         if (const auto ends = weak.lock())
             ends->look(*mailbox);
     };
-    const auto intake = module_.add_intake({.sender = drone,
+    const auto intake = module_.add_intake({.sender = place.drone,
                                             .output = output,
-                                            .address = home_.address(drone),
+                                            .address = transport::parse_address(place.address),
                                             .input = drone + "." + output,
                                             .receiver = module_.self().name,
                                             .accepts = "*/*",
@@ -113,12 +114,13 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
     return intake;
 }
 
-void MailboxCollector::receive(const std::string& drone, const std::string& output, const ConnectionOptions& connection,
-                               event::Clock::time_point deadline)
+void MailboxCollector::receive(const std::string& drone, const Place& place, const std::string& output,
+                               const ConnectionOptions& connection, event::Clock::time_point deadline)
 {
     const auto reply = std::make_shared<std::optional<event::Outcome>>();
-    module_.call(
-        [&] { add(drone, output, connection)->start([reply](const event::Outcome& outcome) { *reply = outcome; }); });
+    module_.call([&] {
+        add(drone, place, output, connection)->start([reply](const event::Outcome& outcome) { *reply = outcome; });
+    });
     std::optional<event::Outcome> outcome;
     module_.loop().wait(deadline, [&] { return (outcome = *reply).has_value(); });
     if (!outcome)
@@ -149,10 +151,13 @@ void MailboxCollector::expect(const Json& confirmation)
 
 void MailboxCollector::hear_exceptions(const std::string& drone)
 {
-    if (!home_.alive(drone) || !followed_.insert(drone).second)
+    if (followed_.contains(drone))
         return;
     const ConnectionOptions stream{.transfer = Transfer::streaming, .group = {}, .lease = {}};
-    module_.call([&] { add(drone, exceptions_output, stream)->start({}); });
+    for (const auto& place : directory_.all_of(drone)) {
+        followed_.insert(drone);
+        module_.call([&] { add(drone, place, exceptions_output, stream)->start({}); });
+    }
 }
 
 std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
@@ -262,14 +267,14 @@ std::set<std::string> upstream_of(Application& application, std::vector<std::str
 
 std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& outputs, const CollectOptions& options)
 {
-    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->home, options);
+    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, options);
     const auto until = core_->deadline();
     std::vector<std::string> drones;
     for (const auto& output : outputs) {
         const auto [drone, port] = core_->with_output(output);
         if (options.ordered)
-            collector->hear_exceptions(drone);
-        collector->receive(drone, port, options.connection, until);
+            collector->hear_exceptions(drone_of(drone));
+        collector->receive(drone, core_->place(drone), port, options.connection, until);
         drones.push_back(drone);
     }
     if (options.ordered)
@@ -280,12 +285,10 @@ std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& out
 
 std::unique_ptr<Collector> Application::exceptions(const std::vector<std::string>& drones)
 {
-    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->home, CollectOptions{});
-    for (const auto& drone : drones) {
-        core_->require_running(drone);
-        collector->receive(drone, exceptions_output, {.transfer = Transfer::streaming, .group = {}, .lease = {}},
-                           core_->deadline());
-    }
+    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, CollectOptions{});
+    for (const auto& drone : drones)
+        collector->receive(drone, core_->place(drone), exceptions_output,
+                           {.transfer = Transfer::streaming, .group = {}, .lease = {}}, core_->deadline());
     return collector;
 }
 

@@ -32,10 +32,7 @@ std::int64_t deadline_ms_before(Clock::time_point deadline)
     return std::max<std::int64_t>(left - std::min<std::int64_t>(left / 16, 100), 1);
 }
 
-JointSet::JointSet(event::Module& module, const event::Home& home, Terms terms)
-    : module_(module), home_(home), terms_(std::move(terms))
-{
-}
+JointSet::JointSet(event::Module& module, Terms terms) : module_(module), terms_(std::move(terms)) {}
 
 SetResult JointSet::run()
 {
@@ -55,22 +52,31 @@ SetResult JointSet::run()
 void JointSet::prepare()
 {
     parts_.clear();
-    for (const auto& drone : terms_.drones)
+    for (const auto& [drone, place] : terms_.drones)
         parts_.push_back(std::make_shared<Part>(drone));
     token_ = static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(max_json_integer));
     module_.call([this] {
-        for (const auto& part : parts_)
-            module_.with_link(home_.address(part->drone), terms_.deadline,
-                              [this, part](const event::LinkPtr& link, const Error& error) {
-                                  if (part->over)
-                                      return;  // this object may be gone
-                                  if (link)
-                                      ask_to_prepare(part, link);
-                                  else
-                                      part->prepared = error;
-                              });
+        for (std::size_t i = 0; i < parts_.size(); ++i)
+            if (const auto* place = std::get_if<Place>(&terms_.drones[i].second))
+                prepare(parts_[i], *place);
+            else
+                parts_[i]->prepared = std::get<Error>(terms_.drones[i].second);
     });
     wait(Clock::time_point::max(), &JointSet::prepared_or_refused, terms_.cancelled);
+}
+
+void JointSet::prepare(const PartPtr& part, const Place& place)
+{
+    module_.with_link(transport::parse_address(place.address), terms_.deadline,
+                      [this, part, place](const event::LinkPtr& link, const Error& error) {
+                          if (part->over)
+                              return;  // this object may be gone
+                          const auto wrong = link ? met_another(place, *link) : std::optional(error);
+                          if (wrong)
+                              part->prepared = *wrong;
+                          else
+                              ask_to_prepare(part, link);
+                      });
 }
 
 void JointSet::ask_to_prepare(const PartPtr& part, const event::LinkPtr& link)

@@ -4,6 +4,8 @@
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
 
+#include <variant>
+
 #include <random>
 
 namespace hive {
@@ -12,12 +14,13 @@ namespace hive {
 class JointSet {
 public:
     struct Terms {
-        std::vector<std::string> drones;
+        /// What they are called, and where each is met, or why nobody knows that.
+        std::vector<std::pair<std::string, std::variant<Place, Error>>> drones;
         Json parameters;
         event::Clock::time_point deadline;  ///< nothing is committed later
         std::function<bool()> cancelled;    ///< asked all the time; once true, nothing more is decided to be committed
     };
-    JointSet(event::Module& module, const event::Home& home, Terms terms);
+    JointSet(event::Module& module, Terms terms);
 
     SetResult run();
 
@@ -35,6 +38,7 @@ private:
     using Condition = bool (JointSet::*)();
 
     void prepare();
+    void prepare(const PartPtr& part, const Place& place);
     void ask_to_prepare(const PartPtr& part, const event::LinkPtr& link);
     bool commit();
     void abort();
@@ -56,7 +60,6 @@ private:
     [[nodiscard]] SetResult committed() const;
 
     event::Module& module_;
-    const event::Home& home_;
     Terms terms_;
     std::mt19937_64 random_{std::random_device{}()};
     std::int64_t token_ = 0;

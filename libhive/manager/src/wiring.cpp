@@ -4,6 +4,8 @@
 #include <hive/name.hpp>
 #include <hive/protocol/requests.hpp>
 
+#include <algorithm>
+
 namespace hive {
 
 using protocol::PacketType;
@@ -73,17 +75,82 @@ std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const
     if (to.stateful && !options.group.empty())
         throw Error(Errc::refused,
                     receiver.drone + " keeps state between events, so it must see every one: it cannot share");
-    core_->ask(receiver.drone, PacketType::connect,
-               {{"from", {{"drone", sender.drone}, {"output", output->name}}},
-                {"input", input->name},
-                {"options", to_json(options)}});
+    const auto place = core_->place(sender.drone);
+    protocol::Connect request{.drone = place.drone, .output = output->name, .input = input->name, .options = options};
+    const auto ways = core_->ways(sender.drone, receiver.drone);
+    for (std::size_t i = 0; i < ways.size(); ++i)
+        try {
+            request.address = ways[i];
+            core_->ask(receiver.drone, PacketType::connect, to_json(request));
+            break;
+        } catch (const Error& error) {
+            if (i + 1 == ways.size() || (error.code() != Errc::unreachable && error.code() != Errc::timeout))
+                throw;
+        }
     return {{sender.drone, output->name}, {receiver.drone, input->name}};
+}
+
+namespace {
+
+constexpr std::string_view on_network = "tcp://";
+
+/// The directory of its socket, among the places that a drone says it has; empty: it did not say.
+std::string home_in(const std::vector<std::string>& places)
+{
+    for (const auto& place : places)
+        if (place.starts_with("unix:"))
+            return place.substr(0, place.rfind('/'));
+    return {};
+}
+
+/// A drone that listens at all addresses of its machine is met at the host where it was met from here. Of one on this
+/// machine the receiver knows better than we do which of our addresses it reaches: the one from which it is asked.
+std::string seen_from_here(const std::string& address, const Place& place)
+{
+    auto parsed = transport::parse_address(address);
+    if (!is_here(place) && (parsed.host == "0.0.0.0" || parsed.host == "::"))
+        parsed.host = transport::parse_address(place.address).host;
+    return to_text(parsed);
+}
+
+}  // namespace
+
+std::vector<std::string> Application::Core::ways(const std::string& from, const std::string& to)
+{
+    const auto sender = place(from), receiver = place(to);
+    if (is_here(sender) && is_here(receiver))
+        return {""};
+    const auto answers = ask_all({from, to}, PacketType::status, Json{{"skip_edges", max_json_integer}});
+    std::vector<std::vector<std::string>> places;
+    for (const auto& answer : answers) {
+        if (answer.error)
+            throw *answer.error;
+        places.push_back(status_from_json(answer.result).places);
+    }
+    std::vector<std::string> ways;
+    const auto add = [&](const std::string& way) {
+        if (std::ranges::find(ways, way) == ways.end())
+            ways.push_back(way);
+    };
+    if (sender.host == receiver.host && home_in(places[0]) == home_in(places[1]))
+        add("");
+    for (const auto& address : places[0])
+        if (address.starts_with(on_network))
+            add(seen_from_here(address, sender));
+    if (!is_here(sender))
+        add(sender.address);
+    if (ways.empty())
+        throw Error(Errc::unreachable,
+                    sender.drone + " does not listen on the network, so " + receiver.drone + " at " + receiver.host
+                        + " cannot reach it",
+                    "start it with --listen tcp://HOST");
+    return ways;
 }
 
 void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
 {
-    require_name(receiver.drone, "drone");
-    const std::string name = receiver.drone + (receiver.port.empty() ? "" : "." + receiver.port);
+    require_name(drone_of(receiver.drone), "drone");
+    const std::string name = drone_of(receiver.drone) + (receiver.port.empty() ? "" : "." + receiver.port);
     try {
         ask(sender.drone, PacketType::forget, to_json(protocol::Forget{.output = sender.port, .receiver = name}));
     } catch (const Error& error) {
@@ -95,14 +162,20 @@ void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
 
 void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
 {
-    if (!is_name(receiver.drone) || !core_->home.alive(receiver.drone))
+    if (!core_->directory.find(receiver.drone))
         return core_->forget(sender, receiver);
-    Json header{{"from", {{"drone", sender.drone}}}};
+    Json header{{"from", {{"drone", drone_of(sender.drone)}}}};
     if (!sender.port.empty())
         header["from"]["output"] = sender.port;
     if (!receiver.port.empty())
         header["input"] = receiver.port;
-    core_->ask(receiver.drone, PacketType::disconnect, header);
+    try {
+        core_->ask(receiver.drone, PacketType::disconnect, header);
+    } catch (const Error& error) {
+        if (error.code() != Errc::unreachable || is_here(core_->place(receiver.drone)))
+            throw;
+        core_->forget(sender, receiver);  // as far as can be told from here it is gone
+    }
 }
 
 }  // namespace hive

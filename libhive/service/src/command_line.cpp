@@ -24,34 +24,19 @@ Json parameters_from(const std::vector<std::string>& assignments)
     return parameters;
 }
 
-void require_members_key(transport::KeyRing* keys, const std::string& what)
-try {
-    if (!keys)
-        throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
-    if (keys->own().front().role != Role::member)
-        throw Error(Errc::not_permitted, keys->file().string() + " is a viewers' key, and a drone needs the members'",
-                    "copy the members' key here");
-} catch (const Error& error) {
-    throw Error(Errc::not_permitted,
-                what + ": anybody who reaches this port could control the drone, and " + error.what(),
-                error.advice() + "; or, on a network that you trust wholly, add --insecure");
-}
-
-/// The swarm's keys, as this drone uses them. Whoever listens on tcp has to have the members' key, or to say that none
-/// is wanted.
-std::shared_ptr<transport::KeyRing> keys_for(const std::vector<std::string>& addresses, const std::string& named,
-                                             bool insecure)
+/// An address for others: of the network, and one that they can dial.
+void require_advertisable(const service::ListenWish& wish)
 {
-    if (insecure)
-        return nullptr;
-    const auto file = named.empty() ? default_key_file() : std::filesystem::path(named);
-    const auto keys = file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file);
-    if (!named.empty())
-        keys->own();
-    for (const auto& text : addresses)
-        if (transport::parse_address(text).scheme == transport::Address::Scheme::tcp)
-            require_members_key(keys.get(), "--listen " + text);
-    return keys;
+    for (const auto& text : wish.advertise) {
+        const auto address = service::listen_address(text);
+        if (address.scheme != transport::Address::Scheme::tcp || address.host == "0.0.0.0" || address.host == "::")
+            throw Error(Errc::invalid_argument, "--advertise " + text + ": nobody could dial that",
+                        "write tcp://HOST or tcp://HOST:PORT, as other machines know this one");
+        if (wish.listen.empty())
+            throw Error(Errc::invalid_argument,
+                        "--advertise " + text + " says where a port is found, but there is none",
+                        "add --listen tcp://HOST:PORT");
+    }
 }
 
 void start_log(const std::string& name, const std::string& level)
@@ -74,16 +59,19 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     settings.name = program.kind;
     std::vector<std::string> assignments;
     std::string policy, level = "info";
-    bool insecure = false;
-    std::string key;
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
     app.add_option("--set", assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
         ->type_name("NAME=VALUE");
-    app.add_option("--listen", settings.listen,
-                   "a further address to be met at, tcp://HOST:PORT; beside the local socket")
+    app.add_option("--listen", settings.listen.listen,
+                   "a further address to be met at, beside the local socket: tcp://HOST:PORT, or tcp://HOST for a port "
+                   "from 7700 on, which it keeps after a crash")
         ->type_name("ADDRESS");
-    app.add_flag("--insecure", insecure, "let --listen take peers without a key");
-    app.add_option("--key", key, "the swarm's key file; without it $HIVE_KEY, or ~/.config/hive/swarm.key")
+    app.add_option("--advertise", settings.listen.advertise,
+                   "where other machines find it, if that is not where it listens: tcp://HOST or tcp://HOST:PORT")
+        ->type_name("ADDRESS");
+    app.add_flag("--insecure", settings.listen.insecure, "let --listen take peers without a key");
+    app.add_option("--key", settings.listen.key,
+                   "the swarm's key file; without it $HIVE_KEY, or ~/.config/hive/swarm.key")
         ->type_name("FILE");
     app.add_flag("--remote-operator", settings.remote_operator,
                  "who has the swarm's key may also set over the network what concerns this machine (paths, URLs, "
@@ -100,7 +88,7 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     CLI11_PARSE(app, argc, argv);
     try {
         require_name(settings.name, "drone");
-        settings.keys = keys_for(settings.listen, key, insecure);
+        require_advertisable(settings.listen);
         settings.parameters = parameters_from(assignments);
         if (!policy.empty())
             settings.policy = from_token<ExceptionPolicy>(policy, "policy");

@@ -20,7 +20,10 @@ struct DroneCore::Running {
 
     event::Home home{event::default_home()};
     event::NameClaim claim;
+    Json left;  ///< by a drone of this name that crashed
+    service::ListenWish wish;
     event::Module module;
+    service::Listening listening;
     Halting halting;
     Worker worker;
     Requests requests;
@@ -28,11 +31,14 @@ struct DroneCore::Running {
 
 DroneCore::Running::Running(DroneCore& core)
     : claim(home, core.self_.name),
+      left(service::left_state(home, core.self_, core.reporter_)),
+      wish(service::wished(core.settings_.listen, left)),
       module({.self = core.self_,
               .limits = {},
               .timing = {},
-              .keys = core.settings_.keys,
+              .keys = service::keys_for(wish),
               .log = [&reporter = core.reporter_](const std::string& text) { reporter.log(text); }}),
+      listening(module, home, core.reporter_),
       halting(core.board_, core.mailbox_, module),
       worker({.declaration = core.declaration_,
               .board = core.board_,
@@ -45,6 +51,7 @@ DroneCore::Running::Running(DroneCore& core)
                 .board = core.board_,
                 .reporter = core.reporter_,
                 .home = home,
+                .listening = listening,
                 .mailbox = core.mailbox_,
                 .module = module,
                 .halting = halting,
@@ -111,13 +118,12 @@ void DroneCore::prepare()
     module.on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {
         reporter_.report(problem, &event->event());
     };
-    const Json state = service::left_state(running_->home, self_, reporter_);
-    take_values(state);
+    take_values(running_->left);
     board_.idle();
     if (settings_.halted)
         running_->halting.halt();
     reporter_.log("started");
-    serve(state);
+    serve();
 }
 
 /// What the drone was told before a crash holds, unless it is told otherwise now.
@@ -134,16 +140,14 @@ void DroneCore::take_values(const Json& state)
     parameters.read_back();
 }
 
-void DroneCore::serve(const Json& state)
+void DroneCore::serve()
 {
     auto& module = running_->module;
     module.start();
     module.call([&] {
         module.on_signal([this](int) { end(); });
-        module.listen(running_->home.address(settings_.name));
-        for (const auto& address : settings_.listen)
-            reporter_.log("listening at " + to_text(module.listen(transport::parse_address(address))));
-        running_->requests.restore(state);
+        running_->listening.begin(running_->wish, running_->left);
+        running_->requests.restore(running_->left);
     });
 }
 

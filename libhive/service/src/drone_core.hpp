@@ -3,10 +3,9 @@
 
 #include "emitter.hpp"
 #include "last_grace.hpp"
+#include "listening.hpp"
 #include "reporter.hpp"
 #include "status_board.hpp"
-
-#include <hive/event/home.hpp>
 
 #include <memory>
 #include <optional>
@@ -16,13 +15,12 @@ namespace hive {
 /// What the command line of a drone says.
 struct DroneSettings {
     std::string name;
-    std::vector<std::string> listen;        ///< further addresses beside the local socket
+    service::ListenWish listen;
     Json parameters = Json::object();       ///< --set
     std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
     bool halted = false;                    ///< from the start
     bool describe = false;
-    bool remote_operator = false;                   ///< members may set what is the operator's
-    std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: without a key
+    bool remote_operator = false;  ///< members may set what is the operator's
 };
 
 /// The user thread, but for what says otherwise.
@@ -53,7 +51,7 @@ private:
 
     void prepare();
     void take_values(const Json& state);
-    void serve(const Json& state);
+    void serve();
     void end();
 
     service::LastGrace last_grace_;

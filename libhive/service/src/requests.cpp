@@ -11,7 +11,7 @@ using protocol::PacketType;
 Requests::Requests(Parts parts)
     : parts_(std::move(parts)),
       inbox_(parts_.mailbox, parts_.worker),
-      state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.reporter),
+      state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.listening, parts_.reporter),
       wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
       parameters_({.parameters = parts_.declaration.parameters,
                    .board = parts_.board,
@@ -19,7 +19,7 @@ Requests::Requests(Parts parts)
                    .inbox = inbox_,
                    .state_file = state_file_,
                    .remote_operator = parts_.remote_operator}),
-      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module)
+      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module, parts_.listening)
 {
     add_handlers();
 }

@@ -16,6 +16,7 @@ public:
         StatusBoard& board;
         Reporter& reporter;
         const event::Home& home;
+        const Listening& listening;
         event::Mailbox& mailbox;
         event::Module& module;
         Halting& halting;

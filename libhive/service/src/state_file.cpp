@@ -64,10 +64,12 @@ Json StateFile::state() const
     for (const auto& intake : module_.intakes())
         if (!intake->spec().output.empty())
             connections.push_back(connection_json(intake->spec()));
-    return {{"kind", declaration_.interface.kind},
-            {"parameters", declaration_.parameters.changed()},
-            {"connections", connections},
-            {"policy", token(board_.policy())}};
+    Json state = listening_.saved();
+    state.update({{"kind", declaration_.interface.kind},
+                  {"parameters", declaration_.parameters.changed()},
+                  {"connections", connections},
+                  {"policy", token(board_.policy())}});
+    return state;
 }
 
 }  // namespace hive::service

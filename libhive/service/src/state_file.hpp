@@ -1,9 +1,7 @@
 // What a drone was told: kept beside its socket, and taken again after a crash.
 #pragma once
 
-#include "reporter.hpp"
-
-#include <hive/event/home.hpp>
+#include "listening.hpp"
 
 namespace hive::service {
 
@@ -16,8 +14,13 @@ namespace hive::service {
 class StateFile {
 public:
     StateFile(const event::Home& home, const event::Module& module, const Declaration& declaration,
-              const StatusBoard& board, Reporter& reporter)
-        : home_(home), module_(module), declaration_(declaration), board_(board), reporter_(reporter)
+              const StatusBoard& board, const Listening& listening, Reporter& reporter)
+        : home_(home),
+          module_(module),
+          declaration_(declaration),
+          board_(board),
+          listening_(listening),
+          reporter_(reporter)
     {
     }
 
@@ -31,6 +34,7 @@ private:
     const event::Module& module_;
     const Declaration& declaration_;
     const StatusBoard& board_;
+    const Listening& listening_;
     Reporter& reporter_;
     bool forgetful_ = false;  ///< the state cannot be written, which was reported
 };

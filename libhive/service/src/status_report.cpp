@@ -47,7 +47,8 @@ Status StatusReport::now() const
                   .inputs = inputs(),
                   .left = module_.left(),
                   .matching = matching(board),
-                  .last_exception = board.last_exception};
+                  .last_exception = board.last_exception,
+                  .places = listening_.places()};
     for (const auto& outlet : module_.outlets())
         status.outputs.push_back(outlet.status());
     return status;

@@ -1,7 +1,7 @@
 // The answer to status.
 #pragma once
 
-#include "status_board.hpp"
+#include "listening.hpp"
 
 #include <hive/event/mailbox.hpp>
 #include <hive/event/module.hpp>
@@ -12,8 +12,8 @@ namespace hive::service {
 class StatusReport {
 public:
     StatusReport(const Declaration& declaration, const StatusBoard& board, const event::Mailbox& mailbox,
-                 event::Module& module)
-        : declaration_(declaration), board_(board), mailbox_(mailbox), module_(module)
+                 event::Module& module, const Listening& listening)
+        : declaration_(declaration), board_(board), mailbox_(mailbox), module_(module), listening_(listening)
     {
     }
 
@@ -31,6 +31,7 @@ private:
     const StatusBoard& board_;
     const event::Mailbox& mailbox_;
     event::Module& module_;
+    const Listening& listening_;
     event::Clock::time_point started_ = event::Clock::now();
 };
 

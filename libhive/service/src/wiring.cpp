@@ -16,12 +16,38 @@ bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
     return one.sender == other.sender && one.output == other.output && one.input == other.input;
 }
 
+/// The host of "192.0.2.7:50012" or "[2001:db8::7]:50012"; empty: who is there is on this machine.
+std::string host_of(const std::string& peer_place)
+{
+    const auto colon = peer_place.rfind(':');
+    if (colon == std::string::npos)
+        return {};
+    const auto host = peer_place.substr(0, colon);
+    return host.starts_with('[') ? host.substr(1, host.size() - 2) : host;
+}
+
+/// An asker whose sender listens at all addresses of one machine does not know which of them this drone can reach: it
+/// is the one from which it asks.
+std::string dialable(const std::string& text, const std::string& asker)
+{
+    if (text.empty())
+        return text;
+    auto address = transport::parse_address(text);
+    const bool any = address.host == "0.0.0.0" || address.host == "::";
+    if (address.scheme != transport::Address::Scheme::tcp || !any)
+        return text;
+    const auto host = host_of(asker);
+    address.host = !host.empty() ? host : address.host == "::" ? "::1" : "127.0.0.1";
+    return to_text(address);
+}
+
 }  // namespace
 
 void Wiring::on_connect(const event::Incoming& incoming)
 {
-    connect(intake_spec(protocol::connect_from_json(incoming.header)),
-            [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
+    auto asked = protocol::connect_from_json(incoming.header);
+    asked.address = dialable(asked.address, incoming.peer_place);
+    connect(intake_spec(asked), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 
 void Wiring::on_disconnect(const event::Incoming& incoming)

@@ -114,7 +114,9 @@ struct InputStatus {
     std::int64_t queued = 0;
     std::int64_t in_hand = 0;  ///< with the drone's code
     std::int64_t last_age_us = 0;
-    std::string error{};  ///< why it is not connected
+    std::int64_t round_trip_us = 0;    ///< shortest of late, of a sender on another machine; 0: not measured
+    std::int64_t clock_offset_us = 0;  ///< the wall clock of that machine minus the own one
+    std::string error{};               ///< why it is not connected
     Reason why{};
 };
 
@@ -147,6 +149,7 @@ struct Status {
     std::vector<InputStatus> left{};  ///< what connections that were ended had received: one row for each input
     std::vector<MatchingStatus> matching{};
     std::optional<ExceptionStatus> last_exception{};
+    std::vector<std::string> places{};  ///< addresses where it is met: "unix:/...", "tcp://cam1:7700"
 };
 
 Json to_json(const EdgeStatus& edge);

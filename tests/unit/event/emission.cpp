@@ -31,6 +31,20 @@ TEST_CASE("emission: what is sent is what arrives")
     CHECK(back.body.data() == event.body.data());  // shared, not copied
 }
 
+TEST_CASE("emission: how far the clock of the source is away travels with its time, and the age is without it")
+{
+    Event event = emission(1)->event();
+    for (const std::int64_t offset_us : {std::int64_t{3'600'000'000}, std::int64_t{-3'600'000'000}, std::int64_t{0}}) {
+        event.identity.captured_us = wall_us() + offset_us;
+        event.identity.offset_us = offset_us;
+        const Event back = event_from_packet(Emission(event).packet(PacketType::event, 1));
+        CHECK(back.identity.offset_us == offset_us);
+        CHECK(back.identity.captured_us == event.identity.captured_us);
+        CHECK(back.age() >= std::chrono::seconds(0));
+        CHECK(back.age() < std::chrono::minutes(1));
+    }
+}
+
 TEST_CASE("emission: the header is encoded once for all receivers")
 {
     const auto sent = emission(1);

@@ -177,6 +177,36 @@ TEST_CASE("connections: a group stands before its members, and what a member dis
     CHECK(rows[2]["missing"] == 0);
 }
 
+TEST_CASE(
+    "connections: a window that a round trip makes too small is advised against, and only where events are skipped")
+{
+    const auto advised = [](std::int64_t round_trip_us, int window, std::int64_t skipped) {
+        auto from = camera(1, 1'000'000, 100, skipped), to = face(0, 0, 0);
+        from.status.outputs[0].edges[0].options.window = window;
+        to.status.inputs[0].round_trip_us = round_trip_us;
+        return connection_rows({from, to}).at(0)["window_advised"];
+    };
+    CHECK(advised(100'000, 1, 50) == 7);
+    CHECK(advised(100'000, 7, 50).is_null());
+    CHECK(advised(100'000, 1, 0).is_null());
+    CHECK(advised(900, 1, 50).is_null());
+    CHECK(advised(0, 1, 50).is_null());
+    CHECK(advised(60'000'000, 1, 50) == 64);
+}
+
+TEST_CASE("rates: clocks that are more than 100 ms apart are shown")
+{
+    const auto skew = [](std::int64_t offset_us) {
+        auto to = face(0, 0, 0);
+        to.status.inputs[0].round_trip_us = 1000;
+        to.status.inputs[0].clock_offset_us = offset_us;
+        const std::vector looks{camera(1, 1'000'000, 100, 0), to};
+        return rates_between(looks, looks, 1s).edges.at(0)["skew_us"];
+    };
+    CHECK(skew(50'000).is_null());
+    CHECK(skew(-250'000) == -250'000);
+}
+
 TEST_CASE("rates: differences over the time between, and the busiest receiver is marked slowest")
 {
     const auto rates = rates_between({camera(1, 1'000'000, 10, 4), face(1'000'000, 500'000, 5)},

@@ -43,6 +43,7 @@ struct Identity {
     std::int64_t sequence = 0;       ///< of the capture, from 1, in that epoch
     std::int64_t captured_us = 0;    ///< wall clock, microseconds since 1970; 0: unknown
     std::int64_t monotonic_us = 0;   ///< the source machine's steady clock at the same moment; 0: unknown
+    std::int64_t offset_us = 0;      ///< the source's wall clock minus the one here, as it was measured on the way
     bool lossless = false;           ///< from a source that produces on demand: nobody on the way may skip it
     int part = 0;                    ///< numbers the events that one drone emits on one output for one input, from 0
     std::vector<Share> shares = {};  ///< whose work stands behind it, outermost first
@@ -76,7 +77,8 @@ struct Event {
 
     /// Gives back receipt and custody: from now on this copy is only looked at.
     void let_go();
-    /// Since the capture, by the wall clocks of the two machines; 0 when nobody knows when that was.
+    /// Since the capture, by the wall clocks of the two machines and what was measured between them; 0 when nobody
+    /// knows when that was.
     [[nodiscard]] std::chrono::microseconds age() const;
 };
 

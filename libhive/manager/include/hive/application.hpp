@@ -19,6 +19,19 @@
 
 namespace hive {
 
+/// Where a drone is met.
+struct Place {
+    std::string drone;
+    std::string host;              ///< `here`, or the machine as it was named when the place was written down
+    std::string address;           ///< "unix:/run/user/1000/hive/camera.sock", "tcp://cam1:7700"
+    std::string ssh{};             ///< how ssh calls the machine, when the drone was started through it
+    std::int64_t answered_us = 0;  ///< on another machine: wall clock of its last answer to this home; 0: none yet
+
+    /// The host of the drones of this machine that meet in the home.
+    static constexpr const char* here = "local";
+    bool operator==(const Place&) const = default;
+};
+
 /// The answer of one drone to something asked of several.
 struct Answer {
     std::string drone;
@@ -31,6 +44,7 @@ struct StatusAnswer {
     std::string drone;
     Status status;  ///< meaningful without error
     std::optional<Error> error;
+    Place place{};  ///< where it was asked; with an empty address it was not
 };
 
 /// What a set on several drones came to.
@@ -125,13 +139,23 @@ public:
     void timeout(std::chrono::milliseconds timeout);
 
     // --- find ---
+    // A drone is called by its name, wherever it is; by "NAME@HOST" where several have the same name.
 
-    /// Names of the drones that run on this machine (those whose socket answers), sorted.
+    /// The drones that run on this machine, and those of other machines that the directory knows, whether these answer
+    /// or not; sorted.
     std::vector<std::string> drones();
+    /// Where it is met. Throws Errc::not_found, and Errc::invalid_argument when several have the name.
+    Place place(const std::string& drone);
+    /// The list of places: drones on other machines that this home was told of, sorted by name.
+    std::vector<Place> listed_places();
+    /// Writes a place into the list. Throws Errc::invalid_argument when it cannot be one.
+    void add_place(const Place& place);
+    /// Strikes a place off the list; false: it was not there.
+    bool forget_place(const Place& place);
     /// Names of drones that do not run and get back what they were told when they are started again: they crashed.
     /// Sorted.
     std::vector<std::string> remembered();
-    /// Expands a glob, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
+    /// Expands a glob over the names, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
     std::vector<std::string> find(const std::string& pattern);
     /// Splits "camera.image" into drone and port; a running drone with the whole name wins.
     Endpoint endpoint(const std::string& text);
@@ -181,7 +205,8 @@ public:
 
     void halt(const std::string& drone);
     void resume(const std::string& drone);
-    /// Ends a drone and forgets what it was told; returns when it is gone. One that crashed is forgotten only.
+    /// Ends a drone and forgets what it was told, and its place; returns when it is gone. One that crashed on this
+    /// machine is forgotten only.
     void stop(const std::string& drone);
     /// Changes what happens when the drone's code throws.
     void exception_policy(const std::string& drone, ExceptionPolicy policy);

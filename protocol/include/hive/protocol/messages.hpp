@@ -101,6 +101,7 @@ struct Confirmation {
     bool ok = true;
     Errc code{};
     std::string text, advice{};
+    std::int64_t time_us = 0;  ///< wall clock of who answers, when it does; 0: not told
 };
 Json to_json(const Confirmation& confirmation);
 Confirmation confirmation_from_json(const Json& object);

@@ -81,8 +81,10 @@ private:
         bool worked = false, done = false, lossless = false;
     };
     void attempt();
+    [[nodiscard]] bool in_short_break() const;
     void register_on(const LinkPtr& link, Clock::time_point deadline);
     void confirmed(const LinkPtr& link, const Json& result);
+    void keep_time();
     void failed(const Error& error);
     void retry();
     void on_packet(const protocol::Packet& packet);
@@ -103,7 +105,9 @@ private:
     std::function<void()> on_end_;
     OnOutcome first_;
     std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
-    Backoff backoff_;
+    Backoff backoff_, quick_backoff_;
+    std::optional<Clock::time_point> lost_;  ///< since when it has been cut off
+    std::int64_t round_trip_us_ = 0;         ///< of the connection that was lost
     asio::steady_timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;

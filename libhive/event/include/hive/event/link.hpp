@@ -1,7 +1,7 @@
 // A connection to a peer that has said who it is: requests and their answers, channels of events.
 #pragma once
 
-#include <hive/event/clock.hpp>
+#include <hive/event/peer_clock.hpp>
 #include <hive/protocol/messages.hpp>
 #include <hive/protocol/permission.hpp>
 #include <hive/transport/connection.hpp>
@@ -75,6 +75,11 @@ public:
     /// What the peer is to this end, if it is the peer that dialed.
     [[nodiscard]] const transport::Credentials& credentials() const { return connection_->credentials(); }
 
+    /// Of a peer on another machine; one on this machine has the same clock.
+    [[nodiscard]] const PeerClock& peer_clock() const noexcept { return peer_clock_; }
+    /// Asks for the peer's time if it is on another machine and that is due.
+    void ask_time();
+
     /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends
     /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large) or nothing
     /// that this end may ask (Errc::not_permitted).
@@ -103,6 +108,8 @@ private:
         Clock::time_point deadline;
         OnOutcome on_outcome;
         std::string what;
+        Clock::time_point asked;
+        std::int64_t asked_wall_us;
     };
     void on_packet(const protocol::Packet& packet);
     void on_hello(const protocol::Packet& packet);
@@ -118,6 +125,8 @@ private:
     protocol::Limits limits_;
     std::shared_ptr<transport::Pool> pool_;
     Events events_;
+    PeerClock peer_clock_;
+    bool asking_time_ = false;
     bool open_ = false;
     Clock::time_point used_{};
     std::int64_t next_id_ = 0;

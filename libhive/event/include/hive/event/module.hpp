@@ -31,6 +31,7 @@ struct Incoming {
     std::string peer;
     std::int64_t peer_epoch = 0;
     Role role = Role::viewer;  ///< of the peer
+    std::string peer_place;    ///< where its connection comes from: "pid 4711", "192.0.2.7:50012"
     Json header;
     Body body;
     std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline

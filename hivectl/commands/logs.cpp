@@ -1,0 +1,142 @@
+// hivectl logs: what a drone has written, wherever it runs.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../places.hpp"
+#include "../remote.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <hive/name.hpp>
+
+#include <deque>
+#include <fstream>
+#include <sstream>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    std::string name;
+    int lines = 100;
+    bool follow = false;
+};
+
+void print_line(const std::string& name, const std::string& line, bool json)
+{
+    write_out(json ? Row{{"drone", name}, {"line", line}}.json() + "\n" : printable(line) + "\n");
+}
+
+/// The last lines, and where the file was read to.
+std::streamoff print_last(const std::filesystem::path& file, const Options& options, bool json)
+{
+    std::ifstream in(file, std::ios::binary);
+    if (!in)
+        throw hive::Error(hive::Errc::not_found, "nothing was written by a drone " + options.name + " here",
+                          "see what runs: hivectl ps");
+    std::deque<std::string> last;
+    std::streamoff read = 0;
+    for (std::string line; std::getline(in, line) && !in.eof();) {
+        read = in.tellg();
+        last.push_back(line);
+        if (last.size() > static_cast<std::size_t>(options.lines))
+            last.pop_front();
+    }
+    for (const auto& line : last)
+        print_line(options.name, line, json);
+    return read;
+}
+
+/// Whole lines behind `from`; a file that is shorter than that has begun anew.
+std::streamoff print_new(const std::filesystem::path& file, std::streamoff from, const Options& options, bool json)
+{
+    std::error_code missing;
+    const auto size = std::filesystem::file_size(file, missing);
+    if (missing)
+        return 0;
+    std::ifstream in(file, std::ios::binary);
+    in.seekg(from <= static_cast<std::streamoff>(size) ? from : 0);
+    auto read = in.tellg();
+    for (std::string line; std::getline(in, line) && !in.eof(); read = in.tellg())
+        print_line(options.name, line, json);
+    return read;
+}
+
+int follow(const std::filesystem::path& file, std::streamoff from, const Options& options, Session& session)
+{
+    const interrupt::Deferred deferred;
+    const auto patience = session.patience();
+    const auto end =
+        patience ? std::chrono::steady_clock::now() + *patience : std::chrono::steady_clock::time_point::max();
+    while (interrupt::sleep(100ms)) {
+        from = print_new(file, from, options, session.json);
+        if (std::chrono::steady_clock::now() >= end)
+            return exit_code::timed_out;
+    }
+    return interrupt::exit_code();
+}
+
+int read_there(const hive::Place& place, const Options& options, Session& session)
+{
+    if (place.ssh.empty())
+        throw hive::Error(hive::Errc::refused,
+                          place.drone + " at " + place_text(place)
+                              + " was not started through ssh, so its log is there",
+                          "ask there: hivectl logs " + place.drone);
+    const Remote remote(place.ssh, session.home());
+    std::vector<std::string> words{"logs", place.drone, "-n", std::to_string(options.lines)};
+    if (session.json)
+        words.emplace_back("--json");
+    if (options.follow) {
+        words.emplace_back("--follow");
+        return remote.hivectl_attached(words);
+    }
+    const auto result = remote.hivectl(words, session.timeout() + 12s);
+    write_out(result.out);
+    repeat_complaints("logs", remote.host(), result.err);
+    return result.exit_code;
+}
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application();
+    if (runs(application, options.name))
+        if (const auto place = application.place(options.name); is_elsewhere(place))
+            return read_there(place, options, session);
+    const auto name = options.name.substr(0, options.name.find('@'));
+    const auto file = session.home() / (hive::require_name(name, "drone") + ".log");
+    const auto read = print_last(file, options, session.json);
+    return options.follow ? follow(file, read, options, session) : exit_code::done;
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    line.option("NAME", options->name, "a drone, also one that has crashed").required();
+    line.option("-n", options->lines, "how many of the last lines (default 100)").type_name("N").between(1, 1'000'000);
+    line.flag("-f,--follow", options->follow, "go on with what is written from now on, until Ctrl-C");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb logs_verb()
+{
+    return {.name = "logs",
+            .group = "run drones",
+            .usage = "NAME [-n LINES] [--follow] [options]",
+            .summary = "Prints the last lines that a drone has written, wherever it runs",
+            .details = "On this machine it reads NAME.log in the directory where drones meet, which hivectl start has "
+                       "begun. The log of a drone that was started with --on is read through ssh.",
+            .examples = "hivectl logs face -n 5",
+            .timeout = "how long to wait for the other machine (default 5), or to follow (default: for ever)",
+            .operands = {Operand::drone},
+            .declare = declare};
+}
+
+}  // namespace hivectl

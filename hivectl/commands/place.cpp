@@ -1,0 +1,169 @@
+// hivectl place: tells this home of drones on other machines.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../output.hpp"
+#include "../places.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    std::string action;
+    std::vector<std::string> words;
+};
+
+Row row_of(const hive::Place& place)
+{
+    return Row{{"drone", place.drone},
+               {"host", place.host},
+               {"address", place.address},
+               {"ssh", place.ssh.empty() ? hive::Json() : hive::Json(place.ssh)},
+               {"answered_us", place.answered_us == 0 ? hive::Json() : hive::Json(place.answered_us)}};
+}
+
+int list(Session& session)
+{
+    std::vector<Row> rows;
+    for (const auto& place : session.application().listed_places())
+        rows.push_back(row_of(place));
+    print_rows(session.json,
+               {{"NAME", "drone"},
+                {"HOST", "host"},
+                {"ADDRESS", "address"},
+                {"SSH", "ssh", nullptr, nothing},
+                {"ANSWERED", "answered_us", as_time}},
+               rows);
+    return exit_code::done;
+}
+
+/// "cam1" of tcp://cam1:7700.
+std::string host_of(const std::string& address)
+{
+    const auto begin = address.find("//");
+    const auto text = begin == std::string::npos ? address : address.substr(begin + 2);
+    return text.substr(0, text.rfind(':'));
+}
+
+/// The same run of the same drone, at a place that is known already.
+std::optional<hive::Place> known_as(hive::Application& application, const hive::StatusAnswer& added)
+{
+    for (const auto& name : application.drones()) {
+        const auto place = application.place(name);
+        if (place.drone != added.place.drone || place.address == added.place.address)
+            continue;
+        const auto answer = application.status(std::vector{name}).at(0);
+        if (!answer.error && answer.status.epoch == added.status.epoch)
+            return place;
+    }
+    return std::nullopt;
+}
+
+/// Only what answers there is written down, so that a slip of the pen is seen at once.
+int add(const Options& options, Session& session)
+{
+    if (options.words.size() != 2)
+        throw hive::Error(hive::Errc::invalid_argument, "a place is a name and an address",
+                          "for example: hivectl place add camera tcp://cam1:7700");
+    auto& application = session.application(2s);
+    const hive::Place place{.drone = options.words[0], .host = host_of(options.words[1]), .address = options.words[1]};
+    const bool listed = std::ranges::any_of(application.listed_places(), [&](const hive::Place& other) {
+        return other.drone == place.drone && other.address == place.address;
+    });
+    if (!listed)
+        application.add_place(place);
+    const auto reference = place.drone + "@" + place.host + place.address.substr(place.address.rfind(':'));
+    const auto answer = application.status(std::vector{reference}).at(0);
+    const auto known = answer.error ? std::nullopt : known_as(application, answer);
+    if (!listed && (answer.error || known))
+        application.forget_place(place);
+    if (answer.error)
+        throw *answer.error;
+    if (known)
+        throw hive::Error(hive::Errc::name_taken, place.drone + " is known already, at " + place_text(*known),
+                          "there is nothing to do");
+    write_out(session.json ? row_of(place).json() + "\n" : place.drone + " " + place_text(place) + "\n");
+    return exit_code::done;
+}
+
+std::vector<hive::Place> meant_by(const std::string& word, hive::Application& application)
+{
+    std::vector<hive::Place> meant;
+    std::vector<std::string> names;
+    for (const auto& place : application.listed_places()) {
+        names.push_back(place.drone);
+        if (hive::matches_glob(word, place.drone) || hive::matches_glob(word, place.drone + "@" + place.host))
+            meant.push_back(place);
+    }
+    if (meant.empty())
+        throw hive::no_such("there is no " + hive::in_quotes(word) + " in the list of places", word, names,
+                            "see it: hivectl place list");
+    return meant;
+}
+
+int remove(const Options& options, Session& session)
+{
+    if (options.words.empty())
+        throw hive::Error(hive::Errc::invalid_argument, "no place is named", "see them: hivectl place list");
+    auto& application = session.application();
+    Outcome outcome("place");
+    for (const auto& word : options.words)
+        try {
+            for (const auto& place : meant_by(word, application)) {
+                application.forget_place(place);
+                write_out(session.json ? row_of(place).json() + "\n" : place.drone + "\n");
+            }
+            outcome.done();
+        } catch (const hive::Error& error) {
+            outcome.failed(word, error);
+        }
+    return outcome.exit_code();
+}
+
+int run(const Options& options, Session& session)
+{
+    if (options.action == "list" && !options.words.empty())
+        throw hive::Error(hive::Errc::invalid_argument, "place list takes no names");
+    return options.action == "list"  ? list(session)
+           : options.action == "add" ? add(options, session)
+                                     : remove(options, session);
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    line.option("ACTION", options->action, "add, list or remove").required().one_of({"add", "list", "remove"});
+    line.option("WORD", options->words, "for add: a name and an address; for remove: names, NAME@HOST, or globs");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb place_verb()
+{
+    return {.name = "place",
+            .group = "run drones",
+            .usage = "add NAME ADDRESS | list | remove NAME...",
+            .summary = "Tells this machine where drones on other machines are",
+            .details = "Drones that were started from here with hivectl start --on are in the list already, and leave "
+                       "it when they are stopped. Others are added with the address at which they listen; from then on "
+                       "every verb finds them by their names. A place is written down only if the drone answers there. "
+                       "Where several drones have one name, NAME@HOST means one of them.",
+            .examples = "hivectl place list\n"
+                        "hivectl place list --json | jq -r '.[].address'",
+            .timeout = "how long to wait for the drone that is added (default 2)",
+            .operands = {Operand::other, Operand::drone},
+            .declare = declare};
+}
+
+}  // namespace hivectl

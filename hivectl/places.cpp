@@ -1,0 +1,28 @@
+// Words for places.
+#include "places.hpp"
+
+#include "format.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace hivectl {
+
+bool is_elsewhere(const hive::Place& place) { return !place.address.empty() && place.host != hive::Place::here; }
+
+std::string place_text(const hive::Place& place)
+{
+    const bool says_it = place.address.find("//" + place.host + ":") != std::string::npos;
+    return place.address + (says_it ? "" : " (" + place.host + ")");
+}
+
+std::string answered_text(const hive::Place& place)
+{
+    using namespace std::chrono;
+    if (place.answered_us == 0)
+        return "has not answered yet";
+    const auto now_us = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+    return "answered " + duration_text(std::max<std::int64_t>(now_us - place.answered_us, 0)) + " ago";
+}
+
+}  // namespace hivectl

@@ -1,0 +1,17 @@
+// Where drones are, in words.
+#pragma once
+
+#include <hive/application.hpp>
+
+#include <string>
+
+namespace hivectl {
+
+/// On another machine?
+bool is_elsewhere(const hive::Place& place);
+/// "tcp://cam1:7700 (cam1)"
+std::string place_text(const hive::Place& place);
+/// How long ago it answered: "answered 3 min ago".
+std::string answered_text(const hive::Place& place);
+
+}  // namespace hivectl

@@ -1,0 +1,114 @@
+// Has hivectl start or stop a drone on another machine, and keeps the list of places.
+#include "remote_start.hpp"
+
+#include "exit_code.hpp"
+#include "interrupt.hpp"
+#include "launch.hpp"
+#include "output.hpp"
+#include "places.hpp"
+#include "remote.hpp"
+#include "session.hpp"
+#include "table.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::string_view on_network = "tcp://";
+
+/// The first place on the network that the drone said it has; of one that listens everywhere, at the address of ssh.
+std::string address_of(const hive::Json& started, const Remote& remote, std::chrono::milliseconds limit)
+{
+    const hive::Fields fields(started, "what hivectl start printed on " + remote.host());
+    for (const auto& place : fields.array("places")) {
+        const auto text = place.is_string() ? place.get<std::string>() : "";
+        if (!text.starts_with(on_network))
+            continue;
+        const auto host = text.substr(on_network.size(), text.rfind(':') - on_network.size());
+        if (host != "0.0.0.0" && host != "[::]")
+            return text;
+        const auto found = remote.address(limit);
+        const bool number6 = found.find(':') != std::string::npos;
+        return std::string(on_network) + (number6 ? "[" + found + "]" : found) + text.substr(text.rfind(':'));
+    }
+    throw hive::Error(hive::Errc::failed, "the drone on " + remote.host() + " listens at no port",
+                      "let it: --listen tcp://0.0.0.0");
+}
+
+/// What the drone there says when it is asked from here.
+hive::StatusAnswer answer_from(hive::Application& application, const hive::Place& place)
+{
+    application.timeout(2s);
+    return application.status(std::vector{place.drone}).at(0);
+}
+
+/// The key that is missing there is the one of this swarm, so a new one would not do.
+void advise_key(const RemotePlan& plan, const CommandResult& result)
+{
+    const bool key_missing = result.exit_code == exit_code_of(hive::Errc::not_permitted)
+                             && result.err.find("swarm key") != std::string::npos;
+    if (key_missing)
+        complain("start", "hand the key of this swarm to it: ssh " + plan.ssh + " mkdir -p .config/hive && scp "
+                              + "~/.config/hive/swarm.key " + plan.ssh + ":.config/hive/");
+}
+
+}  // namespace
+
+int start_remotely(Session& session, const RemotePlan& plan)
+{
+    hive::require_name(plan.kind, "kind");
+    auto& application = session.application();
+    require_free(application, "start", plan.kind, plan.name);
+    const Remote remote(plan.ssh, session.home());
+    const auto limit = session.timeout(10s);
+    std::vector<std::string> words{"start",
+                                   plan.kind,
+                                   "--as",
+                                   plan.name,
+                                   "--json",
+                                   "--timeout",
+                                   std::to_string(std::max<std::int64_t>(1, limit / 1s))};
+    words.insert(words.end(), plan.words.begin(), plan.words.end());
+    const auto result = remote.hivectl(words, limit + 12s);
+    repeat_complaints("start", remote.host(), result.err);
+    if (result.exit_code != exit_code::done) {
+        advise_key(plan, result);
+        return result.exit_code;
+    }
+    const hive::Json started = hive::parse_json(result.out);
+    const hive::Place place{
+        .drone = plan.name, .host = remote.host(), .address = address_of(started, remote, limit), .ssh = plan.ssh};
+    application.add_place(place);
+    if (const auto answer = answer_from(application, place); answer.error) {
+        complain("start", plan.name + " runs on " + place.host + ", but does not answer here: "
+                              + explained(*answer.error) + "; is " + place.address + " open to this machine?");
+        return exit_code_of(answer.error->code());
+    }
+    const hive::Fields fields(started, "start");
+    const Row row{{"drone", plan.name},
+                  {"kind", plan.kind},
+                  {"host", place.host},
+                  {"pid", fields.integer_or("pid", 0, hive::max_json_integer, 0)},
+                  {"log", fields.text_or("log", "")},
+                  {"places", fields.array("places")},
+                  {"address", place.address}};
+    write_out(session.json ? row.json() + "\n" : plan.name + "\n");
+    return exit_code::done;
+}
+
+int stop_remotely(Session& session, const hive::Place& place)
+{
+    const Remote remote(place.ssh, session.home());
+    const auto result = remote.hivectl({"stop", place.drone}, session.timeout() + 12s);
+    repeat_complaints("stop", remote.host(), result.err);
+    if (result.exit_code == exit_code::done || result.exit_code == exit_code::not_found)
+        session.application().forget_place(place);
+    return result.exit_code;
+}
+
+}  // namespace hivectl

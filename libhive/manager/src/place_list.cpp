@@ -1,0 +1,201 @@
+// Reads and replaces the file of places.
+#include "place_list.hpp"
+
+#include <hive/event/clock.hpp>
+#include <hive/json.hpp>
+#include <hive/name.hpp>
+#include <hive/transport/address.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <thread>
+#include <tuple>
+#include <unistd.h>
+
+namespace hive {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr JsonLimits file_limits{.bytes = 4 << 20, .depth = 4, .keys = 16, .string_bytes = 1024};
+/// An answer is written down when the last one is so long ago, so that looking every second writes little.
+constexpr std::int64_t answer_grain_us = 1'000'000;
+
+[[noreturn]] void fail_at(const fs::path& file, const char* what)
+{
+    throw Error(Errc::io, std::string("cannot ") + what + " " + file.string() + ": " + std::strerror(errno));
+}
+
+/// While this lives, no other process changes the list.
+class ListLock {
+public:
+    explicit ListLock(const fs::path& file)
+        : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600))
+    {
+        if (descriptor_ < 0)
+            fail_at(file, "open");
+        const auto end = event::Clock::now() + std::chrono::seconds(2);
+        while (!taken()) {
+            if (event::Clock::now() >= end) {
+                ::close(descriptor_);
+                throw Error(Errc::timeout, "another process has held " + file.string() + " for 2 s");
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+    }
+    ~ListLock() { ::close(descriptor_); }
+    ListLock(const ListLock&) = delete;
+    ListLock& operator=(const ListLock&) = delete;
+
+private:
+    [[nodiscard]] bool taken() const
+    {
+        struct flock whole {};
+        whole.l_type = F_WRLCK;
+        whole.l_whence = SEEK_SET;
+        return ::fcntl(descriptor_, F_OFD_SETLK, &whole) == 0;
+    }
+
+    int descriptor_;
+};
+
+Json place_to_json(const Place& place)
+{
+    Json json{{"drone", place.drone}, {"host", place.host}, {"address", place.address}};
+    if (!place.ssh.empty())
+        json["ssh"] = place.ssh;
+    if (place.answered_us != 0)
+        json["answered_us"] = place.answered_us;
+    return json;
+}
+
+Place place_from_json(const Json& object)
+{
+    const Fields fields(object, "place");
+    return {.drone = fields.name("drone"),
+            .host = fields.text("host"),
+            .address = to_text(transport::parse_address(fields.text("address"))),
+            .ssh = fields.text_or("ssh", ""),
+            .answered_us = fields.integer_or("answered_us", 0, max_json_integer, 0)};
+}
+
+auto place_order(const Place& place) { return std::tie(place.drone, place.host, place.address); }
+
+bool same_place(const Place& one, const Place& other) { return place_order(one) == place_order(other); }
+
+bool same_file(const struct stat& one, const struct stat& other)
+{
+    return one.st_ino == other.st_ino && one.st_size == other.st_size && one.st_mtim.tv_sec == other.st_mtim.tv_sec
+           && one.st_mtim.tv_nsec == other.st_mtim.tv_nsec;
+}
+
+std::vector<Place> read_places(const fs::path& file)
+try {
+    std::ifstream in(file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const Json list = parse_json(text, file_limits);
+    std::vector<Place> places;
+    for (const Fields fields(list, "the list of places"); const auto& item : fields.array("places"))
+        places.push_back(place_from_json(item));
+    std::ranges::sort(places, {}, place_order);
+    return places;
+} catch (const Error& error) {
+    throw Error(Errc::malformed, file.string() + " cannot be read: " + error.what(),
+                "mend it, or begin anew: rm " + file.string());
+}
+
+void require_possible(const Place& place)
+{
+    require_name(place.drone, "drone");
+    const auto address = transport::parse_address(place.address);
+    if (address.scheme != transport::Address::Scheme::tcp || address.port == 0)
+        throw Error(Errc::invalid_argument, place.address + " is no place on a network",
+                    "write tcp://HOST:PORT; the drones of this machine are found without");
+    if (place.host.empty() || place.host == Place::here)
+        throw Error(Errc::invalid_argument, "a place on another machine is not called " + in_quotes(place.host));
+}
+
+}  // namespace
+
+// No drone's name begins with a dot.
+PlaceList::PlaceList(const fs::path& home) : file_(home / ".places"), lock_(home / ".places-lock") {}
+
+const std::vector<Place>& PlaceList::places() const
+{
+    struct stat now {};
+    if (::stat(file_.c_str(), &now) != 0) {
+        if (errno != ENOENT)
+            fail_at(file_, "look at");
+        now = {};
+        read_.clear();
+    } else if (!same_file(now, of_)) {
+        read_ = read_places(file_);
+    }
+    of_ = now;
+    return read_;
+}
+
+void PlaceList::add(const Place& place)
+{
+    require_possible(place);
+    change([&](std::vector<Place>& places) {
+        std::erase_if(places, [&](const Place& other) { return same_place(other, place); });
+        places.push_back(place);
+        return true;
+    });
+}
+
+bool PlaceList::forget(const Place& place)
+{
+    bool found = false;
+    change([&](std::vector<Place>& places) {
+        return found = std::erase_if(places, [&](const Place& other) { return same_place(other, place); }) > 0;
+    });
+    return found;
+}
+
+void PlaceList::answered(const std::vector<Place>& places) noexcept
+try {
+    const auto now = event::wall_us();
+    const auto is_old = [&](const Place& place) { return now - place.answered_us >= answer_grain_us; };
+    if (std::ranges::none_of(places, is_old))
+        return;
+    change([&](std::vector<Place>& known) {
+        for (auto& place : known)
+            if (std::ranges::any_of(places, [&](const Place& other) { return same_place(other, place); }))
+                place.answered_us = now;
+        return true;
+    });
+} catch (const std::exception&) {
+}
+
+void PlaceList::change(const std::function<bool(std::vector<Place>&)>& change)
+{
+    const ListLock lock(lock_);
+    auto places = this->places();
+    if (change(places))
+        write(places);
+}
+
+void PlaceList::write(const std::vector<Place>& places) const
+{
+    const fs::path fresh = file_.string() + ".new";
+    Json list = Json::array();
+    for (const auto& place : places)
+        list.push_back(place_to_json(place));
+    {
+        std::ofstream out(fresh, std::ios::trunc);
+        out << Json{{"places", list}}.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
+        if (!out.flush())
+            fail_at(fresh, "write");
+    }
+    std::error_code problem;
+    fs::rename(fresh, file_, problem);
+    if (problem)
+        throw Error(Errc::io, "cannot replace " + file_.string() + ": " + problem.message());
+}
+
+}  // namespace hive

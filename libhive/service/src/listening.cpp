@@ -1,0 +1,126 @@
+// Chooses ports, and takes those of before a crash again.
+#include "listening.hpp"
+
+#include <algorithm>
+
+namespace hive::service {
+
+using transport::Address;
+
+namespace {
+
+constexpr std::uint16_t first_port = 7700, last_port = 7955;
+
+/// The texts under a key of the state of before a crash.
+std::vector<std::string> saved_texts(const Json& state, const char* key)
+{
+    std::vector<std::string> texts;
+    for (const auto& item : state.value(key, Json::array()))
+        if (item.is_string())
+            texts.push_back(item.get<std::string>());
+    return texts;
+}
+
+/// The port that it had at this host, then all that it may choose from.
+std::vector<std::uint16_t> ports_to_try(const std::string& host, const std::vector<std::string>& before)
+{
+    std::vector<std::uint16_t> ports;
+    for (const auto& text : before)
+        if (const auto address = listen_address(text); address.host == host && address.port != 0)
+            ports.push_back(address.port);
+    for (std::uint16_t port = first_port; port <= last_port; ++port)
+        ports.push_back(port);
+    return ports;
+}
+
+/// What is advertised without a port has the port of the first that is listened at.
+std::string advertised(const std::string& text, const std::vector<std::string>& listening)
+{
+    auto address = listen_address(text);
+    if (address.port == 0)
+        address.port = transport::parse_address(listening.at(0)).port;
+    return to_text(address);
+}
+
+void require_members_key(transport::KeyRing* keys, const std::string& what)
+try {
+    if (!keys)
+        throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
+    if (keys->own().front().role != Role::member)
+        throw Error(Errc::not_permitted, keys->file().string() + " is a viewers' key, and a drone needs the members'",
+                    "copy the members' key here");
+} catch (const Error& error) {
+    throw Error(Errc::not_permitted,
+                what + ": anybody who reaches this port could control the drone, and " + error.what(),
+                error.advice() + "; or, on a network that you trust wholly, add --insecure");
+}
+
+}  // namespace
+
+Address listen_address(const std::string& text)
+{
+    const auto colon = text.rfind(':'), bracket = text.rfind(']');
+    const bool without_port =
+        text.starts_with("tcp://") && (colon == 3 || (bracket != std::string::npos && colon < bracket));
+    return transport::parse_address(without_port ? text + ":0" : text);
+}
+
+ListenWish wished(ListenWish told, const Json& state)
+{
+    const auto before = saved_texts(state, "listen");
+    if (!told.listen.empty() || before.empty())
+        return told;
+    return {before, saved_texts(state, "advertise"), told.insecure || state.value("insecure", false),
+            told.key.empty() ? state.value("key", "") : told.key};
+}
+
+std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish)
+{
+    if (wish.insecure)
+        return nullptr;
+    const auto file = wish.key.empty() ? default_key_file() : std::filesystem::path(wish.key);
+    const auto keys = file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file);
+    if (!wish.key.empty())
+        keys->own();
+    for (const auto& text : wish.listen)
+        if (listen_address(text).scheme == Address::Scheme::tcp)
+            require_members_key(keys.get(), "--listen " + text);
+    return keys;
+}
+
+void Listening::begin(const ListenWish& wish, const Json& state)
+{
+    const auto before = saved_texts(state, "listen");
+    held_ = {{}, {}, wish.insecure, wish.key};
+    places_ = {to_text(module_.listen(home_.address(module_.self().name)))};
+    for (const auto& text : wish.listen) {
+        held_.listen.push_back(to_text(listen(listen_address(text), before)));
+        reporter_.log("listening at " + held_.listen.back());
+    }
+    for (const auto& text : wish.advertise)
+        held_.advertise.push_back(advertised(text, held_.listen));
+    std::ranges::copy(held_.advertise.empty() ? held_.listen : held_.advertise, std::back_inserter(places_));
+}
+
+Address Listening::listen(const Address& wanted, const std::vector<std::string>& before)
+{
+    if (wanted.scheme != Address::Scheme::tcp || wanted.port != 0)
+        return module_.listen(wanted);
+    for (const auto port : ports_to_try(wanted.host, before))
+        try {
+            return module_.listen({wanted.scheme, wanted.host, port});
+        } catch (const Error& error) {
+            if (error.code() != Errc::name_taken)
+                throw;
+        }
+    throw Error(Errc::name_taken,
+                "no port from " + std::to_string(first_port) + " to " + std::to_string(last_port) + " is free",
+                "name one: --listen tcp://" + wanted.host + ":PORT");
+}
+
+Json Listening::saved() const
+{
+    return {{"listen", held_.listen}, {"advertise", held_.advertise}, {"insecure", held_.insecure}, {"key", held_.key}};
+}
+
+}  // namespace hive::service

@@ -1,0 +1,54 @@
+// Where a drone is met: its local socket, and the ports that it was told to take. It keeps its ports after a crash.
+#pragma once
+
+#include "reporter.hpp"
+
+#include <hive/event/home.hpp>
+#include <hive/transport/key_ring.hpp>
+
+namespace hive::service {
+
+/// What the command line says of it.
+struct ListenWish {
+    std::vector<std::string> listen;     ///< beside the local socket: "tcp://HOST:PORT", "tcp://HOST"
+    std::vector<std::string> advertise;  ///< where others find it, if that is elsewhere
+    bool insecure = false;               ///< without a key
+    std::string key = {};                ///< the swarm's key file; empty: default_key_file()
+};
+
+/// What is told now; where nothing is told of listening, what held before the crash.
+ListenWish wished(ListenWish told, const Json& state);
+
+/// The swarm's keys; null: none. Throws Errc::not_permitted when it is to listen on tcp and there is no members' key.
+std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish);
+
+/// Reads tcp://HOST as well: the port is 0, which means that it is chosen here. Throws Errc::invalid_argument.
+transport::Address listen_address(const std::string& text);
+
+/// The network side.
+class Listening {
+public:
+    Listening(event::Module& module, const event::Home& home, const Reporter& reporter)
+        : module_(module), home_(home), reporter_(reporter)
+    {
+    }
+
+    /// Listens at the local socket, and where it is told to, if it may at the ports of before the crash. Throws
+    /// Errc::name_taken, Errc::not_permitted, Errc::io.
+    void begin(const ListenWish& wish, const Json& state);
+    /// For the state file: what begin() takes.
+    [[nodiscard]] Json saved() const;
+    /// Where it is met, the local socket first.
+    [[nodiscard]] const std::vector<std::string>& places() const noexcept { return places_; }
+
+private:
+    transport::Address listen(const transport::Address& wanted, const std::vector<std::string>& before);
+
+    event::Module& module_;
+    const event::Home& home_;
+    const Reporter& reporter_;
+    ListenWish held_;
+    std::vector<std::string> places_;
+};
+
+}  // namespace hive::service
