@@ -68,7 +68,9 @@ TEST_CASE("replay: a drone that keeps state accepts a recording that is set agai
     const auto tracks = application.collect({{"track", "tracks"}});
     application.connect({"replay", ""}, {"track", ""});
     const auto first = identities(*tracks, 5);
+    REQUIRE(eventually([&] { return tracks->ended().has_value(); }));
     application.set("replay", {{"file", file}});
+    REQUIRE(eventually([&] { return !tracks->ended(); }));
     const auto second = identities(*tracks, 5);
     CHECK(second.begin()->first == first.begin()->first + 1);
     CHECK(refused_by_track(application) == 0);
