@@ -252,9 +252,13 @@ void Group::let_go(Member& member, Fate how)
 {
     const auto working = static_cast<std::size_t>(member.credit.worked_in_hand());
     const bool died = how == Fate::lost_killed || how == Fate::lost_cut_off;
-    for (auto i = member.hands.size(); i-- > 0;)
+    for (auto i = member.hands.size(); i-- > 0;) {
+        const auto job = open_.find(member.hands[i].turn);
+        if (job != open_.end() && how != Fate::lost_left)
+            job->second.in_doubt = true;
         if (member.hands[i].turn != 0)
             pass_on(member, member.hands[i], died && i == working && !member.hands[i].passed_on, false);
+    }
 }
 
 void Group::leave(ReceiverId id, Clock::time_point now, Decisions& decisions)
@@ -263,8 +267,8 @@ void Group::leave(ReceiverId id, Clock::time_point now, Decisions& decisions)
     if (member.empty())
         return;
     let_go(member.mapped(), Fate::lost_left);
-    if (members_.empty())  // one that was lost before may have answered what is open, and comes back to say so
-        empty(lost_.empty() || open_.empty(), decisions);
+    if (members_.empty())
+        empty(true, decisions);
     settle(decisions);
     pump(now, decisions);
 }
@@ -284,15 +288,14 @@ void Group::lose(ReceiverId id, Fate how, Clock::time_point now, Decisions& deci
 }
 
 /// The last member is gone. What a live source made and nobody had is skipped: the next member begins with what is new.
-/// @param ended  nobody is waited for
-void Group::empty(bool ended, Decisions& decisions)
+void Group::empty(bool left, Decisions& decisions)
 {
     if (!fresh_.empty() && !fresh_.back()->lossless()) {
         fresh_.pop_back();
         ledger_->went(Fate::skipped);
     }
-    if (ended)
-        return give_up_all(decisions);
+    if (left)
+        return give_up(false, decisions);
     const auto lossless = [](const auto& row) { return row.second.event->lossless(); };
     awaited_ = lossless_ || !fresh_.empty() || std::ranges::any_of(open_, lossless);
 }
@@ -302,14 +305,20 @@ void Group::forget(Decisions& decisions)
     awaited_ = false;
     lost_.clear();
     if (members_.empty())
-        give_up_all(decisions);
+        give_up(false, decisions);
 }
 
-void Group::give_up_all(Decisions& decisions)
+void Group::give_up(bool also_in_doubt, Decisions& decisions)
 {
-    again_.clear();
-    for (const auto& [turn, job] : std::exchange(open_, {}))
-        abandon(job.event, share(turn, job), decisions);
+    for (auto it = open_.begin(); it != open_.end();) {
+        if (it->second.in_doubt && !also_in_doubt) {
+            ++it;
+            continue;
+        }
+        const auto given_up = open_.extract(it++);
+        again_.erase(given_up.key());
+        abandon(given_up.mapped().event, share(given_up.key(), given_up.mapped()), decisions);
+    }
     for (const auto& event : std::exchange(fresh_, {})) {
         ledger_->went(Fate::abandoned);
         if (leases_)
@@ -334,7 +343,7 @@ bool Group::asks() const
 bool Group::backlogged() const
 {
     const auto event = next_event();
-    return event && event->lossless();
+    return active() && event && event->lossless();
 }
 
 bool Group::leasing() const
@@ -344,9 +353,9 @@ bool Group::leasing() const
 
 Reason Group::why() const
 {
-    if (awaited_)
+    if (awaited_ || (members_.empty() && !open_.empty()))
         return Reason::group_awaited;
-    if (asks())
+    if (members_.empty() || asks())
         return Reason::none;
     const auto exhausted = [](const auto& row) { return row.second.failures >= most_failures; };
     if (std::ranges::any_of(open_, exhausted)

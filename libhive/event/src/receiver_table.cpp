@@ -155,7 +155,7 @@ void ReceiverTable::forget_oldest(Decisions& decisions)
             emptied_.try_emplace(name, ++order_);
     while (emptied_.size() > most_empty_groups) {
         const auto oldest = std::ranges::min_element(emptied_, {}, [](const auto& row) { return row.second; });
-        groups_.at(oldest->first).forget(decisions);
+        groups_.at(oldest->first).give_up(true, decisions);
         groups_.erase(oldest->first);
         accounts_.forget_group(oldest->first);
         emptied_.erase(oldest);

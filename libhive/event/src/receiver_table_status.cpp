@@ -86,7 +86,7 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
         row.status.group = true;
         row.status.connected = group.active();
         row.status.waiting = group.waiting();
-        row.status.why = group.active() ? group.why() : Reason::none;
+        row.status.why = group.why();
     }
     std::vector<Row> list;
     for (auto& [key, row] : rows)

@@ -182,9 +182,12 @@ TEST_CASE("group: who need not be waited for is forgotten, and what waited for i
     workers.lose(1);
     workers.forget();
     CHECK_FALSE(workers.group.active());
-    CHECK(workers.failed == Sequences{1, 2});
-    CHECK(workers.went(Fate::abandoned) == 2);
-    CHECK(workers.join(7, "face-1").empty());
+    CHECK(workers.failed == Sequences{2});
+    CHECK(workers.went(Fate::abandoned) == 1);
+    CHECK(workers.group.why() == Reason::group_awaited);  // event 1, which the lost member may have answered
+    CHECK_FALSE(workers.group.backlogged());
+    CHECK(workers.join(7, "face-1") == Got{{7, {1}}});
+    CHECK(workers.done(7, 1).empty());
     CHECK(workers.offer(3) == Got{{7, {3}}});
     CHECK(workers.last_share->turn == 2);
     CHECK(workers.last_share->closed == 1);
@@ -246,12 +249,25 @@ TEST_CASE("group: the last member that leaves on purpose ends no work that a los
     workers.offer(2);
     workers.lose(1);
     workers.leave(2);
-    CHECK(workers.failed.empty());
-    CHECK(workers.group.awaited());
-    CHECK(workers.join(7, "face-1") == Got{{7, {1}}});
-    workers.done(7, 1);
+    CHECK(workers.failed == Sequences{2});
+    CHECK_FALSE(workers.group.active());
+    CHECK(workers.join(7, "face-1") == Got{{7, {1}}});  // the next attempt is in doubt for the same reason
     workers.leave(7);
-    CHECK(workers.failed == Sequences{2});  // nobody is away any more
+    CHECK(workers.failed == Sequences{2});
+    CHECK(workers.join(8) == Got{{8, {1}}});
+    CHECK(workers.done(8, 1).empty());
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("group: when there will be no next member, what is in doubt is given up as well")
+{
+    Workers workers(1);
+    workers.offer(1);
+    workers.lose(1);
+    workers.forget();
+    CHECK(workers.failed.empty());
+    workers.give_up();
+    CHECK(workers.failed == Sequences{1});
     CHECK(workers.all_balanced());
 }
 

@@ -45,6 +45,11 @@ public:
     {
         return got([&](Decisions& to) { group.forget(to); });
     }
+    /// The group ends.
+    Got give_up()
+    {
+        return got([&](Decisions& to) { group.give_up(true, to); });
+    }
     Got pass(Clock::duration time)
     {
         now += time;

@@ -55,6 +55,7 @@ private:
         EmissionPtr event;
         int attempts = 0, failures = 0;
         bool waits = false;            ///< to be given out again
+        bool in_doubt = false;         ///< who was lost may have answered
         std::set<ReceiverId> holders;  ///< who may answer
     };
     struct Hand {
@@ -140,7 +141,6 @@ private:
         member.options = options;
         member.known.asked = options.window;
         awaited_ = false;
-        lost_.erase(member.name);
         decide([&](Decisions& to) {
             group_.join(id, member.name, member.registration, options, accounts_[member.name], now_, to);
         });
@@ -264,25 +264,27 @@ private:
         const auto id = found->first;
         Member member = std::move(found->second);
         members_.erase(found);
-        for (auto i = std::size_t{0}; i < member.hands.size(); ++i)
-            if (!member.hands[i].handed_back)
-                let_go(id, member.hands[i], died && i == member.worked() && !member.hands[i].passed_on, false);
+        for (auto i = std::size_t{0}; i < member.hands.size(); ++i) {
+            if (member.hands[i].handed_back)
+                continue;
+            if (const auto found_job = open_.find(member.hands[i].turn); found_job != open_.end() && !left)
+                found_job->second.in_doubt = true;
+            let_go(id, member.hands[i], died && i == member.worked() && !member.hands[i].passed_on, false);
+        }
         if (members_.empty())
-            empty(left && (lost_.empty() || open_.empty()));
-        if (!left)
-            lost_.insert(member.name);
+            empty(left);
         end_hopeless();
         decide([&](Decisions& to) { call(id, to); });
     }
 
-    void empty(bool ended)
+    void empty(bool left)
     {
         if (!fresh_.empty() && !fresh_.back()->lossless()) {
             fresh_.pop_back();
             books_.went(Fate::skipped);
         }
-        if (ended)
-            return give_up_all();
+        if (left)
+            return give_up();
         const auto lossless = [](const auto& row) { return row.second.event->lossless(); };
         awaited_ = last_was_lossless_ || !fresh_.empty() || std::ranges::any_of(open_, lossless);
     }
@@ -290,15 +292,17 @@ private:
     void forget()
     {
         awaited_ = false;
-        lost_.clear();
-        give_up_all();
+        give_up();
         decide([&](Decisions& to) { group_.forget(to); });
     }
 
-    void give_up_all()
+    void give_up()
     {
-        for (const auto& [turn, job] : std::exchange(open_, {}))
-            expect_failure(job.event);
+        std::erase_if(open_, [&](const auto& row) {
+            if (!row.second.in_doubt)
+                expect_failure(row.second.event);
+            return !row.second.in_doubt;
+        });
         for (const auto& event : std::exchange(fresh_, {}))
             expect_failure(event);
     }
@@ -361,7 +365,6 @@ private:
     std::deque<EmissionPtr> fresh_;
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0, turns_ = 0;
-    std::set<std::string> lost_;
     bool awaited_ = false, last_was_lossless_ = false;
     Sequences expected_failures_;
 };

@@ -46,8 +46,12 @@ public:
     void leave(ReceiverId id, Clock::time_point now, Decisions& decisions);
     /// Its connection ended.
     void lose(ReceiverId id, Fate how, Clock::time_point now, Decisions& decisions);
-    /// Nobody waits for the members that were lost any longer; what is left is given up.
+    /// Nobody waits for the members that were lost any longer; if they were the last, what is left is given up.
     void forget(Decisions& decisions);
+    /// Nobody is there, or awaited, who could do what is left. What a lost member may have answered is not told as
+    /// failed then, or it would have two answers: it waits for the next member, whoever that is.
+    /// @param also_in_doubt  there will be no next member
+    void give_up(bool also_in_doubt, Decisions& decisions);
 
     [[nodiscard]] bool active() const { return !members_.empty() || awaited_; }
     /// Is it without members, and does the source wait for one to come?
@@ -70,7 +74,8 @@ private:
         EmissionPtr event;
         int attempt = 0;
         int failures = 0;
-        int holders = 0;  ///< connected members that were given it and have not handed it back
+        int holders = 0;        ///< connected members that were given it and have not handed it back
+        bool in_doubt = false;  ///< a member that was lost had it, and may have answered without telling
     };
     struct Hand {  ///< one delivery to a member
         std::int64_t turn = 0;
@@ -105,9 +110,8 @@ private:
     void pass_on(Member& member, Hand& hand, bool failed, bool holds);
     void let_go(Member& member, Fate how);
     void settle(Decisions& decisions);
-    void empty(bool ended, Decisions& decisions);
+    void empty(bool left, Decisions& decisions);
     void abandon(const EmissionPtr& event, const Share& share, Decisions& decisions);
-    void give_up_all(Decisions& decisions);
     [[nodiscard]] EmissionPtr next_event() const;
     [[nodiscard]] std::int64_t closed() const { return open_.empty() ? turns_ : open_.begin()->first - 1; }
     [[nodiscard]] Share share(std::int64_t turn, const Job& job) const;
