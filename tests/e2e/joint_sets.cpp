@@ -1,6 +1,8 @@
 // Many who set the same drones at once, some of them interrupted or killed: what is confirmed holds on all drones.
 #include "measure.hpp"
 
+#include <hive/event/home.hpp>
+
 #include <doctest/doctest.h>
 #include <raw_peer.hpp>
 
@@ -153,6 +155,7 @@ TEST_CASE("joint set: a drone that goes away when it is told to keep the values 
 {
     const Swarm swarm;
     const auto drones = sleepers(swarm, 1);
+    const hive::event::NameClaim claim(hive::event::Home(swarm.home()), "s2");
     raw::Listener listener(swarm.home() / "s2.sock");
     std::thread s2([&] {
         auto asker = listener.accept();
