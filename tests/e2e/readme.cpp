@@ -86,6 +86,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"wait", ""},
                               {"resume", ""},
                               {"completion", ""},
+                              {"devices", ""},
                               {"stop", ""}};
 
 }  // namespace
