@@ -98,7 +98,10 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 constexpr auto windows = R"(
 trap 'kill $(jobs -p) 2> /dev/null || true' EXIT
 trap 'echo "failed: $BASH_COMMAND" >&2' ERR
-in_window() { "$bin/$1" "${@:2}" < /dev/null > window.log 2>&1 & until hivectl wait "$3" > /dev/null 2>&1; do sleep 0.05; done; }
+in_window() {
+    "$bin/$1" "${@:2}" < /dev/null > window.log 2>&1 &
+    until hivectl wait "$3" > /dev/null 2>&1; do sleep 0.05; done
+}
 hive-camera() { in_window hive-camera "$@"; }
 hive-face() { in_window hive-face "$@"; }
 curl() { command curl --silent --show-error --fail --retry 20 --retry-delay 1 --retry-connrefused "$@"; }
