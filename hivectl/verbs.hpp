@@ -12,6 +12,7 @@
     VERB(stop)                                                                                                         \
     VERB(ps)                                                                                                           \
     VERB(describe)                                                                                                     \
+    VERB(devices)                                                                                                      \
     VERB(wait)                                                                                                         \
     VERB(place)                                                                                                        \
     VERB(logs)                                                                                                         \

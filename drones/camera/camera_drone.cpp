@@ -94,6 +94,8 @@ void CameraDrone::declare()
                      "HIVE_CAMERA_PASSWORD");
     drone_.parameter("transport", transport_, hive::one_of({"tcp", "udp"}),
                      "of rtsp://: tcp loses nothing; udp does not wait for what is lost");
+    drone_.parameter("format", format_, hive::anything(),
+                     "asked of a device: MJPG, YUYV, ... (hivectl devices lists them); empty: as it likes");
     drone_.parameter("faces", faces_, hive::between(0, 3), "number of faces in the scene");
     drone_.parameter("walkers", walkers_, hive::between(0, 4), "number of people who walk through the scene");
     drone_.parameter("hand", hand_, hive::anything(),
@@ -104,7 +106,7 @@ void CameraDrone::declare()
 
 CameraDrone::Wanted CameraDrone::wanted() const
 {
-    Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}, credentials_, transport_}, fps_, pace_};
+    Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}, credentials_, transport_, format_}, fps_, pace_};
     if (!is_scene(source_))
         return wanted;  // what the scene shall show is no reason to open a file or a camera again
     wanted.source.scene.faces = faces_;
@@ -133,6 +135,9 @@ void CameraDrone::apply()
 void CameraDrone::open(const Wanted& wanted)
 {
     const SourceKind kind = source_kind(wanted.source.text);
+    if (!is_format(wanted.source.format))
+        throw hive::Error(hive::Errc::refused, "no format is called " + wanted.source.format,
+                          "it has at most four letters and digits: MJPG; see those of a camera: hivectl devices");
     if (wanted.pace == "demand" && is_live(kind))
         throw hive::Error(hive::Errc::refused,
                           "pace=demand is for files and the scene: a camera does not wait to be asked");
@@ -260,6 +265,8 @@ hive::Json CameraDrone::about(const Frame& frame) const
         header["hands"] = hands_of(frame);
     if (!frame.file.empty())
         header["file"] = frame.file;
+    if (!frame.device.empty())
+        header["device"] = frame.device;
     if (frame.fps > 0)
         header["fps"] = frame.fps;
     if (frame.media_time)

@@ -151,6 +151,8 @@ private:
         Schedule schedule(fps_, Clock::now());
         while (wait_until(Clock::now())) {
             auto frame = source.next();
+            for (const auto& sentence : source.news())
+                report(sentence);
             if (!frame)
                 return Outcome::ended;
             if (const auto now = Clock::now(); now + jitter >= schedule.due()) {

@@ -176,7 +176,8 @@ std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAlloc
         return std::make_unique<FileSource>(std::vector<fs::path>{settings.text}, settings.loop, memory);
     case SourceKind::folder: return open_folder(settings.text, settings.loop, memory);
     case SourceKind::video: return open_video(settings.text, settings.loop, memory);
-    case SourceKind::device: return open_device(settings.text, size_or_default(settings.size), settings.fps, memory);
+    case SourceKind::device:
+        return open_device(settings.text, {settings.format, size_or_default(settings.size), settings.fps}, memory);
     case SourceKind::url:
         return open_url({settings.text,
                          capture::read_credentials(settings.credentials, {user_variable, password_variable}),

@@ -27,7 +27,8 @@ struct Frame {
     std::int64_t index = 0;  ///< in the source, from 0; begins again when the source is looped
     std::string file;        ///< where it was read; empty: elsewhere
     std::optional<std::chrono::microseconds> media_time;  ///< its own time in a video
-    double fps = 0;                                       ///< of that video; 0: unknown
+    double fps = 0;                                       ///< of that video or device; 0: unknown
+    std::string device;                                   ///< what the device says that it gives
     bool begins_again = false;                            ///< the first of a video that is played once more
     std::chrono::system_clock::time_point captured{};
 };
@@ -42,6 +43,7 @@ struct SourceSettings {
     SceneSettings scene;         ///< its size and background are taken from above
     std::string credentials = {};   ///< of a network camera: a file with user:password; empty: of the environment
     std::string transport = "tcp";  ///< of RTSP
+    std::string format = {};        ///< asked of a device: four letters, "MJPG"; empty: as it likes
 
     bool operator==(const SourceSettings&) const = default;
 };
@@ -84,6 +86,9 @@ bool is_picture(const std::filesystem::path& file);
 
 /// Is it drawn? Says so of any text, also of a scene that there is not.
 bool is_scene(const std::string& text);
+
+/// Can this be the name of a device's format? So can an empty one, which means any.
+bool is_format(const std::string& text);
 
 /// Does it have a rate of its own, which nobody can slow down or speed up?
 inline bool is_live(SourceKind kind) { return kind == SourceKind::device || kind == SourceKind::url; }

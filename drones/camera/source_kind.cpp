@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <stdexcept>
 #include <string_view>
@@ -92,6 +93,12 @@ SourceKind source_kind(const std::string& text)
         return SourceKind::device;
     }
     return file_kind(text);
+}
+
+bool is_format(const std::string& text)
+{
+    return text.size() <= 4
+           && std::ranges::all_of(text, [](unsigned char letter) { return letter < 0x80 && std::isalnum(letter); });
 }
 
 std::string shown_source(const std::string& text)

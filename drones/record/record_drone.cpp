@@ -61,6 +61,7 @@ RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.
     drone_.on_event(
         "events", "*/*", [this](const hive::Event& event) { take(event); },
         "what is recorded; connect as many outputs as you like");
+    drone_.on_end([this](const std::string& text) { end(text); });
     drone_.main([this] { return look(); });
 }
 
@@ -100,12 +101,12 @@ void RecordDrone::choose_folder()
 }
 
 /// The file, seen from the folder.
-std::string RecordDrone::below_folder() const
+std::string RecordDrone::below_folder(const std::string& file) const
 {
-    const auto below = (folder_ / file_).lexically_normal().lexically_relative(folder_);
+    const auto below = (folder_ / file).lexically_normal().lexically_relative(folder_);
     if (below.empty() || below.string().starts_with(".."))
         throw hive::Error(hive::Errc::refused,
-                          file_ + " does not lie below " + folder_.string() + ", where this recorder may write",
+                          file + " does not lie below " + folder_.string() + ", where this recorder may write",
                           "start a recorder there, or with a file there: hivectl start record file=PATH");
     return below.string();
 }
@@ -120,27 +121,57 @@ void RecordDrone::spare_what_was_recorded()
     drone_.log(before + " was being recorded when the drone was killed, and stays as it is; goes on in " + file_);
 }
 
+std::unique_ptr<hive::recording::Writer> RecordDrone::writer_of(const std::string& file) const
+{
+    const auto below = below_folder(file);
+    const std::chrono::milliseconds sync(static_cast<std::int64_t>(sync_ * 1000));
+    try {
+        return std::make_unique<hive::recording::Writer>(
+            hive::recording::WriterSettings{below, folder_, overwrite_, limits(), sync});
+    } catch (const hive::Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw hive::Error(hive::Errc::refused, error.what());
+    }
+}
+
 /// The new file first: if it cannot be, the old one goes on.
 void RecordDrone::open()
 {
-    std::unique_ptr<hive::recording::Writer> fresh;
-    if (!file_.empty())
-        try {
-            fresh = std::make_unique<hive::recording::Writer>(
-                hive::recording::WriterSettings{below_folder(), folder_, overwrite_, limits(),
-                                                std::chrono::milliseconds(static_cast<std::int64_t>(sync_ * 1000))});
-        } catch (const hive::Error&) {
-            throw;
-        } catch (const std::exception& error) {
-            throw hive::Error(hive::Errc::refused, error.what());
-        }
+    auto fresh = file_.empty() ? nullptr : writer_of(file_);
     close("another file was set");
     opened_ = file_;
+    begin(file_, std::move(fresh));
+}
+
+void RecordDrone::begin(const std::string& file, std::unique_ptr<hive::recording::Writer> writer)
+{
+    writes_ = file;
+    ended_.clear();
     reported_ = false;
     count_dropped();
     for (auto& [from, dropped] : dropped_)
         dropped.total = 0;
-    writer_ = std::move(fresh);
+    writer_ = std::move(writer);
+}
+
+/// A file that has everything of its sources is complete: it gets its index and its end.
+void RecordDrone::end(const std::string& text)
+{
+    if (!writer_ || !writer_->ended().empty() || writer_->summary().events() == 0)
+        return;
+    const auto how = text.empty() ? "end of source" : "end of source: " + text;
+    close(how);
+    ended_ = how;
+    say();
+}
+
+/// A source that begins once more, or another one, is recorded too, and spoils nothing of what is complete.
+void RecordDrone::go_on()
+{
+    const auto next = next_free(folder_, writes_);
+    begin(next, writer_of(next));
+    drone_.log("more came after the end: goes on in " + next);
 }
 
 void RecordDrone::close(const std::string& how)
@@ -152,12 +183,14 @@ void RecordDrone::close(const std::string& how)
         if (const auto waiting = queued(drone_.status()); waiting > 0 && writer_->ended().empty())
             writer_->lost("*", "still waiting when the drone was stopped", waiting);
     writer_->finish(how);
-    drone_.log(opened_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
+    drone_.log(writes_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
     writer_.reset();
 }
 
 void RecordDrone::take(const hive::Event& event)
 {
+    if (!writer_ && !ended_.empty())
+        go_on();
     if (!writer_)
         return;
     hive::recording::append(*writer_, event);
@@ -193,12 +226,15 @@ void RecordDrone::count_dropped()
 
 void RecordDrone::say()
 {
+    if (!ended_.empty())
+        return drone_.condition("ended: " + ended_ + "; " + writes_ + " is complete");
     if (!writer_)
         return drone_.condition("no file: set one, file=PATH");
     const bool failed = !writer_->failure().empty();
-    drone_.condition(failed || writer_->ended().empty() ? writer_->failure() : "ended: " + writer_->ended());
+    const std::string goes_on = writes_ == opened_ ? "" : "goes on in " + writes_;
+    drone_.condition(failed ? writer_->failure() : writer_->ended().empty() ? goes_on : "ended: " + writer_->ended());
     if (failed && !std::exchange(reported_, true))
-        drone_.report(hive::Errc::io, opened_ + ": " + writer_->failure()
+        drone_.report(hive::Errc::io, writes_ + ": " + writer_->failure()
                                           + "; the recording has ended, what comes now is counted as lost");
 }
 

@@ -22,8 +22,12 @@ private:
     void apply();
     void choose_folder();
     void spare_what_was_recorded();
-    [[nodiscard]] std::string below_folder() const;
+    [[nodiscard]] std::string below_folder(const std::string& file) const;
+    [[nodiscard]] std::unique_ptr<hive::recording::Writer> writer_of(const std::string& file) const;
     void open();
+    void begin(const std::string& file, std::unique_ptr<hive::recording::Writer> writer);
+    void end(const std::string& text);
+    void go_on();
     void close(const std::string& how);
     void take(const hive::Event& event);
     std::chrono::microseconds look();
@@ -37,7 +41,9 @@ private:
     std::string file_;
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;
-    std::string opened_;  ///< the file that `writer_` was made for
+    std::string opened_;  ///< the parameter `file` when it was opened
+    std::string writes_;  ///< the file of `writer_`: that, or the next one after an end
+    std::string ended_;   ///< how the last file ended with its source, while nothing came after it
     std::unique_ptr<hive::recording::Writer> writer_;
     struct Dropped {
         std::int64_t seen = 0;   ///< the connection's own count, which begins again with the connection

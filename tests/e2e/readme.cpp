@@ -1,6 +1,6 @@
 // The shell commands of the READMEs and the examples of --help, run as they stand there: of a README every fenced block
 // marked `sh`, all of one page in one swarm.
-#include "measure.hpp"
+#include "reader.hpp"
 
 #include <doctest/doctest.h>
 
@@ -31,26 +31,6 @@ std::vector<std::string> shell_blocks(const fs::path& page)
             blocks.back() += line + "\n";
         }
     return blocks;
-}
-
-/// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C.
-constexpr auto reader = R"(set -euo pipefail
-hivectl() {
-    local code=0 limit=20
-    case "$1" in top|results|record|save|exceptions) limit=$patience ;; esac
-    timeout -s INT "$limit" "$program" "$@" || code=$?
-    case "$1:$code" in top:124|results:124|record:124|save:124|exceptions:124) return 0 ;; esac
-    return $code
-}
-command -v jq > /dev/null || jq() { cat; }
-)";
-
-/// @param seconds  for commands that stream
-Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)
-{
-    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds)
-                               + "\ncd " + swarm.home().string() + "\n";
-    return swarm.run({"/bin/bash", "-c", values + reader + commands}, 60'000ms);
 }
 
 /// The commands under "examples:" of a verb's help, without what they do.
@@ -98,6 +78,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"collect", "hivectl start camera --as left; hivectl start camera --as right"},
                               {"record", "hivectl stop left right"},
                               {"replay", ""},
+                              {"save", ""},
                               {"top", ""},
                               {"exceptions", ""},
                               {"disconnect", ""},
@@ -108,6 +89,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"resume", ""},
                               {"key", ""},
                               {"completion", ""},
+                              {"devices", ""},
                               {"stop", ""}};
 
 }  // namespace

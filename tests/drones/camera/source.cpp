@@ -1,6 +1,7 @@
 // Sources: what a text names, what is refused and why, what comes out in which order.
 #include "media.hpp"
 #include "source.hpp"
+#include "video_source.hpp"
 
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -64,6 +65,24 @@ TEST_CASE("source: the text tells the kind")
     CHECK(source_kind(folder.path().string()) == SourceKind::folder);
     CHECK(camera::is_live(SourceKind::device));
     CHECK_FALSE(camera::is_live(SourceKind::video));
+}
+
+TEST_CASE("source: what a device gives is held against what it was asked for")
+{
+    using camera::DeviceForm;
+    const DeviceForm got{"MJPG", {1280, 720}, 29.97};
+    CHECK(camera::to_text(got) == "MJPG 1280x720 at 30 fps");
+    CHECK(camera::to_text({"", {640, 480}, 0}) == "640x480");
+    CHECK(camera::fits({}, got));
+    CHECK(camera::fits({"MJPG", {1280, 720}, 30}, got));
+    CHECK(camera::fits({"", {1280, 720}, 30}, {"YUYV", {1280, 720}, 0}));  // it does not tell its rate
+    CHECK_FALSE(camera::fits({"YUYV", {1280, 720}, 30}, got));
+    CHECK_FALSE(camera::fits({"MJPG", {640, 480}, 30}, got));
+    CHECK_FALSE(camera::fits({"MJPG", {1280, 720}, 60}, got));
+    CHECK(camera::is_format("MJPG"));
+    CHECK(camera::is_format(""));
+    CHECK_FALSE(camera::is_format("MJPEG"));
+    CHECK_FALSE(camera::is_format("a b"));
 }
 
 TEST_CASE("source: a refusal says what is missing")

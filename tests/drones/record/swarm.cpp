@@ -105,11 +105,12 @@ TEST_CASE("recording: ten thousand events on demand come back as they were, twic
     const auto originals = take(*collector, count);
     REQUIRE(
         eventually([&] { return at_inputs(application.status("record"), &hive::InputStatus::processed) == count; }));
+    REQUIRE(eventually([&] { return has(application.status("record").condition, "ended: end of source"); }));
     application.stop("record");
     {
         const Reader reader(file);
         CHECK(reader.problem() == "");
-        CHECK(reader.summary().ended == "stopped");
+        CHECK(reader.summary().ended == "end of source");
         CHECK(reader.summary().events() == count);
         CHECK(reader.summary().lossless());
     }
@@ -257,6 +258,31 @@ TEST_CASE("recording: a recorder that was killed and is started again goes on in
         again.wait(2000ms);
     }
     CHECK(text_of(file) == kept);
+}
+
+TEST_CASE("recording: at the end of its source a recording is complete, and what comes later is in the next one")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=5"});
+    const auto file = swarm.home() / "run.hive", next = swarm.home() / "run-2.hive";
+    const auto recorder = swarm.drone("record", "recorder", {"file=" + file.string()});
+    auto application = swarm.application();
+    const auto comes_to_say = [&](const std::string& text) {
+        const bool said = eventually([&] { return has(application.status("recorder").condition, text); }, 10'000ms);
+        CHECK_MESSAGE(said, text, " and not ", application.status("recorder").condition);
+    };
+    const auto events_in = [](const fs::path& path) {
+        Reader reader(path);
+        CHECK(reader.summary().ended == "end of source");
+        return contiguous_events(reader);
+    };
+    application.connect({"source", "tick"}, {"recorder", "events"}, wide);
+    comes_to_say("ended: end of source; " + file.string() + " is complete");
+    CHECK(events_in(file) == 5);
+    application.set("source", {{"count", 8}});
+    comes_to_say("ended: end of source; " + next.string() + " is complete");
+    CHECK(events_in(file) == 5);
+    CHECK(events_in(next) == 3);
 }
 
 TEST_CASE("recording: a set reaches no file outside of the folder that the recorder was started for")

@@ -1,6 +1,8 @@
 // hivectl save: what a camera gives from a file comes to a file, with its times.
 #include "media.hpp"
 #include "reading.hpp"
+#include "sink.hpp"
+#include "source.hpp"
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -8,6 +10,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <sstream>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -24,7 +27,73 @@ std::string clip(const std::filesystem::path& folder, int pictures)
     return path;
 }
 
+/// Uneven, as those of a camera.
+std::chrono::microseconds time_of(int index) { return std::chrono::microseconds(33'367 * index + (index % 3) * 4'000); }
+
+/// A drawn face before a wall, for 300 pictures.
+std::string clip_with_face(const std::filesystem::path& folder)
+{
+    const std::string path = (folder / "face.mp4").string();
+    camera::SourceSettings settings;
+    settings.text = "scene:plain";
+    settings.size = {320, 240};
+    const auto scene = camera::open_source(settings);
+    const auto sink = writing::open_sink({.path = path});
+    for (int i = 0; i < 300; ++i)
+        sink->add({.pixels = scene->next()->image, .sequence = i + 1, .fps = 30}, time_of(i));
+    sink->close();
+    return path;
+}
+
+/// The seconds at which pictures are shown, as ffprobe tells them.
+std::vector<double> probed(const Swarm& swarm, const std::string& path)
+{
+    const auto finished = swarm.run({"/usr/bin/ffprobe", "-v", "error", "-select_streams", "v", "-show_entries",
+                                     "frame=pts_time", "-of", "csv=p=0", path},
+                                    30'000ms);
+    CHECK_MESSAGE(finished.exit_code == 0, finished.err);
+    CHECK_MESSAGE(finished.err.empty(), finished.err);
+    std::vector<double> times;
+    std::istringstream lines(finished.out);
+    for (std::string line; std::getline(lines, line);)
+        if (!line.empty())
+            times.push_back(std::stod(line));
+    return times;
+}
+
+/// In how many pictures has something been drawn?
+int differing(const std::string& path, const std::string& from)
+{
+    cv::VideoCapture drawn(path, cv::CAP_FFMPEG), plain(from, cv::CAP_FFMPEG);
+    int count = 0;
+    for (cv::Mat a, b; drawn.read(a) && plain.read(b);)
+        count += cv::norm(a, b, cv::NORM_INF) > 100 ? 1 : 0;
+    return count;
+}
+
 }  // namespace
+
+TEST_CASE(
+    "save: 300 pictures of a clip, with the faces framed, are 300 frames at the same times, as ffprobe reads them")
+{
+    if (!std::filesystem::exists("/usr/bin/ffprobe")) {
+        MESSAGE("skipped: no ffprobe here; it is in Debian's package ffmpeg");
+        return;
+    }
+    const Swarm swarm;
+    const media::Folder folder;
+    const auto from = clip_with_face(folder.path()), path = (folder.path() / "out.mp4").string();
+    const auto camera = swarm.drone("camera", "camera", {"source=" + from, "pace=demand", "loop=off"});
+    const auto face = swarm.drone("face", "face", {"scale=1.3"});
+    swarm.hivectl_done({"connect", "camera", "face"});
+    swarm.hivectl_done({"save", "face.annotated", path}, 60'000ms);
+    const auto times = probed(swarm, path);
+    REQUIRE(times.size() == 300);
+    for (int i = 0; i < 300; ++i)
+        CHECK(std::abs(times[static_cast<std::size_t>(i)] - std::chrono::duration<double>(time_of(i)).count())
+              <= 0.001);
+    CHECK(differing(path, from) > 200);
+}
 
 TEST_CASE("save: a clip on demand comes out with all its frames at their times, and the command ends by itself")
 {

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-# An RTSP server for tests (GStreamer's): rtsp-server.py PORT FPS [--login USER:PASSWORD] [--udp].
+# An RTSP server for tests (GStreamer's): server.py PORT FPS [--login USER:PASSWORD] [--udp] [--clock].
 # Its stream is at /live, H.264, 320x240; it prints "ready" when it listens.
 import argparse
+import threading
+import time
 
 import gi
 
@@ -15,16 +17,44 @@ arguments.add_argument("port")
 arguments.add_argument("fps", type=int)
 arguments.add_argument("--login")
 arguments.add_argument("--udp", action="store_true", help="refuse TCP")
+arguments.add_argument("--clock", action="store_true",
+                       help="pictures show when they were made: 32 fields, black or white, from the left; the milliseconds since "
+                       "1970 in binary, highest bit first")
 options = arguments.parse_args()
+
+
+def picture_of(milliseconds):
+    """Grey values, then two planes without colour (I420)."""
+    fields = (b"\xeb" * 10 if milliseconds >> bit & 1 else b"\x10" * 10 for bit in range(31, -1, -1))
+    return b"".join(fields) * 240 + b"\x80" * (320 * 120)
+
+
+def push_pictures(source):
+    """Until the stream is closed."""
+    due = time.monotonic()
+    while source.emit("push-buffer", Gst.Buffer.new_wrapped(picture_of(int(time.time() * 1000)))) == Gst.FlowReturn.OK:
+        due += 1 / options.fps
+        time.sleep(max(0, due - time.monotonic()))
+
+
+def play(_, media):
+    source = media.get_element().get_child_by_name("source")
+    threading.Thread(target=push_pictures, args=[source], daemon=True).start()
+
 
 Gst.init(None)
 server = GstRtspServer.RTSPServer()
 server.set_address("127.0.0.1")
 server.set_service(options.port)
 factory = GstRtspServer.RTSPMediaFactory()
+form = f"video/x-raw,width=320,height=240,framerate={options.fps}/1"
+if options.clock:
+    pictures = f"appsrc name=source is-live=true do-timestamp=true format=time caps={form},format=I420"
+    factory.connect("media-configure", play)
+else:
+    pictures = f"videotestsrc is-live=true ! {form}"
 factory.set_launch(
-    f"( videotestsrc is-live=true ! video/x-raw,width=320,height=240,framerate={options.fps}/1 "
-    f"! x264enc tune=zerolatency speed-preset=ultrafast key-int-max={options.fps} threads=1 "
+    f"( {pictures} ! x264enc tune=zerolatency speed-preset=ultrafast key-int-max={options.fps} threads=1 "
     "! rtph264pay name=pay0 pt=96 config-interval=1 )")
 factory.set_shared(True)
 factory.set_protocols(GstRtsp.RTSPLowerTrans.UDP if options.udp else GstRtsp.RTSPLowerTrans.TCP)

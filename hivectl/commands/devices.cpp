@@ -1,0 +1,117 @@
+// hivectl devices: the V4L2 cameras of this machine, and what they can give.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+#include "../video_device.hpp"
+
+#include <hive/error.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace hivectl {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// /dev/video0, /dev/video1, ... in the order of their numbers.
+std::vector<std::string> paths()
+{
+    std::vector<std::string> found;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator("/dev", none))
+        if (entry.path().filename().string().starts_with("video"))
+            found.push_back(entry.path().string());
+    std::ranges::sort(found, {}, [](const std::string& path) { return std::pair(path.size(), path); });
+    return found;
+}
+
+class Descriptor {
+public:
+    explicit Descriptor(const std::string& path) : number_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC))
+    {
+        if (number_ < 0)
+            throw hive::Error(hive::Errc::refused, "cannot use " + path + ": " + std::strerror(errno),
+                              errno == EACCES ? "become a member of the group video: adduser NAME video" : "");
+    }
+    ~Descriptor() { ::close(number_); }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    [[nodiscard]] bool ask(unsigned long request, void* about) const { return ::ioctl(number_, request, about) == 0; }
+
+private:
+    int number_;
+};
+
+void add_rows(std::vector<Row>& rows, const std::string& path)
+{
+    const Descriptor descriptor(path);
+    const auto device =
+        video_device([&](unsigned long request, void* about) { return descriptor.ask(request, about); });
+    if (!device)
+        return;
+    for (const auto& mode : device->modes)
+        rows.push_back({{"device", path},
+                        {"name", device->name},
+                        {"driver", device->driver},
+                        {"format", mode.format},
+                        {"size", mode.size},
+                        {"fps", mode.rates}});
+}
+
+std::string as_rates(const hive::Json& rates) { return rates_text(rates.get<std::vector<double>>()); }
+
+int run(Session& session)
+{
+    Outcome outcome("devices");
+    std::vector<Row> rows;
+    for (const auto& path : paths())
+        try {
+            add_rows(rows, path);
+            outcome.done();
+        } catch (const hive::Error& error) {
+            outcome.failed(path, error);
+        }
+    print_rows(session.json,
+               {{"DEVICE", "device"},
+                {"NAME", "name"},
+                {"DRIVER", "driver"},
+                {"FORMAT", "format"},
+                {"SIZE", "size"},
+                {"FPS", "fps", as_rates}},
+               rows);
+    if (rows.empty() && outcome.exit_code() == exit_code::done)
+        complain("devices", "there is no V4L2 camera at this machine");
+    return outcome.exit_code();
+}
+
+Run declare(CommandLine& /*line*/, Session& session)
+{
+    return [&session] { return run(session); };
+}
+
+}  // namespace
+
+Verb devices_verb()
+{
+    return {.name = "devices",
+            .group = "run drones",
+            .usage = "[options]",
+            .summary = "Lists the V4L2 cameras of this machine, with their formats",
+            .details =
+                "One line for each format and size, with the pictures a second at which they can be had; all "
+                "three can be chosen: hivectl set camera source=DEVICE format=MJPG width=1280 height=720 fps=30.",
+            .examples = "hivectl devices",
+            .declare = declare};
+}
+
+}  // namespace hivectl

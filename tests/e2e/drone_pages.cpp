@@ -1,0 +1,167 @@
+// The commands on the drones' pages, run as they stand there: every indented line of a README in drones/, a page at a
+// time, in the order of the page, in a swarm of its own. What has to be there first, and the few words that cannot be
+// as on the page, are in one list.
+#include "onnx_writer.hpp"
+#include "reader.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <fstream>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Page {
+    std::string folder;
+    std::string before;                                      ///< what the reader has done already
+    std::vector<std::pair<std::string, std::string>> other;  ///< words of the page, and those that stand for them here
+};
+
+const std::string recording = "hivectl start camera; hivectl start face; hivectl connect camera face\n"
+                              "hivectl record camera face.faces -n 10 -o run.hive; hivectl stop --all\n";
+
+// Needs hardware: without it the command has to be refused.
+const std::string set_device = "if [ -e /dev/video0 ]; then hivectl set cam source=/dev/video0 width=1280 height=720\n"
+                               "else hivectl set cam source=/dev/video0 width=1280 height=720 || [ $? = 5 ]; fi";
+
+// Ports are replaced by ones that are free, and a camera in the network by the emulated one.
+const std::vector<Page> pages{
+    {"annotate", "", {}},
+    {"axis",
+     "mkdir -p .config/hive; echo root:pass > .config/hive/door-camera; chmod 600 .config/hive/door-camera\n"
+     "hive-axis-emulator port=$port1 control=$port2 auth=digest &\n",
+     {{"http://192.0.2.10", "http://127.0.0.1:$port1 allow_address=127.0.0.1"}}},
+    {"axis/emulator",
+     "",
+     {{"8080", "$port1"}, {"8081", "$port2"}, {"'http", "\"http"}, {"Brand'", "Brand\""}, {"10'", "10\""}}},
+    {"background", "", {}},
+    {"camera",
+     "hivectl start camera; mkdir pictures; hivectl snap camera pictures/1.jpg; hivectl stop camera\n",
+     {{"hivectl set cam source=/dev/video0 width=1280 height=720", set_device}}},
+    {"detect", "", {}},
+    {"face", "hivectl start camera --as cam\n", {}},
+    {"gesture", "", {}},
+    {"record", "", {}},
+    {"replay", recording, {}},
+    {"track", "", {}},
+    {"view", "", {{"8080", "$port1"}}},
+    {"write",
+     "hivectl start camera; hivectl save camera clip.mp4 -n 20; hivectl stop camera\n"
+     "hivectl start camera --as other; hivectl start face; hivectl connect other face\n",
+     {}},
+};
+
+/// The lines that are indented as commands are, outside of fenced blocks.
+std::string commands_on(const fs::path& page)
+{
+    std::ifstream in(page);
+    std::string commands;
+    bool fenced = false;
+    for (std::string line; std::getline(in, line);) {
+        fenced = line.starts_with("```") ? !fenced : fenced;
+        if (!fenced && line.starts_with("    "))
+            commands += line.substr(4) + "\n";
+    }
+    return commands;
+}
+
+std::string free_port()
+{
+    const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    REQUIRE(::bind(descriptor, reinterpret_cast<sockaddr*>(&address), size) == 0);
+    ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size);
+    ::close(descriptor);
+    return std::to_string(ntohs(address.sin_port));
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to)
+{
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
+    return text;
+}
+
+/// What a reader does in another window: programs that stay in the foreground; and a moment of patience with a server.
+constexpr auto windows = R"(
+trap 'kill $(jobs -p) 2> /dev/null || true' EXIT
+trap 'echo "failed: $BASH_COMMAND" >&2' ERR
+in_window() {
+    "$bin/$1" "${@:2}" < /dev/null > window.log 2>&1 &
+    until hivectl wait "$3" > /dev/null 2>&1; do sleep 0.05; done
+}
+hive-camera() { in_window hive-camera "$@"; }
+hive-face() { in_window hive-face "$@"; }
+curl() { command curl --silent --show-error --fail --retry 20 --retry-delay 1 --retry-connrefused "$@"; }
+)";
+
+/// A screen where Xvfb can make one; without it, or where the window's library would be blamed for its leaks, no window
+/// is opened.
+std::string screen_for(const Page& page)
+{
+    if (page.folder != "view")
+        return "";
+    if (!sanitized() && fs::exists("/usr/bin/Xvfb"))
+        return "Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp 3> screen 2> /dev/null &\n"
+               "until [ -s screen ]; do sleep 0.05; done; export DISPLAY=:$(cat screen)\n";
+    MESSAGE("skipped: the window of hivectl view");
+    return "export DISPLAY=:none; hivectl() { [ \"$*\" = 'view face.annotated' ] || run \"$@\"; }\n";
+}
+
+void run_page(const std::string& folder)
+{
+    const auto page = *std::ranges::find(pages, folder, &Page::folder);
+    auto commands = commands_on(fs::path(HIVE_SOURCE_DIR) / "drones" / folder / "README.md");
+    REQUIRE_FALSE(commands.empty());
+    for (const auto& [from, to] : page.other) {
+        REQUIRE_MESSAGE(commands.find(from) != std::string::npos, from, " is on the page no more");
+        commands = replaced(commands, from, to);
+    }
+    const Swarm swarm;
+    const onnx::File model(".onnx", onnx::bytes_of({8, 8, {1, 5, 7}, std::vector<float>(35, 0.0F), {}}));
+    fs::copy_file(model.path(), swarm.home() / "yolov8n.onnx");
+    std::ofstream(swarm.home() / "coco.names") << "person\n";
+    const auto script = "port1=" + free_port() + " port2=" + free_port() + " bin='" + swarm.program("").string()
+                        + "' HOME=$PWD\n" + windows + screen_for(page) + page.before + commands;
+    const auto finished = run_as_reader(swarm, script, sanitized() ? 10 : 1);
+    CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of\n", commands, "\nit printed\n",
+                  finished.out, finished.err);
+}
+
+}  // namespace
+
+TEST_CASE("pages: every page in drones/ that has commands is run here")
+{
+    const fs::path drones = fs::path(HIVE_SOURCE_DIR) / "drones";
+    for (const auto& file : fs::recursive_directory_iterator(drones))
+        if (file.path().filename() == "README.md" && !commands_on(file.path()).empty()) {
+            const auto folder = fs::relative(file.path().parent_path(), drones).string();
+            CHECK_MESSAGE(std::ranges::count(pages, folder, &Page::folder) == 1, folder, " is not in the list");
+        }
+}
+
+TEST_CASE("pages: the commands on the page of annotate work as they stand there") { run_page("annotate"); }
+TEST_CASE("pages: the commands on the page of axis work as they stand there") { run_page("axis"); }
+TEST_CASE("pages: the commands on the page of axis/emulator work as they stand there") { run_page("axis/emulator"); }
+TEST_CASE("pages: the commands on the page of background work as they stand there") { run_page("background"); }
+TEST_CASE("pages: the commands on the page of camera work as they stand there") { run_page("camera"); }
+TEST_CASE("pages: the commands on the page of detect work as they stand there") { run_page("detect"); }
+TEST_CASE("pages: the commands on the page of face work as they stand there") { run_page("face"); }
+TEST_CASE("pages: the commands on the page of gesture work as they stand there") { run_page("gesture"); }
+TEST_CASE("pages: the commands on the page of record work as they stand there") { run_page("record"); }
+TEST_CASE("pages: the commands on the page of replay work as they stand there") { run_page("replay"); }
+TEST_CASE("pages: the commands on the page of track work as they stand there") { run_page("track"); }
+TEST_CASE("pages: the commands on the page of view work as they stand there") { run_page("view"); }
+TEST_CASE("pages: the commands on the page of write work as they stand there") { run_page("write"); }

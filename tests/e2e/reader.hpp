@@ -1,0 +1,30 @@
+// Runs the commands of a page as somebody who reads it does.
+#pragma once
+
+#include "swarm.hpp"
+
+#include <string>
+
+namespace hive::test {
+
+/// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C.
+inline constexpr auto reader = R"(set -euo pipefail
+hivectl() {
+    local code=0 limit=20
+    case "$1" in top|results|record|save|view|exceptions) limit=$patience ;; esac
+    timeout -s INT "$limit" "$program" "$@" || code=$?
+    case "$1:$code" in top:124|results:124|record:124|save:124|view:124|exceptions:124) return 0 ;; esac
+    return $code
+}
+command -v jq > /dev/null || jq() { cat; }
+)";
+
+/// @param seconds  for commands that stream
+inline Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)
+{
+    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds)
+                               + "\ncd " + swarm.home().string() + "\n";
+    return swarm.run({"/bin/bash", "-c", values + reader + commands}, Milliseconds(60'000));
+}
+
+}  // namespace hive::test
