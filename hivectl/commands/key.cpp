@@ -37,7 +37,11 @@ fs::path file_of(const Options& options)
     return fs::absolute(file);
 }
 
-std::string handed_over(const fs::path& file) { return "scp " + file.string() + " HOST:.config/hive/swarm.key"; }
+/// In one line for each machine; a directory that is there already does no harm.
+std::string handed_over(const fs::path& file)
+{
+    return "ssh HOST mkdir -p .config/hive && scp " + file.string() + " HOST:.config/hive/swarm.key";
+}
 
 int told(const hive::SwarmKey& key, const fs::path& file, const std::string& next, const Session& session)
 {

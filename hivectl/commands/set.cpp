@@ -3,6 +3,8 @@
 #include "../exit_code.hpp"
 #include "../interrupt.hpp"
 #include "../output.hpp"
+#include "../places.hpp"
+#include "../remote.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
 #include "../table.hpp"
@@ -14,16 +16,41 @@
 namespace hivectl {
 namespace {
 
+using namespace std::chrono_literals;
+
 struct Options {
     std::string target;
     std::vector<std::string> settings;
 };
 
-int set_one(const Options& options, const hive::Json& settings, Session& session)
+/// The same command on the drone's machine, at its local socket: whoever may log in there is its operator.
+int set_there(const hive::Place& place, const Options& options, Session& session)
 {
+    const Remote remote(place.ssh, session.home());
+    const auto limit = session.timeout();
+    std::vector<std::string> words{"set", place.drone, "--timeout",
+                                   std::to_string(std::max<std::int64_t>(1, limit / 1s))};
+    if (session.json)
+        words.emplace_back("--json");
+    words.insert(words.end(), options.settings.begin(), options.settings.end());
+    const auto result = remote.hivectl(words, limit + 12s);
+    write_out(result.out);
+    repeat_complaints("set", remote.host(), result.err);
+    return result.exit_code;
+}
+
+int set_one(const Options& options, const hive::Json& settings, Session& session)
+try {
     const auto applied = session.application().set(options.target, settings);
     write_out(session.json ? json_text(applied) + "\n" : settings_text(applied));
     return exit_code::done;
+} catch (const hive::Error& error) {
+    if (error.code() != hive::Errc::not_permitted)
+        throw;
+    const auto place = session.application().place(options.target);
+    if (!is_elsewhere(place) || place.ssh.empty())
+        throw;
+    return set_there(place, options, session);
 }
 
 /// Of a set that has changed nothing: those that only stood back refuse, so the code is that of the cause.
@@ -84,7 +111,10 @@ Verb set_verb()
             "that holds for all the drones: their own code tries the values first, and when one refuses, or Ctrl-C "
             "comes before that, nothing has changed on any of them (exit code 5, or 130). If a drone dies in the very "
             "moment when the others are told to keep the values, it is reported as unknown (exit code 8, or 4 when no "
-            "drone has confirmed). With --json an object of values; with a glob one {\"drone\", \"values\"} a line.",
+            "drone has confirmed). What concerns a drone's machine (paths, URLs, logins) is set on that machine; of "
+            "one "
+            "drone that was started with --on, hivectl does that through ssh. With --json an object of values; with a "
+            "glob one {\"drone\", \"values\"} a line.",
         .examples = "hivectl set face scale=1.05 min_size=40\n"
                     "hivectl set 'face-*' scale=1.05",
         .operands = {Operand::drone, Operand::setting},

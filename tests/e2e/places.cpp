@@ -362,3 +362,28 @@ TEST_CASE("start --on: what is missing there is said in one sentence, with what 
     CHECK(there.application().drones().empty());
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
 }
+
+TEST_CASE("start --on: what concerns its machine is set through ssh, and by the swarm's key alone it is not")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    here.hivectl_done({"key", "new"});
+    const auto started = ssh.hivectl({"start", "camera", "--on", "me@gpu1", "--json"});
+    REQUIRE_MESSAGE(started.exit_code == 0, started.err);
+    const auto set = ssh.hivectl({"set", "camera", "source=scene", "fps=7"});
+    CHECK_MESSAGE(set.exit_code == 0, set.err);
+    CHECK(set.out == "fps=7.0\nsource=scene\n");
+    CHECK(there.application().get("camera", {"fps"}) == Json{{"fps", 7.0}});
+    const auto bad = ssh.hivectl({"set", "camera", "source=/nowhere/it's not there"});
+    CHECK(bad.exit_code != 0);
+    CHECK(has(bad.err, "gpu1: "));
+
+    const auto address = Json::parse(started.out).at("address").get<std::string>();
+    here.hivectl_done({"place", "remove", "camera"});
+    here.hivectl_done({"place", "add", "camera", address});
+    const auto by_key = ssh.hivectl({"set", "camera", "source=scene"});
+    CHECK(by_key.exit_code == 5);
+    CHECK(has(by_key.err, "--remote-operator"));
+    CHECK(ssh.hivectl({"set", "camera", "fps=8"}).exit_code == 0);
+    there.hivectl_done({"stop", "camera"});
+}

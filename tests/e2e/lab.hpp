@@ -1,0 +1,86 @@
+// A laptop and machines that it reaches through ssh, as network namespaces with an sshd in each. Root is needed, and
+// iproute2 and openssh-server.
+#pragma once
+
+#include "swarm.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace hive::test {
+
+/// A network namespace, gone at the end.
+class Namespace {
+public:
+    Namespace(const Swarm& swarm, std::string name);
+    ~Namespace();
+    Namespace(const Namespace&) = delete;
+    Namespace& operator=(const Namespace&) = delete;
+
+    [[nodiscard]] bool made() const { return made_; }
+    [[nodiscard]] const std::string& name() const { return name_; }
+    /// The words of a command that is run inside.
+    [[nodiscard]] std::vector<std::string> inside(const std::vector<std::string>& words) const;
+    void run(const std::string& commands) const;
+
+private:
+    const Swarm& swarm_;
+    std::string name_;
+    bool made_ = false;
+};
+
+/// A machine with a home of its own and an address that the others reach.
+struct Machine {
+    Machine(const Namespace& hub, const std::string& name, int number);
+
+    Swarm swarm;
+    Namespace net;
+    std::string address;
+};
+
+/// What this machine cannot do, or nothing.
+std::string missing_for_lab();
+
+class Lab {
+public:
+    /// @param variables  "NAME=value" for whatever is run on the machines through ssh
+    explicit Lab(const std::vector<std::string>& names, const std::vector<std::string>& variables = {});
+
+    /// A line of a shell on the laptop, with hivectl, ssh and scp in its path and a home without anything.
+    [[nodiscard]] Finished shell(const std::string& line) const;
+    std::string shell_done(const std::string& line) const;
+    std::string hivectl_done(const std::string& words) const { return shell_done("hivectl " + words); }
+    /// hivectl on the laptop, beside the test: what it prints goes to NAME.log in directory().
+    [[nodiscard]] Process hivectl_running(const std::string& words, const std::string& name) const;
+    /// Makes a key and gives it to all.
+    void share_key() const;
+    /// Takes a machine off the network, and puts it back.
+    void cut(std::size_t machine) const { hub_.run("ip link set " + link_of(machine) + " down"); }
+    void mend(std::size_t machine) const { hub_.run("ip link set " + link_of(machine) + " up"); }
+    /// What goes from one machine to another vanishes, and nobody is told; and comes through again.
+    void swallow(std::size_t from, std::size_t to) const { hub_.run("ip rule add " + way(from, to)); }
+    void let_through(std::size_t from, std::size_t to) const { hub_.run("ip rule delete " + way(from, to)); }
+    /// The namespace in the middle, to which all are linked.
+    [[nodiscard]] const std::string& hub() const { return hub_.name(); }
+    [[nodiscard]] const Machine& machine(std::size_t index) const { return *machines_.at(index); }
+    [[nodiscard]] std::filesystem::path directory() const { return laptop_home_.home(); }
+
+private:
+    static std::string link_of(std::size_t machine) { return "h" + std::to_string(machine + 2); }
+    [[nodiscard]] std::string way(std::size_t from, std::size_t to) const;
+    [[nodiscard]] std::vector<std::string> on_laptop(const std::string& line) const;
+    void run(const std::string& commands) const;
+    void add(const std::string& name, const std::vector<std::string>& variables);
+    void write_ssh() const;
+
+    Swarm laptop_home_;
+    Namespace hub_;
+    std::unique_ptr<Machine> laptop_;
+    std::vector<std::unique_ptr<Machine>> machines_;
+    std::vector<Process> sshd_;
+    std::vector<std::string> names_;
+    std::string config_, known_;
+};
+
+}  // namespace hive::test
