@@ -63,7 +63,7 @@ DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     : settings_(std::move(settings)),
       self_{.name = settings_.name, .kind = program.kind, .epoch = event::wall_us(), .pid = ::getpid()},
       declaration_(std::move(program)),
-      reporter_(self_, board_),
+      reporter_(self_, board_, settings_.log),
       emitter_(self_, declaration_.interface, mailbox_)
 {
 }
@@ -77,13 +77,48 @@ DroneCore::~DroneCore()
 
 void DroneCore::run()
 {
-    declaration_.interface.parameters = declaration_.parameters.declared();
     if (settings_.describe) {
-        std::cout << to_json(declaration_.interface).dump(2) << std::endl;
+        std::cout << to_json(interface()).dump(2) << std::endl;
         return;
     }
-    prepare();
+    start();
     running_->worker.run();
+    ended();
+}
+
+Interface DroneCore::interface() const
+{
+    Interface interface = declaration_.interface;
+    interface.parameters = declaration_.parameters.declared();
+    return interface;
+}
+
+void DroneCore::start()
+{
+    if (running_)
+        throw Error(Errc::invalid_argument, "a drone runs once");
+    declaration_.interface = interface();
+    prepare();
+}
+
+bool DroneCore::work(std::chrono::milliseconds time)
+{
+    if (!stopping())
+        running_->worker.run(event::Clock::now() + time);
+    return !stopping();
+}
+
+void DroneCore::finish()
+{
+    if (!running_ || last_status_)
+        return;
+    running_->module.call([this] { end(); });
+    running_->worker.run();
+    ended();
+}
+
+void DroneCore::ended()
+{
     last_status_ = status();
     mailbox_.discard([](const Event&) { return true; });
     running_->end();  // not reset(): what still runs on the network side uses it
@@ -135,7 +170,8 @@ void DroneCore::serve(const Json& state)
     auto& module = running_->module;
     module.start();
     module.call([&] {
-        module.on_signal([this](int) { end(); });
+        if (settings_.signals)
+            module.on_signal([this](int) { end(); });
         module.listen(running_->home.address(settings_.name));
         for (const auto& address : settings_.listen)
             reporter_.log("listening at " + to_text(module.listen(transport::parse_address(address))));
@@ -150,7 +186,8 @@ void DroneCore::end()
     if (!board_.stop())
         return;
     mailbox_.nudge();
-    last_grace_.begin(running_->home.path(self_.name, ".sock"));
+    if (settings_.ends_process)
+        last_grace_.begin(running_->home.path(self_.name, ".sock"));
 }
 
 std::optional<Json> DroneCore::given(const std::string& parameter) const
@@ -173,6 +210,8 @@ Status DroneCore::status()
 {
     if (stopping() && last_status_)
         return *last_status_;
+    if (!running_)
+        throw Error(Errc::invalid_argument, "a drone that does not run yet has no status");
     Status now;
     running_->module.call([&] { now = running_->requests.status(); });
     return now;

@@ -1,0 +1,23 @@
+// The command line that all drones share, read into settings.
+#pragma once
+
+#include "drone_core.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive::service {
+
+/// The settings; the log of the program is begun. Nothing: the line was answered (--help, --version) or refused on
+/// stderr, and the program is to end with `exit_code`.
+std::optional<DroneSettings> read_command_line(int argc, const char* const* argv, const DroneProgram& program,
+                                               int& exit_code);
+
+/// Throws Errc::not_permitted for an address where anybody could control the drone.
+void require_safe(const std::vector<std::string>& addresses, bool insecure);
+
+/// Says on stderr why a program ends, and with which exit code.
+int complain(const DroneProgram& program, const Error& error);
+
+}  // namespace hive::service
