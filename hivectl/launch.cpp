@@ -6,6 +6,7 @@
 #include "interrupt.hpp"
 #include "output.hpp"
 #include "programs.hpp"
+#include "python_file.hpp"
 #include "session.hpp"
 #include "table.hpp"
 #include "targets.hpp"
@@ -46,11 +47,14 @@ void require_free(Session& session, const LaunchPlan& plan)
 
 BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
 {
-    const auto program = require_program(plan.kind);
+    const auto run = is_python_file(plan.kind) ? run_of_python_file(plan.kind)
+                                               : PythonRun{.interpreter = require_program(plan.kind)};
     require_free(session, plan);
-    std::vector<std::string> words{"--name", plan.name};
+    std::vector<std::string> words = run.arguments, environment = run.environment;
+    words.insert(words.end(), {"--name", plan.name});
     words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
-    return {program, words, {"HIVE_HOME=" + session.home().string()}, log, plan.life};
+    environment.push_back("HIVE_HOME=" + session.home().string());
+    return {run.interpreter, words, environment, log, plan.life};
 }
 
 }  // namespace
