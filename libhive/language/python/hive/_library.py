@@ -20,7 +20,7 @@ def _load() -> ctypes.CDLL:
     installed; or where the system has libraries."""
     here = os.path.dirname(os.path.abspath(__file__))
     folders = ([], ["..", "..", "lib"], ["..", "..", ".."])
-    places = [os.path.join(here, *folder, SONAME) for folder in folders]
+    places = [os.path.normpath(os.path.join(here, *folder, SONAME)) for folder in folders]
     told = os.environ.get("HIVE_LIBRARY")
     found = [told] if told else [place for place in places if os.path.exists(place)]
     try:
