@@ -34,6 +34,7 @@ using Call = std::function<hive_code(void*)>;
 hive_code nothing(void*) { return HIVE_OK; }
 hive_code no_event(void*, const hive_event*) { return HIVE_OK; }
 hive_code no_set(void*, const hive_event* const*, std::size_t) { return HIVE_OK; }
+hive_code no_end(void*, const char*) { return HIVE_OK; }
 hive_code no_main(void*, std::int64_t*) { return HIVE_OK; }
 void no_log(void*, const char*) {}
 
@@ -63,9 +64,12 @@ std::map<std::string, Call> calls_of_events(Places& p)
             ON(hive_output, hive_output_emit_captured, 0, false, nullptr, 0, nullptr, nullptr),
             ON(hive_output, hive_output_fail, 0, false, HIVE_IO, "text"),
             ON(hive_output, hive_output_repeat, nullptr),
+            ON(hive_output, hive_output_end, nullptr),
+            ON(hive_output, hive_output_begin_source),
             ON(hive_collector, hive_collector_next, 0, &p.event),
             ON(hive_collector, hive_collector_next_set, 0, &p.event, 1, &p.size),
             ON(hive_collector, hive_collector_counts, &p.text, &p.size),
+            ON(hive_collector, hive_collector_ended, &p.flag, &p.text),
             ON(hive_collector, hive_collector_close)};
 }
 
@@ -86,6 +90,7 @@ std::map<std::string, Call> calls_of_drones(Places& p)
             ON(hive_drone, hive_drone_on_matched, "[]", nullptr, no_set, nullptr, nullptr, &p.matching),
             ON(hive_drone, hive_drone_on_change, nothing, nullptr),
             ON(hive_drone, hive_drone_on_start, nothing, nullptr),
+            ON(hive_drone, hive_drone_on_end, no_end, nullptr),
             ON(hive_drone, hive_drone_main, no_main, nullptr),
             ON(hive_drone, hive_drone_describe, &p.text, &p.size),
             ON(hive_drone, hive_drone_run),
@@ -95,6 +100,7 @@ std::map<std::string, Call> calls_of_drones(Places& p)
             ON(hive_drone, hive_drone_wake),
             ON(hive_drone, hive_drone_stop),
             ON(hive_drone, hive_drone_condition, "", ""),
+            ON(hive_drone, hive_drone_source_events, 1),
             ON(hive_drone, hive_drone_report, HIVE_IO, "text"),
             ON(hive_drone, hive_drone_log, "text"),
             ON(hive_drone, hive_drone_stopping, &p.flag),
@@ -111,6 +117,11 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_find, "*", &p.text, &p.size),
             ON(hive_application, hive_application_describe, "x", &p.text, &p.size),
             ON(hive_application, hive_application_status, "x", &p.text, &p.size),
+            ON(hive_application, hive_application_status_all, "[]", &p.text, &p.size),
+            ON(hive_application, hive_application_place, "x", &p.text, &p.size),
+            ON(hive_application, hive_application_places, &p.text, &p.size),
+            ON(hive_application, hive_application_add_place, "{}"),
+            ON(hive_application, hive_application_forget_place, "{}"),
             ON(hive_application, hive_application_wait, "x", "running", 0),
             ON(hive_application, hive_application_connect, "x", "y", nullptr, &p.text),
             ON(hive_application, hive_application_disconnect, "x", "y"),

@@ -131,14 +131,16 @@ typedef hive_code (*hive_callback)(void* user);
 typedef hive_code (*hive_event_callback)(void* user, const hive_event* event);
 typedef hive_code (*hive_set_callback)(void* user, const hive_event* const* events, size_t count);
 typedef hive_code (*hive_main_callback)(void* user, int64_t* wait_us);
+typedef hive_code (*hive_end_callback)(void* user, const char* text);
 typedef void (*hive_log_callback)(void* user, const char* line);
 
 /* A drone inside of a program that is more than a drone: it takes neither signals nor the process's end nor a log.
    `kind` says which program it is ("face"), `summary` what it does, in one sentence.
    Options: "name" in the swarm (default: the kind), "stateful" (keeps state between events, so its work cannot be
-   shared), "parameters" {name: value} to begin with, "on_exception" "skip" or "halt", "listen" [addresses],
-   "insecure"; and what it may take: "signals" (SIGINT and SIGTERM end it), "ends_process" (when it was told to stop and
-   its code does not return within 2 s). */
+   shared), "parameters" {name: value} to begin with, "on_exception" "skip" or "halt", "halted" (from the start, until
+   it is resumed), "listen" [addresses], "advertise" [addresses], "key" (the swarm's key file), "insecure",
+   "remote_operator" (as the options of the command line); and what it may take: "signals" (SIGINT and SIGTERM end it),
+   "ends_process" (when it was told to stop and its code does not return within 2 s). */
 HIVE_API hive_code hive_drone_new(const char* kind, const char* summary, const char* options, hive_drone** drone);
 /* A program that is a drone: reads the command line that all drones share (--name, --set, --describe, ...), writes its
    log to stderr, and takes signals and the process's end. Options: "stateful". When the line was answered (--help) or
@@ -153,10 +155,12 @@ HIVE_API hive_code hive_drone_name(const hive_drone* drone, char** name);
    it is its default. */
 HIVE_API hive_code hive_drone_given(hive_drone* drone, const char* parameter, char** json, bool* remembered);
 /* {"name", "type": "integer" | "number" | "flag" | "text", "default", "help"} and, if wanted, "least", "most" (both
-   inclusive), "choices" [texts], "unit" ("px"). Read and written by hive_drone_values() and hive_drone_assign(). */
+   inclusive), "choices" [texts], "unit" ("px"), "operator" (it concerns the drone's machine, as a path or a login: over
+   the network only members may set it, and only if the drone allows that). Read and written by hive_drone_values() and
+   hive_drone_assign(). */
 HIVE_API hive_code hive_drone_parameter(hive_drone* drone, const char* json);
 /* The same, bound to a variable, whose present value is the default; a set changes it between two callbacks.
-   `constraint`: {"least", "most", "choices", "unit"} or null. */
+   `constraint`: {"least", "most", "choices", "unit", "operator"} or null. */
 HIVE_API hive_code hive_drone_integer(hive_drone* drone, const char* name, int* variable, const char* constraint,
                                       const char* help);
 HIVE_API hive_code hive_drone_number(hive_drone* drone, const char* name, double* variable, const char* constraint,
@@ -188,6 +192,9 @@ HIVE_API hive_code hive_matching_rule(hive_matching* matching, const char* match
 HIVE_API hive_code hive_drone_on_change(hive_drone* drone, hive_callback callback, void* user);
 /* Once, when the drone runs: the place to open devices. If it fails, the drone does not run. */
 HIVE_API hive_code hive_drone_on_start(hive_drone* drone, hive_callback callback, void* user);
+/* When everything that the inputs receive has come to its end and has been worked on, before the outputs end too.
+   `text` is what is said about it, empty for a regular end. Once more when something came after all. */
+HIVE_API hive_code hive_drone_on_end(hive_drone* drone, hive_end_callback callback, void* user);
 /* What a source does, again and again between callbacks; it says how long to wait before the next call. It is called
    earlier when the demand for an output changes, a parameter was set, or by hive_drone_wake(). */
 HIVE_API hive_code hive_drone_main(hive_drone* drone, hive_main_callback callback, void* user);
@@ -210,6 +217,8 @@ HIVE_API hive_code hive_drone_stop(hive_drone* drone); /* ends it as the request
 /* What state its world is in ("end of source"; "" or null: all is well), and in one word why nothing moves, null or one
    of the reasons of SPEC.md ("source_ended"). */
 HIVE_API hive_code hive_drone_condition(hive_drone* drone, const char* text, const char* reason);
+/* How many events the present source has in all; 0: unknown, or without end. */
+HIVE_API hive_code hive_drone_source_events(hive_drone* drone, int64_t events);
 /* An exception, without failing. */
 HIVE_API hive_code hive_drone_report(hive_drone* drone, hive_code code, const char* text);
 HIVE_API hive_code hive_drone_log(hive_drone* drone, const char* text);
@@ -242,21 +251,29 @@ HIVE_API hive_code hive_output_fail(hive_output* output, int64_t captured_us, bo
                                     const char* text);
 /* Sends an event again as it once was, with its own identity. */
 HIVE_API hive_code hive_output_repeat(hive_output* output, const hive_event* event);
+/* The source has come to its end: nothing more will come, unless something is emitted all the same. Drones pass it on,
+   so that whoever collects at the other end knows that it has everything. `text`: what is to be said about it ("87 of
+   196 frames: the file is damaged"); null or "": its regular end. */
+HIVE_API hive_code hive_output_end(hive_output* output, const char* text);
+/* What is captured from now on is of another source: it is numbered from 1. After an end that is so by itself. */
+HIVE_API hive_code hive_output_begin_source(hive_output* output);
 
 /* --- an application --- */
 
 /* Calls block until they are confirmed or their deadline has passed (HIVE_TIMEOUT). They may come from several threads,
    and then wait for one another. After hive_application_close(), and with collectors of a closed application, each is
-   HIVE_STOPPED. An end of a connection is written "camera.image", or "camera" where only one port fits.
-   Options: "name" (default "app-PID"), "home" (default $HIVE_HOME, ...), "timeout_ms" (default 5000). */
+   HIVE_STOPPED. An end of a connection is written "camera.image", or "camera" where only one port fits. What a key or a
+   role does not allow is HIVE_NOT_PERMITTED.
+   Options: "name" (default "app-PID"), "home" (default $HIVE_HOME, ...), "timeout_ms" (default 5000), "key" (the
+   swarm's key file, for drones on other machines; default $HIVE_KEY, or ~/.config/hive/swarm.key). */
 HIVE_API hive_code hive_application_new(const char* options, hive_application** application);
 /* Leaves the swarm; waits for calls of other threads that are under way. Once more: nothing. */
 HIVE_API hive_code hive_application_close(hive_application* application);
 HIVE_API hive_code hive_application_name(const hive_application* application, char** name);
 HIVE_API hive_code hive_application_timeout(hive_application* application, int64_t timeout_ms);
 
-/* ["camera", ...]: the drones that run here; those that crashed and are remembered; those that fit a glob or a name
-   (HIVE_NOT_FOUND when none does). */
+/* ["camera", ...]: the drones that run here, and those on other machines that are known; those that crashed and are
+   remembered; those that fit a glob or a name (HIVE_NOT_FOUND when none does). */
 HIVE_API hive_code hive_application_drones(hive_application* application, char** json, size_t* length);
 HIVE_API hive_code hive_application_remembered(hive_application* application, char** json, size_t* length);
 HIVE_API hive_code hive_application_find(hive_application* application, const char* pattern, char** json,
@@ -265,6 +282,21 @@ HIVE_API hive_code hive_application_describe(hive_application* application, cons
                                              size_t* length);
 HIVE_API hive_code hive_application_status(hive_application* application, const char* drone, char** json,
                                            size_t* length);
+/* Of ["camera", ...] at once: [{"drone", "place", "status"} or {"drone", "place", "error": {"code", "text", "advice"}},
+   ...], in this order. */
+HIVE_API hive_code hive_application_status_all(hive_application* application, const char* drones, char** json,
+                                               size_t* length);
+/* Where a drone is met: {"drone", "host" ("local": this machine), "address", "ssh", "answered_us"}. A drone is called
+   "NAME@HOST" where several have the same name. */
+HIVE_API hive_code hive_application_place(hive_application* application, const char* drone, char** json,
+                                          size_t* length);
+/* The list of places: what this home was told of drones on other machines. [{"drone", ...}, ...] */
+HIVE_API hive_code hive_application_places(hive_application* application, char** json, size_t* length);
+/* Writes a place into the list: {"drone", "host", "address": "tcp://HOST:PORT", "ssh"}. */
+HIVE_API hive_code hive_application_add_place(hive_application* application, const char* place);
+/* Strikes the place of a drone off the list, as hive_application_places() gives it. HIVE_NOT_FOUND: it was not there.
+ */
+HIVE_API hive_code hive_application_forget_place(hive_application* application, const char* place);
 /* Returns when the drone is "running" (it answers, and its start is over), "idle", "halted" or "gone". */
 HIVE_API hive_code hive_application_wait(hive_application* application, const char* drone, const char* state,
                                          int64_t timeout_ms);
@@ -310,15 +342,18 @@ HIVE_API hive_code hive_application_stop(hive_application* application, const ch
 HIVE_API hive_code hive_application_exception_policy(hive_application* application, const char* drone,
                                                      const char* policy);
 
-/* The next event; *event is null when none came within the time. */
+/* The next event; *event is null when none came within the time, and at once when everything has ended. */
 HIVE_API hive_code hive_collector_next(hive_collector* collector, int64_t timeout_ms, hive_event** event);
-/* Of a collector of sets: fills events[0] to events[*count - 1]; *count is 0 when none was complete within the time.
-   HIVE_TOO_LARGE when a set has more events than `capacity`. */
+/* Of a collector of sets: fills events[0] to events[*count - 1]; *count is 0 when none was complete within the time,
+   and at once when everything has ended. HIVE_TOO_LARGE when a set has more events than `capacity`. */
 HIVE_API hive_code hive_collector_next_set(hive_collector* collector, int64_t timeout_ms, hive_event** events,
                                            size_t capacity, size_t* count);
 /* {"received", "duplicates", "missing", "missing_turns", "failed", "dropped"}, and of sets "sets": {"sets", "waiting",
    "unmatched", "duplicates", "missing"}. */
 HIVE_API hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* length);
+/* Has all that it receives come to its end, and was everything taken? Then *text, if not null, is what is said about
+   that, "" for a regular end. It is so no longer when something comes after all. */
+HIVE_API hive_code hive_collector_ended(hive_collector* collector, bool* ended, char** text);
 /* Ends receiving; the handle stays, for its counts no longer. Once more: nothing. */
 HIVE_API hive_code hive_collector_close(hive_collector* collector);
 

@@ -11,20 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Runs with the application of a handle, one thread at a time.
-template <class Function>
-hive_code with_application(hive_application* application, Function&& function)
-{
-    return guarded([&] { get<ApplicationObject>(application)->with(function); });
-}
-
-Json error_json(const Error& error)
-{
-    return {{"code", info(error.code()).token},
-            {"text", error.what()},
-            {"advice", error.advice().empty() ? std::string(info(error.code()).advice) : error.advice()}};
-}
-
 Json answers_json(const std::vector<Answer>& answers)
 {
     Json list = Json::array();
@@ -36,11 +22,13 @@ Json answers_json(const std::vector<Answer>& answers)
     return list;
 }
 
-Json object_of(const char* text, const char* what)
+Json answer_json(const StatusAnswer& answer)
 {
-    Json object = json_of(required(text, what), what);
-    if (!object.is_object())
-        throw Error(Errc::invalid_argument, std::string(what) + " are not a JSON object");
+    Json object{{"drone", answer.drone}, {"place", place_json(answer.place)}};
+    if (answer.error)
+        object["error"] = error_json(*answer.error);
+    else
+        object["status"] = to_json(answer.status);
     return object;
 }
 
@@ -54,7 +42,7 @@ const char* changed_text(SetResult::Changed changed)
 /// The state of a drone in words: its own, or "gone", or "silent".
 std::string state_of(Application& application, const std::string& name)
 {
-    if (!std::ranges::binary_search(application.drones(), name))
+    if (name.find('@') == std::string::npos && !std::ranges::binary_search(application.drones(), name))
         return "gone";
     const auto answer = application.status(std::vector{name}).at(0);
     if (!answer.error)
@@ -81,10 +69,11 @@ hive_code hive_application_new(const char* options, hive_application** applicati
 {
     return guarded([&] {
         required(application, "the place for the application");
-        const Options read(options, {"name", "home", "timeout_ms"});
+        const Options read(options, {"name", "home", "timeout_ms", "key"});
         Application::Options made;
         made.name = read.text("name");
         made.home = read.text("home");
+        made.key = read.text("key");
         made.timeout = patience_of(read.integer("timeout_ms", 0, made.timeout.count()));
         *application = give(std::make_shared<ApplicationObject>(std::move(made)));
     });
@@ -132,6 +121,16 @@ hive_code hive_application_status(hive_application* application, const char* dro
 {
     return with_application(application, [&](Application& open) {
         give_json(to_json(open.status(text_of(drone, "the drone"))), json, length);
+    });
+}
+
+hive_code hive_application_status_all(hive_application* application, const char* drones, char** json, size_t* length)
+{
+    return with_application(application, [&](Application& open) {
+        Json list = Json::array();
+        for (const auto& answer : open.status(names_of(required(drones, "the drones"), "the drones")))
+            list.push_back(answer_json(answer));
+        give_json(list, json, length);
     });
 }
 

@@ -139,6 +139,22 @@ void ApplicationObject::timeout(std::chrono::milliseconds timeout)
     });
 }
 
+Json error_json(const Error& error)
+{
+    return {{"code", info(error.code()).token},
+            {"text", error.what()},
+            {"advice", error.advice().empty() ? std::string(info(error.code()).advice) : error.advice()}};
+}
+
+Json place_json(const Place& place)
+{
+    return {{"drone", place.drone},
+            {"host", place.host},
+            {"address", place.address},
+            {"ssh", place.ssh},
+            {"answered_us", place.answered_us}};
+}
+
 ConnectionOptions connection_of(const Json& given, const ConnectionOptions& fallback)
 try {
     constexpr std::array known{"transfer", "delivery", "window", "group", "first_frame", "lease_ms", "encoding"};

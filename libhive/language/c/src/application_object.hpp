@@ -1,6 +1,8 @@
 // An application and its collectors behind handles: one thread at a time is let in, in the order of asking.
 #pragma once
 
+#include "texts.hpp"
+
 #include "handles.hpp"
 
 #include <hive/application.hpp>
@@ -87,6 +89,17 @@ private:
 /// How long one thread waits for events before others are let in.
 constexpr std::chrono::milliseconds longest_turn(50);
 
+/// Runs with the application of a handle, one thread at a time.
+template <class Function>
+hive_code with_application(hive_application* application, Function&& function)
+{
+    return guarded([&] { get<ApplicationObject>(application)->with(function); });
+}
+
+/// {"code", "text", "advice"}
+Json error_json(const Error& error);
+/// {"drone", "host", "address", "ssh", "answered_us"}
+Json place_json(const Place& place);
 ConnectionOptions connection_of(const Json& given, const ConnectionOptions& fallback = {});
 CollectOptions collect_options(const char* text);
 

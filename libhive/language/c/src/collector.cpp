@@ -36,7 +36,12 @@ std::vector<Endpoint> ends_of(Application& application, const char* outputs)
     return ends;
 }
 
-/// Asks again and again, with others let in between, until there is something or the time is over.
+std::optional<std::string> ended(const CollectorObject& collector)
+{
+    return collector.sets ? collector.sets->ended() : collector.events->ended();
+}
+
+/// Asks again and again, with others let in between, until there is something, nothing more comes, or the time is over.
 template <class Take>
 auto taken(CollectorObject& collector, int64_t timeout_ms, Take&& take)
 {
@@ -44,10 +49,12 @@ auto taken(CollectorObject& collector, int64_t timeout_ms, Take&& take)
     for (;;) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
         decltype(take(std::chrono::milliseconds())) found;
+        bool over = false;
         collector.application->with(collector, [&] {
             found = take(std::clamp<std::chrono::milliseconds>(left, std::chrono::milliseconds(0), longest_turn));
+            over = !found && ended(collector);
         });
-        if (found || Clock::now() >= end)
+        if (found || over || Clock::now() >= end)
             return found;
     }
 }
@@ -145,6 +152,19 @@ hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* 
                               {"missing", sets.missing}};
         });
         give_json(counts, json, length);
+    });
+}
+
+hive_code hive_collector_ended(hive_collector* collector, bool* over, char** text)
+{
+    return guarded([&] {
+        required(over, "the place for the answer");
+        const auto object = get<CollectorObject>(collector);
+        std::optional<std::string> said;
+        object->application->with(*object, [&] { said = ended(*object); });
+        *over = said.has_value();
+        if (text && said)
+            give_text(*said, text);
     });
 }
 

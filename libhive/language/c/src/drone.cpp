@@ -21,7 +21,11 @@ EmbeddedOptions embedded_of(const Options& options)
     EmbeddedOptions embedded;
     embedded.name = options.text("name");
     embedded.listen = options.texts("listen");
+    embedded.advertise = options.texts("advertise");
     embedded.insecure = options.flag("insecure");
+    embedded.key = options.text("key");
+    embedded.remote_operator = options.flag("remote_operator");
+    embedded.halted = options.flag("halted");
     embedded.parameters = options.object("parameters");
     embedded.signals = options.flag("signals");
     embedded.ends_process = options.flag("ends_process");
@@ -71,8 +75,8 @@ hive_code hive_drone_new(const char* kind, const char* summary, const char* opti
 {
     return guarded([&] {
         required(drone, "the place for the drone");
-        const Options read(options, {"name", "stateful", "parameters", "on_exception", "listen", "insecure", "signals",
-                                     "ends_process"});
+        const Options read(options, {"name", "stateful", "parameters", "on_exception", "halted", "listen", "advertise",
+                                     "key", "insecure", "remote_operator", "signals", "ends_process"});
         *drone = give(std::make_shared<DroneObject>(program_of(kind, summary, read), embedded_of(read)));
     });
 }
@@ -189,6 +193,17 @@ hive_code hive_drone_on_start(hive_drone* drone, hive_callback callback, void* u
     });
 }
 
+hive_code hive_drone_on_end(hive_drone* drone, hive_end_callback callback, void* user)
+{
+    return guarded([&] {
+        const auto object = get<DroneObject>(drone);
+        required(callback, "the callback");
+        object->declaring()->drone().on_end([raw = object.get(), callback, user](const std::string& text) {
+            raw->call([&] { return callback(user, text.c_str()); });
+        });
+    });
+}
+
 hive_code hive_drone_main(hive_drone* drone, hive_main_callback callback, void* user)
 {
     return guarded([&] {
@@ -259,6 +274,15 @@ hive_code hive_drone_condition(hive_drone* drone, const char* text, const char* 
 {
     return with_drone(drone,
                       [&](Drone& open) { open.condition(text_or_empty(text), reason_of(text_or_empty(reason))); });
+}
+
+hive_code hive_drone_source_events(hive_drone* drone, int64_t events)
+{
+    return with_drone(drone, [&](Drone& open) {
+        if (events < 0)
+            throw Error(Errc::invalid_argument, "a source has no fewer than 0 events");
+        open.source_events(events);
+    });
 }
 
 hive_code hive_drone_report(hive_drone* drone, hive_code code, const char* text)

@@ -113,3 +113,13 @@ hive_code hive_output_repeat(hive_output* output, const hive_event* event)
 {
     return guarded([&] { for_user_thread(output)->repeat(get<EventObject>(event)->copy()); });
 }
+
+hive_code hive_output_end(hive_output* output, const char* text)
+{
+    return guarded([&] { for_user_thread(output)->end(text_or_empty(text)); });
+}
+
+hive_code hive_output_begin_source(hive_output* output)
+{
+    return guarded([&] { for_user_thread(output)->begin_source(); });
+}

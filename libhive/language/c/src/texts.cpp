@@ -38,6 +38,14 @@ Json header_of(const char* text, std::size_t length)
     return header;
 }
 
+Json object_of(const char* text, const char* what)
+{
+    Json object = json_of(required(text, what), what);
+    if (!object.is_object())
+        refuse(std::string(what) + " are not a JSON object");
+    return object;
+}
+
 std::vector<std::string> names_of(const char* text, const char* what)
 {
     const Json list = json_of(text, what, Json::array());

@@ -19,6 +19,8 @@ std::string text_of(const char* text, const char* what);
 Json json_of(const char* text, const char* what, Json fallback = Json::object());
 /// The same with a length, for headers: an object.
 Json header_of(const char* text, std::size_t length);
+/// An object.
+Json object_of(const char* text, const char* what);
 /// An array of texts. Null: none.
 std::vector<std::string> names_of(const char* text, const char* what);
 

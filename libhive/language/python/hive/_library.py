@@ -37,6 +37,7 @@ callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 event_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p)
 set_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p), ctypes.c_size_t)
 main_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64))
+end_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_char_p)
 log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
 
 # One letter for each argument. Results: a code unless there is a second word.
@@ -59,6 +60,7 @@ _TYPES: dict[str, Any] = {
     "S": set_callback,
     "M": main_callback,
     "L": log_callback,
+    "E": end_callback,
 }
 _SIGNATURES = """
 error_code - c|error_text - s|error_advice - s|fail cs c|code_token c s|code_sentence c s|code_advice c s
@@ -68,17 +70,19 @@ body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP
 drone_new sssP|drone_from_arguments sssiAPI|drone_on_log hLh|drone_name hP|drone_given hsPB|drone_parameter hs
 drone_integer hsIss|drone_number hsDss|drone_flag hsBss|drone_text hsAss|drone_values hPN|drone_assign hs
 drone_output hsssP|drone_on_event hsssFh|drone_on_matched hssSFhP|matching_rule hs|drone_on_change hfh
-drone_on_start hfh|drone_main hMh|drone_describe hPN|drone_run h|drone_start h|drone_step hlB|drone_end h
-drone_wake h|drone_stop h|drone_condition hss|drone_report hcs|drone_log hs|drone_stopping hB|drone_status hPN
+drone_on_start hfh|drone_on_end hEh|drone_main hMh|drone_describe hPN|drone_run h|drone_start h|drone_step hlB|drone_end h
+drone_wake h|drone_stop h|drone_condition hss|drone_source_events hl|drone_report hcs|drone_log hs|drone_stopping hB|drone_status hPN
 output_wanted hB|output_received hB|output_asked hB|output_loan hnP|output_emit hsnhns|output_emit_body hsnhs
-output_emit_captured hlbsnhs|output_fail hlbcs|output_repeat hh
+output_emit_captured hlbsnhs|output_fail hlbcs|output_repeat hh|output_end hs|output_begin_source h
 application_new sP|application_close h|application_name hP|application_timeout hl|application_drones hPN
 application_remembered hPN|application_find hsPN|application_describe hsPN|application_status hsPN
+application_status_all hsPN|application_place hsPN|application_places hPN|application_add_place hs
+application_forget_place hs
 application_wait hssl|application_connect hsssP|application_disconnect hss|application_set hssP
 application_set_all hssfhP|application_get hssP|application_get_all hssP|application_collect hssP
 application_collect_matched hsssP|application_exceptions hsP|application_put hssnhns|application_halt hs
 application_resume hs|application_stop hs|application_exception_policy hss
-collector_next hlP|collector_next_set hlPnN|collector_counts hPN|collector_close h
+collector_next hlP|collector_next_set hlPnN|collector_counts hPN|collector_ended hBP|collector_close h
 """
 
 

@@ -84,7 +84,7 @@ class _Collecting:
         while True:
             left = _SLICE if end is None else min(_SLICE, max(0.0, end - time.monotonic()))
             taken = self._take(left)
-            if taken is not None or (end is not None and time.monotonic() >= end):
+            if taken is not None or (end is not None and time.monotonic() >= end) or self.ended is not None:
                 return self._hand_out(taken)
 
     async def _next_async(self) -> Any:
@@ -100,8 +100,16 @@ class _Collecting:
                 self._pending = loop.run_in_executor(self._executor, self._take, _SLICE)
             taken = await asyncio.shield(self._pending)
             self._pending = None
-            if taken is not None:
+            if taken is not None or self.ended is not None:
                 return self._hand_out(taken)
+
+    @property
+    def ended(self) -> Optional[str]:
+        """When all that it receives has come to its end and everything was taken: what is said about that, "" for a
+        regular end.  None as long as something may come; so it is again when something comes after all."""
+        over, text = ctypes.c_bool(), ctypes.c_void_p()
+        lib.hive_collector_ended(self._handle, ctypes.byref(over), ctypes.byref(text))
+        return _library.take_text(text) if over.value else None
 
     def counts(self) -> dict[str, Any]:
         """What has been counted so far: "received", "duplicates" (second answers, refused), "missing", "failed",
@@ -127,7 +135,7 @@ class Collector(_Collecting):
         return self
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[Event]:
-        """The next event; None when none came within ``timeout`` (None: waits for ever)."""
+        """The next event; None when none came within ``timeout`` (None: waits for ever), or all has ended."""
         event: Optional[Event] = self._next(timeout)
         return event
 
@@ -135,14 +143,18 @@ class Collector(_Collecting):
         return self
 
     def __next__(self) -> Event:
-        event: Event = self._next(None)
+        event: Optional[Event] = self._next(None)
+        if event is None:
+            raise StopIteration
         return event
 
     def __aiter__(self) -> AsyncIterator[Event]:
         return self
 
     async def __anext__(self) -> Event:
-        event: Event = await self._next_async()
+        event: Optional[Event] = await self._next_async()
+        if event is None:
+            raise StopAsyncIteration
         return event
 
     def _take(self, seconds: float) -> Optional[Event]:
@@ -158,7 +170,7 @@ class MatchedCollector(_Collecting):
         return self
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
-        """The next set; None when none was complete within ``timeout`` (None: waits for ever)."""
+        """The next set; None when none was complete within ``timeout`` (None: waits for ever), or all has ended."""
         events: Optional[tuple[Event, ...]] = self._next(timeout)
         return events
 
@@ -166,14 +178,18 @@ class MatchedCollector(_Collecting):
         return self
 
     def __next__(self) -> tuple[Event, ...]:
-        events: tuple[Event, ...] = self._next(None)
+        events: Optional[tuple[Event, ...]] = self._next(None)
+        if events is None:
+            raise StopIteration
         return events
 
     def __aiter__(self) -> AsyncIterator[tuple[Event, ...]]:
         return self
 
     async def __anext__(self) -> tuple[Event, ...]:
-        events: tuple[Event, ...] = await self._next_async()
+        events: Optional[tuple[Event, ...]] = await self._next_async()
+        if events is None:
+            raise StopAsyncIteration
         return events
 
     def _take(self, seconds: float) -> Optional[tuple[Event, ...]]:
@@ -194,15 +210,23 @@ class Application:
     :param name: what drones call it; "": "app-PID"
     :param home: where the drones of this machine meet; None: $HIVE_HOME, or what every program takes without it
     :param timeout: of every call, seconds
+    :param key: the swarm's key file, for drones on other machines; None: $HIVE_KEY, or ~/.config/hive/swarm.key
     """
 
     def __init__(
-        self, name: str = "", *, home: Union[str, os.PathLike[str], None] = None, timeout: Seconds = 5.0
+        self,
+        name: str = "",
+        *,
+        home: Union[str, os.PathLike[str], None] = None,
+        timeout: Seconds = 5.0,
+        key: Union[str, os.PathLike[str], None] = None,
     ) -> None:
         self._handle: Optional[ctypes.c_void_p] = None
         options = {"name": name, "timeout_ms": _milliseconds(timeout)}
         if home is not None:
             options["home"] = os.fspath(home)
+        if key is not None:
+            options["key"] = os.fspath(key)
         self._handle = ask_handle(lib.hive_application_new, as_json(options))
         _library.ends_at_exit(self)
 
@@ -241,7 +265,7 @@ class Application:
     # --- find ---
 
     def drones(self) -> list[str]:
-        """The drones that run on this machine, sorted."""
+        """The drones that run on this machine, and those on other machines that are known; sorted."""
         return ask(lib.hive_application_drones, self._handle)
 
     def remembered(self) -> list[str]:
@@ -256,9 +280,36 @@ class Application:
         """Its interface: "kind", "summary", "version", "stateful", "inputs", "outputs", "parameters"."""
         return ask(lib.hive_application_describe, self._handle, encoded(drone))
 
-    def status(self, drone: str) -> dict[str, Any]:
-        """What it is doing: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4)."""
-        return ask(lib.hive_application_status, self._handle, encoded(drone))
+    def status(self, drone: Names) -> dict[str, Any]:
+        """What it is doing: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4).  With a glob or several
+        drones: that by drone, where one that does not answer has an :class:`Error` instead."""
+        if not _is_many(drone):
+            return ask(lib.hive_application_status, self._handle, encoded(str(drone)))
+        answers = ask(lib.hive_application_status_all, self._handle, as_json(self._named(drone)))
+        return {answer["drone"]: _answer(answer, "status") for answer in answers}
+
+    def place(self, drone: str) -> dict[str, Any]:
+        """Where it is met: "drone", "host" ("local": this machine), "address", "ssh", "answered_us".
+
+        :raises hive.Error: "not_found"; "invalid_argument" when several have the name: call it "NAME@HOST"
+        """
+        return ask(lib.hive_application_place, self._handle, encoded(drone))
+
+    def places(self) -> list[dict[str, Any]]:
+        """The list of places: drones on other machines that this home was told of."""
+        return ask(lib.hive_application_places, self._handle)
+
+    def add_place(self, drone: str, address: str, host: str = "") -> None:
+        """Writes into the list of places that a drone is met at an address, "tcp://HOST:PORT".
+
+        :param host: what its machine is called; "": as in the address
+        """
+        host = host or address.partition("://")[2].rpartition(":")[0].strip("[]")
+        lib.hive_application_add_place(self._handle, as_json({"drone": drone, "host": host, "address": address}))
+
+    def forget_place(self, place: Mapping[str, Any]) -> None:
+        """Strikes one of :meth:`places` off the list.  :raises hive.Error: "not_found" when it was not there"""
+        lib.hive_application_forget_place(self._handle, as_json(dict(place)))
 
     def wait(self, drone: str, state: str = "running", timeout: Seconds = 10.0) -> None:
         """Returns when the drone is "running" (it answers, and its start is over), "idle", "halted" or "gone".
@@ -410,12 +461,18 @@ class Application:
 
         :param count: how many; None: no end
         :param timeout: how long to wait for each; then :class:`hive.Error` "timeout" is raised
+        It ends when everything has ended, and then says in a :class:`hive.Error` "abandoned" what was said about that,
+        unless it is a regular end.
         """
         outputs = [name for drone in drones for name in self._result_outputs(drone)]
         with self.collect(*outputs, ordered=ordered) as collector:
             left = count
             while left is None or left > 0:
                 event = collector.next(timeout)
+                if event is None and collector.ended is not None:
+                    if collector.ended:
+                        raise Error("abandoned", collector.ended)
+                    return
                 if event is None:
                     raise Error("timeout", f"no result of {', '.join(outputs)} within {timeout} s")
                 left = None if left is None else left - 1
@@ -477,6 +534,6 @@ class Application:
         return found
 
 
-def _answer(answer: Mapping[str, Any]) -> Any:
+def _answer(answer: Mapping[str, Any], result: str = "result") -> Any:
     error = answer.get("error")
-    return Error(error["code"], error["text"], error["advice"]) if error else answer["result"]
+    return Error(error["code"], error["text"], error["advice"]) if error else answer[result]

@@ -165,6 +165,18 @@ class Output:
         """Sends an event again as it once was, with its own identity."""
         lib.hive_output_repeat(self._handle, event._handle)
 
+    def end(self, text: str = "") -> None:
+        """The source has come to its end: nothing more will come, unless something is emitted all the same.  Drones
+        pass it on, so that whoever collects at the other end knows that it has everything.
+
+        :param text: what is to be said about it: "87 of 196 frames: the file is damaged"; "": its regular end
+        """
+        lib.hive_output_end(self._handle, encoded(text))
+
+    def begin_source(self) -> None:
+        """What is captured from now on is of another source, numbered from 1.  After an end that is so by itself."""
+        lib.hive_output_begin_source(self._handle)
+
     def _loan(self, size: int) -> _Memory:
         return _Memory(ask_handle(lib.hive_output_loan, self._handle, size), lib.hive_loan_bytes)
 
@@ -228,7 +240,8 @@ class Drone:
     :param embedded: a drone inside of a program that is more than a drone, as a notebook or a test: it reads no command
         line and takes neither signals nor the end of the process, and its log goes to ``logging``, as "hive.NAME".
         Then there are ``name`` (default: the kind), ``parameters`` to begin with, ``on_exception`` ("skip" or "halt"),
-        ``listen`` (further addresses) and ``insecure``.
+        ``halted`` (from the start), ``listen`` and ``advertise`` (lists of addresses), ``key`` (the swarm's key file),
+        ``insecure`` and ``remote_operator``.
     :raises SystemExit: after --help or a wrong command line
     :raises hive.Error: "invalid_argument"
     """
@@ -312,6 +325,7 @@ class Drone:
         most: Optional[float] = None,
         choices: Optional[Iterable[str]] = None,
         unit: str = "",
+        operator: bool = False,
         help: str = "",
     ) -> Parameter[Value]:
         """Declares a parameter of the type of its default: int, float, bool or str.
@@ -319,9 +333,12 @@ class Drone:
         :param least: inclusive, as is ``most``
         :param choices: what a str may be
         :param unit: shown beside the value: "px", "fps", "%"
+        :param operator: it concerns the drone's machine, as a path or a login: over the network it can be set only if
+            the drone was started with --remote-operator
         """
         declared: dict[str, Any] = {"name": name, "type": _type_of(default), "default": default, "help": help}
-        declared.update(least=least, most=most, unit=unit, choices=None if choices is None else list(choices))
+        declared.update(least=least, most=most, unit=unit, operator=operator)
+        declared.update(choices=None if choices is None else list(choices))
         lib.hive_drone_parameter(self._handle, as_json({k: v for k, v in declared.items() if v is not None}))
         parameter = Parameter(name, default)
         self._parameters[name] = parameter
@@ -413,6 +430,14 @@ class Drone:
         )
         return function
 
+    def on_end(self, function: Callback) -> Callback:
+        """Decorates ``function(text)``, which is called when everything that the inputs receive has come to its end and
+        has been worked on, before the outputs end too.  ``text`` is what is said about it, "" for a regular end.  Once
+        more when something came after all."""
+        call = self._guarded(lambda text: function(_library.text_of(text)))
+        self._call(lib.hive_drone_on_end, _library.end_callback(lambda _, text: call(text)), None)
+        return function
+
     def main(self, function: Callback) -> Callback:
         """Decorates what a source does, again and again between callbacks: it returns how many seconds to wait before
         the next call (None: none).  It is called earlier when the demand for an output changes, a parameter was set, or
@@ -486,6 +511,10 @@ class Drone:
         :param reason: why nothing moves, one of the words of SPEC.md: "source_ended"
         """
         lib.hive_drone_condition(self._handle, encoded(text), encoded(reason))
+
+    def source_events(self, events: int) -> None:
+        """Says how many events the present source has in all; 0: unknown, or without end.  From any thread."""
+        lib.hive_drone_source_events(self._handle, events)
 
     def report(self, text: str, code: str = "failed") -> None:
         """Reports an exception without raising one.  From any thread."""
