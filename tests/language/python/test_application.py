@@ -1,16 +1,18 @@
 """Applications in Python, against the drones that the C++ tests have too."""
 
 import asyncio
+import os
 import signal
 import subprocess
 import sys
+import tempfile
 import textwrap
 import threading
 import time
 import unittest
 
 import hive
-from world import PATIENCE, World, eventually
+from world import PATIENCE, PROGRAMS, World, eventually
 
 
 class Applications(World):
@@ -66,7 +68,8 @@ class Applications(World):
             for number, event in zip(range(1, 41), collector):
                 self.assertEqual(event.sequence, number)
                 self.assertEqual(event.header["sum"], sum(event.body))
-            self.assertIsNone(collector.next(0.05))
+            self.assertIsNone(collector.next())
+            self.assertEqual(collector.ended, "")
             self.assertEqual(collector.counts()["received"], 40)
         self.refused("stopped", collector.next, 0)
 
@@ -86,13 +89,14 @@ class Applications(World):
         self.drone("sleeper", "worker")
         self.swarm.halt("source")
         self.swarm.connect("source", "worker")
-        results = self.swarm.results("worker", count=5, timeout=PATIENCE)
+        self.assertEqual(list(self.swarm.results("worker", count=0)), [])
+        self.refused("timeout", next, self.swarm.results("worker.result", timeout=0.05))
+        results = self.swarm.results("worker", timeout=PATIENCE)
         resumed = threading.Timer(0.05, self.swarm.resume, ["source"])
         resumed.start()
         self.assertEqual([event.header["index"] for event in results], [1, 2, 3, 4, 5])
-        self.assertEqual(list(self.swarm.results("worker", count=0)), [])
-        self.refused("timeout", next, self.swarm.results("worker.result", timeout=0.05))
         resumed.join()
+        self.assertEqual(list(self.swarm.results("worker", timeout=PATIENCE)), [])
 
     def test_exceptions_come_with_the_identity_and_a_halted_drone_goes_on_when_it_is_resumed(self):
         self.drone("ticker", "source", "fps=200")
@@ -147,6 +151,7 @@ class Applications(World):
 
     def test_asyncio_waits_beside_other_work_and_a_cancelled_wait_loses_nothing(self):
         self.drone("ticker", "source", "pace=demand", "count=30")
+        self.swarm.halt("source")
         collector = self.swarm.collect("source", window=4)
         turns = []
 
@@ -157,14 +162,10 @@ class Applications(World):
 
         async def collect():
             beside = asyncio.ensure_future(other())
-            numbers = []
-            async for event in collector:
-                numbers.append(event.sequence)
-                if len(numbers) == 30:
-                    break
             with self.assertRaises(asyncio.TimeoutError):
-                await asyncio.wait_for(collector.__anext__(), 0.1)
-            await asyncio.sleep(0.2)  # what was cancelled comes to its end
+                await asyncio.wait_for(collector.__anext__(), 0.15)
+            self.swarm.resume("source")
+            numbers = [event.sequence async for event in collector]
             beside.cancel()
             return numbers
 
@@ -190,8 +191,8 @@ class Applications(World):
             import hive
             with hive.Application() as swarm:
                 collector = swarm.collect("source")
-                print("waiting", flush=True)
                 try:
+                    print("waiting", flush=True)
                     next(collector)
                 except KeyboardInterrupt:
                     print("interrupted")
@@ -251,6 +252,38 @@ class Applications(World):
         while any(thread.is_alive() for thread in threads):
             self.assertIsNotNone(collector.next(PATIENCE))
         self.assertEqual(problems, [])
+
+    def test_statuses_of_many_and_places_on_other_machines(self):
+        self.drone("sleeper", "worker")
+        self.assertEqual(self.swarm.place("worker")["host"], "local")
+        statuses = self.swarm.status(["worker", "nobody"])
+        self.assertEqual(statuses["worker"]["state"], "idle")
+        self.assertEqual(statuses["nobody"].code, "not_found")
+        self.assertEqual(self.swarm.places(), [])
+        self.swarm.add_place("far", "tcp://127.0.0.1:1")
+        listed = self.swarm.places()
+        self.assertEqual([(place["drone"], place["host"]) for place in listed], [("far", "127.0.0.1")])
+        self.assertIn("far", self.swarm.drones())
+        self.swarm.forget_place(listed[0])
+        self.refused("not_found", self.swarm.forget_place, listed[0])
+        self.refused("not_found", self.swarm.place, "far")
+        self.refused("invalid_argument", self.swarm.add_place, "far", "unix:/tmp/x")
+
+    def test_a_drone_with_a_key_takes_those_who_have_it(self):
+        keys = {name: os.path.join(self.home, name + ".key") for name in ("swarm", "other")}
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        for file in keys.values():
+            subprocess.run([hivectl, "key", "new", "--key", file], check=True, capture_output=True, timeout=60)
+        self.drone("sleeper", "worker", more=("--listen", "tcp://127.0.0.1", "--key", keys["swarm"]))
+        address = next(place for place in self.swarm.status("worker")["places"] if place.startswith("tcp:"))
+        for name, code in (("swarm", None), ("other", "not_permitted")):
+            with self.subTest(name), tempfile.TemporaryDirectory(prefix="hv-", dir="/tmp") as home:
+                with hive.Application(home=home, key=keys[name], timeout=PATIENCE) as there:
+                    there.add_place("worker", address)
+                    if code is None:
+                        self.assertEqual(there.status("worker")["state"], "idle")
+                    else:
+                        self.refused(code, there.status, "worker")
 
     def test_put_sends_an_event_and_says_what_does_not_fit(self):
         self.drone("sleeper", "worker")

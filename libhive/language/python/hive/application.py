@@ -390,9 +390,11 @@ class Application:
         )
         result = _library.json.loads(place or "{}")
         answers = {answer["drone"]: _answer(answer) for answer in result["answers"]}
-        for name, answer in answers.items():
-            if isinstance(answer, Error):
-                raise SetError(answer.code, str(answer), answer.advice, result["changed"], answers) from None
+        errors = [answer for answer in answers.values() if isinstance(answer, Error)]
+        if errors:
+            # Those that were left as they were are "refused"; what went wrong may be something else.
+            first = next((error for error in errors if error.code != "refused"), errors[0])
+            raise SetError(first.code, "; ".join(map(str, errors)), first.advice, result["changed"], answers) from None
         return answers
 
     def get(self, drone: Names, *names: str) -> dict[str, Any]:
