@@ -273,7 +273,7 @@ class Applications(World):
         keys = {name: os.path.join(self.home, name + ".key") for name in ("swarm", "other")}
         hivectl = os.path.join(PROGRAMS, "hivectl")
         for file in keys.values():
-            subprocess.run([hivectl, "key", "new", "--key", file], check=True, capture_output=True, timeout=60)
+            subprocess.run([hivectl, "key", "new", "--file", file], check=True, capture_output=True, timeout=60)
         self.drone("sleeper", "worker", more=("--listen", "tcp://127.0.0.1", "--key", keys["swarm"]))
         address = next(place for place in self.swarm.status("worker")["places"] if place.startswith("tcp:"))
         for name, code in (("swarm", None), ("other", "not_permitted")):
