@@ -1,4 +1,5 @@
-# Makes a drone in Python with scripts/new-drone in a copy of the tree, and has it pass the drone contract suite; then the refusals.
+# Makes a drone in Python with scripts/new-drone in a copy of the tree, and has it pass what the drone contract suite says of its own
+# words: its page, its inputs, its parameters, its end. (The rest is the library's, and tried with the drone edges.) Then the refusals.
 string(RANDOM LENGTH 8 word)
 set(copy $ENV{TMPDIR})
 if(NOT copy)
@@ -39,5 +40,5 @@ file(WRITE ${copy}/hive-soft-glass
 file(CHMOD ${copy}/hive-soft-glass PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 set(ENV{HIVE_CONTRACT_PROGRAM} ${copy}/hive-soft-glass)
 set(ENV{HIVE_CONTRACT_FOLDER} ${copy}/drones/soft-glass)
-must(${SUITE})
+must(${SUITE} "--test-case=*--describe prints*,*the page lists*,*--help*,*the default of each*,*out of range*,*garbage put*,*SIGTERM*,*stop is answered*")
 file(REMOVE_RECURSE ${copy})
