@@ -7,6 +7,7 @@
 #include "output.hpp"
 #include "places.hpp"
 #include "programs.hpp"
+#include "python_file.hpp"
 #include "session.hpp"
 #include "table.hpp"
 #include "targets.hpp"
@@ -38,11 +39,14 @@ std::filesystem::path require_program(const std::string& kind)
 
 BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
 {
-    const auto program = require_program(plan.kind);
+    const auto run = is_python_file(plan.kind) ? run_of_python_file(plan.kind)
+                                               : PythonRun{.interpreter = require_program(plan.kind)};
     require_free(session.application(), plan.verb, plan.kind, plan.name);
-    std::vector<std::string> words{"--name", plan.name};
+    std::vector<std::string> words = run.arguments, environment = run.environment;
+    words.insert(words.end(), {"--name", plan.name});
     words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
-    return {program, words, {"HIVE_HOME=" + session.home().string()}, log, plan.life};
+    environment.push_back("HIVE_HOME=" + session.home().string());
+    return {run.interpreter, words, environment, log, plan.life};
 }
 
 /// The name belongs to one drone of the swarm. Of one that does not answer from another machine only the place is

@@ -18,7 +18,7 @@ class Session;
 
 /// What is to run, and for which verb: complaints name it.
 struct LaunchPlan {
-    std::string verb, kind, name;
+    std::string verb, kind, name;        ///< kind: "face", or a file of Python, "edges.py"
     std::vector<std::string> arguments;  ///< of the program, but its name
     Life life = Life::own;
 };

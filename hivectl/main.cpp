@@ -8,6 +8,7 @@
 #include "verbs.hpp"
 
 #include <hive/name.hpp>
+#include <hive/version.hpp>
 
 #include <csignal>
 
@@ -58,7 +59,7 @@ int dispatch(int argc, char** argv)
     const auto all = verbs();
     const std::string word = argc > 1 ? argv[1] : "";
     if (word == "--version") {
-        write_out("hivectl " HIVECTL_VERSION "\n");
+        write_out("hivectl " HIVECTL_VERSION " (protocol " + std::to_string(hive::protocol_version()) + ")\n");
         return exit_code::done;
     }
     if (word.empty() || word == "--help" || word == "-h" || word == "help") {

@@ -21,6 +21,8 @@ refuse "service and manager are siblings" 'hive/application\.hpp|hive/vision/' l
 refuse "service and manager are siblings" 'hive/drone\.hpp|hive/vision/' libhive/manager
 refuse "hivectl uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/drone\.hpp' hivectl
 refuse "drones use the public API and vision alone" 'hive/(transport|event|protocol)/|hive/application\.hpp' drones
+refuse "language stands on the public API alone" '(hive/(transport|event|protocol|vision|recording)/|asio|opencv|CLI/|spdlog)' libhive/language
+refuse "nothing of Hive itself is written against hive.h" 'hive\.h[">]' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
 refuse "recordings are made by who uses the public API" 'hive/recording/' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision
 refuse "recording uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/(drone|application)\.hpp' libhive/recording
 mapfile -t no_asio < <(find drones \( -name '*.hpp' -o -name '*.cpp' \) -not -path 'drones/axis/emulator/*')

@@ -1,6 +1,7 @@
 // hivectl start: runs a drone in the background and returns when it answers.
 #include "../command_line.hpp"
 #include "../launch.hpp"
+#include "../python_file.hpp"
 #include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
@@ -67,10 +68,11 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("KIND", options->kind,
-                "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH")
+                "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH; or a file "
+                "of Python, FILE.py, which $HIVE_PYTHON or python3 runs")
         .required();
     line.option("key=value", options->settings, "parameters to begin with");
-    line.option("--as", options->name, "its name in the swarm (default: KIND)").type_name("NAME");
+    line.option("--as", options->name, "its name in the swarm (default: KIND, or FILE without .py)").type_name("NAME");
     line.option("--on-exception", options->on_exception,
                 "when its code throws: skip the input (default), or halt until resumed")
         .type_name("skip|halt")
@@ -98,7 +100,7 @@ Run declare(CommandLine& line, Session& session)
         .one_of({"debug", "info", "warning", "error", "off"});
     return [options, &session] {
         if (options->name.empty())
-            options->name = options->kind;
+            options->name = is_python_file(options->kind) ? name_of_python_file(options->kind) : options->kind;
         return run(*options, session);
     };
 }
@@ -109,7 +111,7 @@ Verb start_verb()
 {
     return {.name = "start",
             .group = "run drones",
-            .usage = "KIND [--as NAME] [--on HOST] [key=value ...] [options]",
+            .usage = "KIND|FILE.py [--as NAME] [--on HOST] [key=value ...] [options]",
             .summary = "Starts a drone in the background, here or on another machine",
             .details =
                 "Returns when the drone answers, and prints its name. Its output goes to NAME.log in the "
@@ -118,7 +120,7 @@ Verb start_verb()
                 "it is started again after a crash.\n\n"
                 "With --on HOST it is started there, by the hivectl of that machine, through ssh as you have "
                 "set it up; from then on every verb finds it by its name. The connection of ssh is kept open for "
-                "a minute, for the commands that follow.",
+                "a minute, for the commands that follow. A FILE.py has to be there already.",
             .examples = "hivectl start camera\n"
                         "hivectl start face --as face-2 scale=1.05 min_size=40",
             .timeout = "end it if it does not answer within this long (default 10)",

@@ -62,6 +62,12 @@ endfunction()
 # What a user runs: hivectl and every drone; the tests are not among it.
 add_custom_target(programs)
 
+# Installs a program, which finds the library beside its folder wherever it is installed.
+function(hive_program target)
+  install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT hive)
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+endfunction()
+
 # A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
 # main.cpp and, where the wiring is longer than one file, WIRING. LIBRARIES are the algorithm's, or without one the executable's.
 function(hive_drone name)
@@ -82,5 +88,22 @@ function(hive_drone name)
   endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
   add_dependencies(programs hive-${name})
-  install(TARGETS hive-${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  hive_program(hive-${name})
+endfunction()
+
+# A drone in Python: NAME.py (hyphens written as underscores) in its folder. What a build has in bin/ runs it from there, with the package
+# of this build; a build with sanitizers has none, since the interpreter is built without them.
+function(hive_python_drone name)
+  string(REPLACE - _ file ${name})
+  set(script ${CMAKE_CURRENT_SOURCE_DIR}/${file}.py)
+  install(PROGRAMS ${script} DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME hive-${name} COMPONENT python3-hive)
+  if(NOT HIVE_PYTHON OR HIVE_SANITIZE)
+    return()
+  endif()
+  file(GENERATE OUTPUT ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/hive-${name}
+    CONTENT "#!/bin/sh\nPYTHONPATH=${CMAKE_BINARY_DIR}/python\${PYTHONPATH:+:$PYTHONPATH} exec ${HIVE_PYTHON} ${script} \"$@\"\n"
+    FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  set_property(GLOBAL APPEND PROPERTY HIVE_PYTHON_DRONES ${name})
+  set_property(GLOBAL APPEND PROPERTY HIVE_PYTHON_FOLDERS ${CMAKE_CURRENT_SOURCE_DIR})
+  add_dependencies(programs hive_c)
 endfunction()

@@ -64,7 +64,7 @@ public:
     void close() noexcept override { closed_ = true; }
     [[nodiscard]] std::string peer() const override { return "fuzz"; }
     [[nodiscard]] bool local() const override { return true; }
-    [[nodiscard]] Credentials credentials() const override { return {}; }
+    [[nodiscard]] Credentials credentials() const override { return {.role = hive::Role::owner, .key = {}}; }
 
 private:
     [[nodiscard]] bool whole() const { return whole_; }

@@ -1,6 +1,7 @@
 // The command line that all drones share.
+#include "command_line.hpp"
+
 #include "bounded_log.hpp"
-#include "drone_core.hpp"
 
 #include <hive/name.hpp>
 
@@ -48,20 +49,14 @@ void start_log(const std::string& name, const std::string& level)
     spdlog::flush_on(spdlog::level::info);
 }
 
-}  // namespace
-
-int run_drone(int argc, char** argv, const DroneProgram& program, const std::function<void(Drone&)>& body)
-{
-    CLI::App app(program.summary + "\nA drone of a Hive swarm: usually started by `hivectl start " + program.kind
-                     + "`.",
-                 "hive-" + program.kind);
-    DroneSettings settings;
-    settings.name = program.kind;
+/// The words of the command line that are checked later.
+struct Words {
     std::vector<std::string> assignments;
     std::string policy, level = "info";
-    app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
-    app.add_option("--set", assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
-        ->type_name("NAME=VALUE");
+};
+
+void declare_listening(CLI::App& app, DroneSettings& settings)
+{
     app.add_option("--listen", settings.listen.listen,
                    "a further address to be met at, beside the local socket: tcp://HOST:PORT, or tcp://HOST for a port "
                    "from 7700 on, which it keeps after a crash")
@@ -76,32 +71,90 @@ int run_drone(int argc, char** argv, const DroneProgram& program, const std::fun
     app.add_flag("--remote-operator", settings.remote_operator,
                  "who has the swarm's key may also set over the network what concerns this machine (paths, URLs, "
                  "logins)");
-    app.add_option("--on-exception", policy, "when the drone's code throws: skip the input, or halt until resumed")
+}
+
+void declare(CLI::App& app, DroneSettings& settings, Words& words)
+{
+    app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
+    app.add_option("--set", words.assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
+        ->type_name("NAME=VALUE");
+    declare_listening(app, settings);
+    app.add_option("--on-exception", words.policy,
+                   "when the drone's code throws: skip the input, or halt until resumed")
         ->check(CLI::IsMember({"skip", "halt"}))
         ->default_str("skip");
     app.add_flag("--halted", settings.halted, "halt at once: nothing is done before `hivectl resume`");
-    app.add_option("--log-level", level, "what is written to stderr")
+    app.add_option("--log-level", words.level, "what is written to stderr")
         ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
         ->capture_default_str();
     app.add_flag("--describe", settings.describe, "print inputs, outputs and parameters as JSON, and end");
     app.set_version_flag("--version", std::string(HIVE_VERSION));
-    CLI11_PARSE(app, argc, argv);
+}
+
+void check(DroneSettings& settings, const Words& words)
+{
+    require_name(settings.name, "drone");
+    require_advertisable(settings.listen);
+    settings.parameters = parameters_from(words.assignments);
+    if (!words.policy.empty())
+        settings.policy = from_token<ExceptionPolicy>(words.policy, "policy");
+    start_log(settings.name, words.level);
+}
+
+}  // namespace
+
+namespace service {
+
+void require_sound(const ListenWish& wish)
+{
+    require_advertisable(wish);
+    keys_for(wish);
+}
+
+std::optional<DroneSettings> read_command_line(int argc, const char* const* argv, const DroneProgram& program,
+                                               int& exit_code)
+{
+    CLI::App app(program.summary + "\nA drone of a Hive swarm: usually started by `hivectl start " + program.kind
+                     + "`.",
+                 "hive-" + program.kind);
+    DroneSettings settings;
+    settings.name = program.kind;
+    Words words;
+    declare(app, settings, words);
     try {
-        require_name(settings.name, "drone");
-        require_advertisable(settings.listen);
-        settings.parameters = parameters_from(assignments);
-        if (!policy.empty())
-            settings.policy = from_token<ExceptionPolicy>(policy, "policy");
-        start_log(settings.name, level);
-        DroneCore core(program, std::move(settings));
+        app.parse(argc, argv);
+        check(settings, words);
+        return settings;
+    } catch (const CLI::ParseError& told) {
+        exit_code = app.exit(told);
+    } catch (...) {
+        exit_code = complain(program, current_error());
+    }
+    return std::nullopt;
+}
+
+int complain(const DroneProgram& program, const Error& error)
+{
+    std::cerr << "hive-" << program.kind << ": " << error.what()
+              << (error.advice().empty() ? "" : "; " + error.advice()) << std::endl;
+    return info(error.code()).exit_code;
+}
+
+}  // namespace service
+
+int run_drone(int argc, char** argv, const DroneProgram& program, const std::function<void(Drone&)>& body)
+{
+    int exit_code = 0;
+    auto settings = service::read_command_line(argc, argv, program, exit_code);
+    if (!settings)
+        return exit_code;
+    try {
+        DroneCore core(program, std::move(*settings));
         Drone drone(core);
         body(drone);
         return 0;
     } catch (...) {
-        const Error error = current_error();
-        std::cerr << "hive-" << program.kind << ": " << error.what()
-                  << (error.advice().empty() ? "" : "; " + error.advice()) << std::endl;
-        return info(error.code()).exit_code;
+        return service::complain(program, current_error());
     }
 }
 

@@ -15,12 +15,12 @@ using service::Worker;
 /// Each uses those before it.
 struct DroneCore::Running {
     explicit Running(DroneCore& core);
-    /// Whoever still waits for an answer gets one, and the network side ends.
+    /// Whoever still waits for an answer gets one, the network side ends, and the name is free.
     void end();
 
     event::Home home{event::default_home()};
-    event::NameClaim claim;
-    Json left;  ///< by a drone of this name that crashed
+    std::optional<event::NameClaim> claim;  ///< until the end, which this object may outlive for long
+    Json left;                              ///< by a drone of this name that crashed
     service::ListenWish wish;
     event::Module module;
     service::Listening listening;
@@ -30,7 +30,7 @@ struct DroneCore::Running {
 };
 
 DroneCore::Running::Running(DroneCore& core)
-    : claim(home, core.self_.name),
+    : claim(std::in_place, home, core.self_.name),
       left(service::left_state(home, core.self_, core.reporter_)),
       wish(service::wished(core.settings_.listen, left)),
       module({.self = core.self_,
@@ -66,13 +66,14 @@ void DroneCore::Running::end()
     if (module.loop().started())
         module.call([this] { requests.end(); });
     module.end();
+    claim.reset();
 }
 
 DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     : settings_(std::move(settings)),
       self_{.name = settings_.name, .kind = program.kind, .epoch = event::wall_us(), .pid = ::getpid()},
       declaration_(std::move(program)),
-      reporter_(self_, board_),
+      reporter_(self_, board_, settings_.log),
       emitter_(self_, declaration_.interface, mailbox_)
 {
 }
@@ -86,13 +87,48 @@ DroneCore::~DroneCore()
 
 void DroneCore::run()
 {
-    declaration_.interface.parameters = declaration_.parameters.declared();
     if (settings_.describe) {
-        std::cout << to_json(declaration_.interface).dump(2) << std::endl;
+        std::cout << to_json(interface()).dump(2) << std::endl;
         return;
     }
-    prepare();
+    start();
     running_->worker.run();
+    ended();
+}
+
+Interface DroneCore::interface() const
+{
+    Interface interface = declaration_.interface;
+    interface.parameters = declaration_.parameters.declared();
+    return interface;
+}
+
+void DroneCore::start()
+{
+    if (running_)
+        throw Error(Errc::invalid_argument, "a drone runs once");
+    declaration_.interface = interface();
+    prepare();
+}
+
+bool DroneCore::work(std::chrono::milliseconds time)
+{
+    if (!stopping())
+        running_->worker.run(event::Clock::now() + time);
+    return !stopping();
+}
+
+void DroneCore::finish()
+{
+    if (!running_ || last_status_)
+        return;
+    running_->module.call([this] { end(); });
+    running_->worker.run();
+    ended();
+}
+
+void DroneCore::ended()
+{
     last_status_ = status();
     mailbox_.discard([](const Event&) { return true; });
     running_->end();  // not reset(): what still runs on the network side uses it
@@ -145,7 +181,8 @@ void DroneCore::serve()
     auto& module = running_->module;
     module.start();
     module.call([&] {
-        module.on_signal([this](int) { end(); });
+        if (settings_.signals)
+            module.on_signal([this](int) { end(); });
         running_->listening.begin(running_->wish, running_->left);
         running_->requests.restore(running_->left);
     });
@@ -158,7 +195,8 @@ void DroneCore::end()
     if (!board_.stop())
         return;
     mailbox_.nudge();
-    last_grace_.begin(running_->home.path(self_.name, ".sock"));
+    if (settings_.ends_process)
+        last_grace_.begin(running_->home.path(self_.name, ".sock"));
 }
 
 std::optional<Json> DroneCore::given(const std::string& parameter) const
@@ -181,6 +219,8 @@ Status DroneCore::status()
 {
     if (stopping() && last_status_)
         return *last_status_;
+    if (!running_)
+        throw Error(Errc::invalid_argument, "a drone that does not run yet has no status");
     Status now;
     running_->module.call([&] { now = running_->requests.status(); });
     return now;

@@ -7,12 +7,14 @@
 #include "reporter.hpp"
 #include "status_board.hpp"
 
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 
 namespace hive {
 
-/// What the command line of a drone says.
+/// What the command line of a drone says, and what belongs to a program that is nothing but this drone.
 struct DroneSettings {
     std::string name;
     service::ListenWish listen;
@@ -20,7 +22,10 @@ struct DroneSettings {
     std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
     bool halted = false;                    ///< from the start
     bool describe = false;
-    bool remote_operator = false;  ///< members may set what is the operator's
+    bool remote_operator = false;                 ///< members may set what is the operator's
+    bool signals = true;                          ///< SIGINT and SIGTERM end the drone
+    bool ends_process = true;                     ///< told to stop, but its code does not return: the process ends
+    std::function<void(const std::string&)> log;  ///< any thread; empty: the log of the program
 };
 
 /// The user thread, but for what says otherwise.
@@ -29,7 +34,16 @@ public:
     DroneCore(DroneProgram program, DroneSettings settings);
     ~DroneCore();
 
+    /// Until the drone is told to stop; for --describe it prints the interface instead.
     void run();
+    // --- the same in pieces ---
+    void start();
+    /// Works for about so long. @return whether the drone goes on
+    bool work(std::chrono::milliseconds time);
+    /// Ends the drone as the request `stop` would.
+    void finish();
+    [[nodiscard]] const DroneSettings& settings() const noexcept { return settings_; }
+    [[nodiscard]] Interface interface() const;
 
     // --- for Drone and Output ---
     [[nodiscard]] service::Declaration& declaration() noexcept { return declaration_; }
@@ -53,6 +67,7 @@ private:
     void take_values(const Json& state);
     void serve();
     void end();
+    void ended();
 
     service::LastGrace last_grace_;
     DroneSettings settings_;

@@ -18,6 +18,7 @@ void Halting::resume()
     mailbox_.discard([](const Event& event) { return !event.identity.lossless; });
     board_.resume();
     module_.halt(false);
+    mailbox_.nudge();  // what was asked for meanwhile has not woken main
 }
 
 }  // namespace hive::service

@@ -14,7 +14,13 @@ void Reporter::attach(event::Module& module)
                                      protocol::PacketType::exception);
 }
 
-void Reporter::log(const std::string& text) const { spdlog::info("{}: {}", self_.name, text); }
+void Reporter::log(const std::string& text) const
+{
+    if (sink_)
+        sink_(text);
+    else
+        spdlog::info("{}: {}", self_.name, text);
+}
 
 void Reporter::report(const Error& error, const Event* cause)
 {

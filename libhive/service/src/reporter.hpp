@@ -6,12 +6,18 @@
 #include <hive/event/line_budget.hpp>
 #include <hive/event/module.hpp>
 
+#include <functional>
+
 namespace hive::service {
 
 /// Any thread, once it is attached.
 class Reporter {
 public:
-    Reporter(const protocol::Hello& self, StatusBoard& board) : self_(self), board_(board) {}
+    /// @param sink  takes the lines of the log; empty: the log of the program
+    Reporter(const protocol::Hello& self, StatusBoard& board, std::function<void(const std::string&)> sink)
+        : self_(self), board_(board), sink_(std::move(sink))
+    {
+    }
 
     /// Before it, exceptions reach the log and the board alone.
     void attach(event::Module& module);
@@ -26,6 +32,7 @@ private:
 
     const protocol::Hello& self_;
     StatusBoard& board_;
+    const std::function<void(const std::string&)> sink_;
     event::Module* module_ = nullptr;
     event::Outlet* exceptions_ = nullptr;
     event::LineBudget lines_;

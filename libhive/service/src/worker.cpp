@@ -24,20 +24,39 @@ void conclude_all(const Set& set, event::Ending ending)
 
 void Worker::run()
 {
-    next_step_ = Clock::now();
-    while (!parts_.board.stopping()) {
-        auto item = parts_.module.next(parts_.mailbox, next_deadline());
-        if (item) {
-            if (auto* command = std::get_if<event::Mailbox::Command>(&*item))
-                (*command)();
-            else
-                deliver(std::move(std::get<Event>(*item)));
-        }
-        work_on_sets();
-        if (steps() && !parts_.board.stopping() && (!item || Clock::now() >= next_step_))
-            step();
-    }
+    while (!parts_.board.stopping())
+        work_once();
     parts_.board.ended();
+}
+
+/// The end of the time comes as a command like any other: a wait that simply ended could not be told from a demand for
+/// main.
+void Worker::run(Clock::time_point until)
+{
+    const auto over = std::make_shared<bool>(false);
+    event::Alarm alarm;
+    parts_.module.call(
+        [&] { alarm = parts_.module.alarm(until, [this, over] { parts_.mailbox.push([over] { *over = true; }); }); });
+    while (!*over && !parts_.board.stopping())
+        work_once();
+    parts_.module.call([&] { alarm.reset(); });
+    if (parts_.board.stopping())
+        parts_.board.ended();
+}
+
+/// The next item, or main when it is due.
+void Worker::work_once()
+{
+    auto item = parts_.module.next(parts_.mailbox, next_deadline());
+    if (item) {
+        if (auto* command = std::get_if<event::Mailbox::Command>(&*item))
+            (*command)();
+        else
+            deliver(std::move(std::get<Event>(*item)));
+    }
+    work_on_sets();
+    if (steps() && !parts_.board.stopping() && (!item || Clock::now() >= next_step_))
+        step();
 }
 
 bool Worker::steps() const { return parts_.declaration.main && !parts_.board.halted(); }

@@ -24,6 +24,8 @@ public:
 
     /// Works until the drone is told to stop.
     void run();
+    /// Works until the drone is told to stop, or until that time.
+    void run(event::Clock::time_point until);
     /// Assigns checked values and calls on_change. What that throws is returned, and the old values are back.
     [[nodiscard]] std::optional<Error> try_out(const Json& values);
     /// What the parameters that `wanted` names are while they are tried out.
@@ -38,6 +40,7 @@ public:
     void inputs_ended(const std::string& text, const std::function<bool()>& still);
 
 private:
+    void work_once();
     void step();
     void deliver(Event&& event);
     void to_partners(Event event, MatchedInputs& matching, const MatchedInput& input);
@@ -49,7 +52,7 @@ private:
     [[nodiscard]] event::Clock::time_point next_deadline() const;
 
     Parts parts_;
-    event::Clock::time_point next_step_{};  ///< of main
+    event::Clock::time_point next_step_ = event::Clock::now();  ///< of main
 };
 
 }  // namespace hive::service

@@ -1,0 +1,182 @@
+// Letting threads in, and ending things in the right order.
+#include "application_object.hpp"
+
+#include "texts.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace hive::c {
+
+void Queue::enter()
+{
+    std::unique_lock lock(mutex_);
+    if (in_ == std::this_thread::get_id())
+        throw Error(Errc::invalid_argument, "this cannot be called from a callback of the same application");
+    const auto mine = asked_++;
+    left_.wait(lock, [&] { return mine == served_; });
+    in_ = std::this_thread::get_id();
+}
+
+void Queue::leave()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        in_ = {};
+        ++served_;
+    }
+    left_.notify_all();
+}
+
+bool Queue::is_in() const
+{
+    const std::lock_guard lock(mutex_);
+    return in_ == std::this_thread::get_id();
+}
+
+void CollectorObject::released() { application->close(shared_from_this()); }
+
+ApplicationObject::ApplicationObject(Application::Options options) : timeout_(options.timeout), name_()
+{
+    application_ = std::make_unique<Application>(std::move(options));
+    name_ = application_->name();
+}
+
+void ApplicationObject::with(const std::function<void(Application&)>& work)
+{
+    queue_.enter();
+    struct Leave {
+        ApplicationObject& object;
+        ~Leave() { object.leave(); }
+    } const leave{*this};
+    if (!application_)
+        throw Error(Errc::stopped, "the application is closed");
+    work(*application_);
+}
+
+void ApplicationObject::with(CollectorObject& collector, const std::function<void()>& work)
+{
+    with([&](Application&) {
+        if (collector.closed)
+            throw Error(Errc::stopped, "the collector is closed");
+        work();
+    });
+}
+
+/// What was released from within is ended now.
+void ApplicationObject::leave()
+{
+    std::vector<std::shared_ptr<CollectorObject>> doomed;
+    bool all = false;
+    {
+        const std::lock_guard lock(mutex_);
+        doomed.swap(doomed_);
+        all = all_doomed_;
+    }
+    for (const auto& collector : doomed) {
+        collector->closed = true;
+        collector->events.reset();
+        collector->sets.reset();
+    }
+    if (all)
+        close_now();
+    queue_.leave();
+}
+
+void ApplicationObject::close_now()
+{
+    for (const auto& weak : std::exchange(collectors_, {}))
+        if (const auto collector = weak.lock()) {
+            collector->closed = true;
+            collector->events.reset();
+            collector->sets.reset();
+        }
+    application_.reset();
+}
+
+/// Whoever is let in closes, and so does the thread that is in already, as soon as it leaves.
+void ApplicationObject::close()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        all_doomed_ = true;
+    }
+    if (queue_.is_in())
+        return;
+    queue_.enter();
+    leave();
+}
+
+void ApplicationObject::close(const std::shared_ptr<CollectorObject>& collector)
+{
+    {
+        const std::lock_guard lock(mutex_);
+        doomed_.push_back(collector);
+    }
+    if (queue_.is_in())
+        return;
+    queue_.enter();
+    leave();
+}
+
+void ApplicationObject::released() { close(); }
+
+std::shared_ptr<CollectorObject> ApplicationObject::new_collector()
+{
+    auto collector = std::make_shared<CollectorObject>(shared_from_this());
+    std::erase_if(collectors_, [](const auto& weak) { return weak.expired(); });
+    collectors_.push_back(collector);
+    return collector;
+}
+
+std::chrono::milliseconds ApplicationObject::timeout() const { return timeout_; }
+
+void ApplicationObject::timeout(std::chrono::milliseconds timeout)
+{
+    with([&](Application& application) {
+        timeout_ = timeout;
+        application.timeout(timeout);
+    });
+}
+
+Json error_json(const Error& error)
+{
+    return {{"code", info(error.code()).token},
+            {"text", error.what()},
+            {"advice", error.advice().empty() ? std::string(info(error.code()).advice) : error.advice()}};
+}
+
+Json place_json(const Place& place)
+{
+    return {{"drone", place.drone},
+            {"host", place.host},
+            {"address", place.address},
+            {"ssh", place.ssh},
+            {"answered_us", place.answered_us}};
+}
+
+ConnectionOptions connection_of(const Json& given, const ConnectionOptions& fallback)
+try {
+    constexpr std::array known{"transfer", "delivery", "window", "group", "first_frame", "lease_ms", "encoding"};
+    Json fields = to_json(fallback);
+    for (const auto& [name, value] : given.items()) {
+        if (std::ranges::find(known, name) == known.end())
+            throw Error(Errc::invalid_argument, "a connection has no option " + in_quotes(name));
+        fields[name] = value;
+    }
+    return connection_options(fields);
+} catch (const Error& error) {
+    throw Error(Errc::invalid_argument, error.what());
+}
+
+CollectOptions collect_options(const char* text)
+{
+    const Options given(text, {"connection", "ordered", "patience_ms"});
+    CollectOptions options;
+    options.connection = connection_of(given.object("connection"), options.connection);
+    options.ordered = given.flag("ordered");
+    options.patience = patience_of(given.integer("patience_ms", 0, options.patience.count()));
+    return options;
+}
+
+}  // namespace hive::c

@@ -1,0 +1,177 @@
+// Collectors: what an application receives.
+#include "application_object.hpp"
+#include "drone_object.hpp"
+#include "texts.hpp"
+
+#include <algorithm>
+
+using namespace hive;
+using namespace hive::c;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Makes one and gives its handle.
+void give_new(hive_application* application, hive_collector** place,
+              const std::function<void(Application&, CollectorObject&)>& make)
+{
+    required(place, "the place for the collector");
+    const auto object = get<ApplicationObject>(application);
+    std::shared_ptr<CollectorObject> collector;
+    object->with([&](Application& open) {
+        collector = object->new_collector();
+        make(open, *collector);
+    });
+    *place = give(std::move(collector));
+}
+
+std::vector<Endpoint> ends_of(Application& application, const char* outputs)
+{
+    std::vector<Endpoint> ends;
+    for (const auto& text : names_of(required(outputs, "the outputs"), "the outputs"))
+        ends.push_back(application.endpoint(text));
+    if (ends.empty())
+        throw Error(Errc::invalid_argument, "the outputs name none");
+    return ends;
+}
+
+std::optional<std::string> ended(const CollectorObject& collector)
+{
+    return collector.sets ? collector.sets->ended() : collector.events->ended();
+}
+
+/// Asks again and again, with others let in between, until there is something, nothing more comes, or the time is over.
+template <class Take>
+auto taken(CollectorObject& collector, int64_t timeout_ms, Take&& take)
+{
+    const auto end = Clock::now() + patience_of(timeout_ms);
+    for (;;) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+        decltype(take(std::chrono::milliseconds())) found;
+        bool over = false;
+        collector.application->with(collector, [&] {
+            found = take(std::clamp<std::chrono::milliseconds>(left, std::chrono::milliseconds(0), longest_turn));
+            over = !found && ended(collector);
+        });
+        if (found || over || Clock::now() >= end)
+            return found;
+    }
+}
+
+Json counts_json(const CollectCounts& counts)
+{
+    return {{"received", counts.received},           {"duplicates", counts.duplicates}, {"missing", counts.missing},
+            {"missing_turns", counts.missing_turns}, {"failed", counts.failed},         {"dropped", counts.dropped}};
+}
+
+}  // namespace
+
+hive_code hive_application_collect(hive_application* application, const char* outputs, const char* options,
+                                   hive_collector** collector)
+{
+    return guarded([&] {
+        const auto chosen = collect_options(options);
+        give_new(application, collector, [&](Application& open, CollectorObject& made) {
+            made.events = open.collect(ends_of(open, outputs), chosen);
+        });
+    });
+}
+
+hive_code hive_application_collect_matched(hive_application* application, const char* outputs, const char* match,
+                                           const char* options, hive_collector** collector)
+{
+    return guarded([&] {
+        const auto chosen = collect_options(options);
+        const auto rule = match_of(match);
+        give_new(application, collector, [&](Application& open, CollectorObject& made) {
+            made.sets = open.collect_matched(ends_of(open, outputs), rule, chosen);
+        });
+    });
+}
+
+hive_code hive_application_exceptions(hive_application* application, const char* drones, hive_collector** collector)
+{
+    return guarded([&] {
+        const auto names = names_of(required(drones, "the drones"), "the drones");
+        give_new(application, collector,
+                 [&](Application& open, CollectorObject& made) { made.events = open.exceptions(names); });
+    });
+}
+
+hive_code hive_collector_next(hive_collector* collector, int64_t timeout_ms, hive_event** event)
+{
+    return guarded([&] {
+        *required(event, "the place for the event") = nullptr;
+        const auto object = get<CollectorObject>(collector);
+        auto found = taken(*object, timeout_ms, [&](std::chrono::milliseconds patience) {
+            if (!object->events)
+                throw Error(Errc::invalid_argument, "this collector gives sets: hive_collector_next_set()");
+            return object->events->next(patience);
+        });
+        if (found)
+            *event = give(std::make_shared<EventObject>(std::move(*found)));
+    });
+}
+
+hive_code hive_collector_next_set(hive_collector* collector, int64_t timeout_ms, hive_event** events, size_t capacity,
+                                  size_t* count)
+{
+    return guarded([&] {
+        *required(count, "the place for the count") = 0;
+        required(events, "the place for the events");
+        const auto object = get<CollectorObject>(collector);
+        auto found = taken(*object, timeout_ms, [&](std::chrono::milliseconds patience) {
+            if (!object->sets)
+                throw Error(Errc::invalid_argument, "this collector gives single events: hive_collector_next()");
+            return object->sets->next(patience);
+        });
+        if (!found)
+            return;
+        if (found->size() > capacity)
+            throw Error(Errc::too_large, "a set has " + std::to_string(found->size()) + " events");
+        for (auto& event : *found)
+            events[(*count)++] = give(std::make_shared<EventObject>(std::move(event)));
+    });
+}
+
+hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* length)
+{
+    return guarded([&] {
+        const auto object = get<CollectorObject>(collector);
+        Json counts;
+        object->application->with(*object, [&] {
+            counts = counts_json(object->sets ? object->sets->received() : object->events->counts());
+            if (!object->sets)
+                return;
+            const auto sets = object->sets->counts();
+            counts["sets"] = {{"sets", sets.sets},
+                              {"waiting", sets.waiting},
+                              {"unmatched", sets.unmatched},
+                              {"duplicates", sets.duplicates},
+                              {"missing", sets.missing}};
+        });
+        give_json(counts, json, length);
+    });
+}
+
+hive_code hive_collector_ended(hive_collector* collector, bool* over, char** text)
+{
+    return guarded([&] {
+        required(over, "the place for the answer");
+        const auto object = get<CollectorObject>(collector);
+        std::optional<std::string> said;
+        object->application->with(*object, [&] { said = ended(*object); });
+        *over = said.has_value();
+        if (text && said)
+            give_text(*said, text);
+    });
+}
+
+hive_code hive_collector_close(hive_collector* collector)
+{
+    return guarded([&] {
+        const auto object = get<CollectorObject>(collector);
+        object->application->close(object);
+    });
+}

@@ -1,0 +1,235 @@
+"""The C library behind this package: found, loaded, and its functions declared (see hive.h)."""
+
+from __future__ import annotations
+
+import atexit
+import ctypes
+import json
+import os
+import weakref
+from typing import Any, Optional
+
+from ._errors import Error
+
+SONAME = "libhive-c.so.0"
+_ABI = 1
+
+
+def _load() -> ctypes.CDLL:
+    """$HIVE_LIBRARY; beside this package (a wheel), in the lib folder of a build, or of the prefix into which both were
+    installed; or where the system has libraries."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    folders = ([], ["..", "..", "lib"], ["..", "..", ".."])
+    places = [os.path.normpath(os.path.join(here, *folder, SONAME)) for folder in folders]
+    told = os.environ.get("HIVE_LIBRARY")
+    found = [told] if told else [place for place in places if os.path.exists(place)]
+    try:
+        return ctypes.CDLL(found[0] if found else SONAME)
+    except OSError as error:
+        raise ImportError(
+            f"hive: cannot load {SONAME}: {error}; install libhive0, or name the file in $HIVE_LIBRARY"
+        ) from None
+
+
+_library = _load()
+
+callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
+event_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p)
+set_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p), ctypes.c_size_t)
+main_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64))
+end_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_char_p)
+log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
+
+# One letter for each argument. Results: a code unless there is a second word.
+_TYPES: dict[str, Any] = {
+    "h": ctypes.c_void_p,  # a handle, or other memory
+    "s": ctypes.c_char_p,
+    "n": ctypes.c_size_t,
+    "i": ctypes.c_int,
+    "c": ctypes.c_int32,
+    "l": ctypes.c_int64,
+    "b": ctypes.c_bool,
+    "P": ctypes.POINTER(ctypes.c_void_p),  # a place for a handle or a text
+    "N": ctypes.POINTER(ctypes.c_size_t),
+    "I": ctypes.POINTER(ctypes.c_int),
+    "B": ctypes.POINTER(ctypes.c_bool),
+    "D": ctypes.POINTER(ctypes.c_double),
+    "A": ctypes.POINTER(ctypes.c_char_p),
+    "f": callback,
+    "F": event_callback,
+    "S": set_callback,
+    "M": main_callback,
+    "L": log_callback,
+    "E": end_callback,
+}
+_SIGNATURES = """
+error_code - c|error_text - s|error_advice - s|fail cs c|code_token c s|code_sentence c s|code_advice c s
+code_exit_code c i|version - s|abi_version - i|protocol_version - i|retain h|release h|handle_count - n|free h -
+event_info hPN|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
+body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP
+drone_new sssP|drone_from_arguments sssiAPI|drone_on_log hLh|drone_name hP|drone_given hsPB|drone_parameter hs
+drone_integer hsIss|drone_number hsDss|drone_flag hsBss|drone_text hsAss|drone_values hPN|drone_assign hs
+drone_output hsssP|drone_on_event hsssFh|drone_on_matched hssSFhP|matching_rule hs|drone_on_change hfh
+drone_on_start hfh|drone_on_end hEh|drone_main hMh|drone_describe hPN|drone_run h|drone_start h|drone_step hlB|drone_end h
+drone_wake h|drone_stop h|drone_condition hss|drone_source_events hl|drone_report hcs|drone_log hs|drone_stopping hB|drone_status hPN
+output_wanted hB|output_received hB|output_asked hB|output_loan hnP|output_emit hsnhns|output_emit_body hsnhs
+output_emit_captured hlbsnhs|output_fail hlbcs|output_repeat hh|output_end hs|output_begin_source h
+application_new sP|application_close h|application_name hP|application_timeout hl|application_drones hPN
+application_remembered hPN|application_find hsPN|application_describe hsPN|application_status hsPN
+application_status_all hsPN|application_place hsPN|application_places hPN|application_add_place hs
+application_forget_place hs
+application_wait hssl|application_connect hsssP|application_disconnect hss|application_set hssP
+application_set_all hssfhP|application_get hssP|application_get_all hssP|application_collect hssP
+application_collect_matched hsssP|application_exceptions hsP|application_put hssnhns|application_halt hs
+application_resume hs|application_stop hs|application_exception_policy hss
+collector_next hlP|collector_next_set hlPnN|collector_counts hPN|collector_ended hBP|collector_close h
+"""
+
+
+def _error() -> Error:
+    """What the last call that failed on this thread said."""
+    token = _library.hive_code_token(_library.hive_error_code()) or b"failed"
+    return Error(token.decode(), text_of(_library.hive_error_text()), text_of(_library.hive_error_advice()))
+
+
+def _check(code: int, _function: Any, _arguments: Any) -> int:
+    if code != 0:
+        raise _error()
+    return code
+
+
+def _declare(line: str) -> None:
+    name, arguments, *result = line.split()
+    function = getattr(_library, "hive_" + name)
+    function.argtypes = [_TYPES[letter] for letter in arguments if letter != "-"]
+    if not result and arguments != "-":
+        function.restype = ctypes.c_int32
+        function.errcheck = _check
+    elif result == ["-"]:
+        function.restype = None
+    else:
+        function.restype = _TYPES[result[0]]
+
+
+for _line in _SIGNATURES.replace("\n", "|").split("|"):
+    if _line:
+        _declare(_line)
+
+if _library.hive_abi_version() < _ABI:
+    raise ImportError(f"hive: {SONAME} is older than this package")
+
+lib: Any = _library
+
+
+def text_of(text: Optional[bytes]) -> str:
+    return (text or b"").decode("utf-8", "replace")
+
+
+def encoded(text: Optional[str]) -> Optional[bytes]:
+    """A text for C. One with a zero byte would be cut short there."""
+    if text is None:
+        return None
+    if "\0" in text:
+        raise Error("invalid_argument", f"{text!r} contains a zero byte")
+    return text.encode("utf-8", "replace")
+
+
+def _plain(value: Any) -> Any:
+    """NumPy's numbers and arrays, paths and the like, as JSON has them."""
+    for convert in ("tolist", "__fspath__"):
+        if hasattr(value, convert):
+            return getattr(value, convert)()
+    raise TypeError(f"{type(value).__name__} cannot travel as JSON")
+
+
+def as_json(value: Any) -> bytes:
+    try:
+        return json.dumps(value, default=_plain, allow_nan=False).encode()
+    except (TypeError, ValueError) as error:
+        raise Error("invalid_argument", f"this cannot travel as JSON: {error}") from None
+
+
+def take_text(place: ctypes.c_void_p, length: Optional[int] = None) -> Optional[str]:
+    """A text that the library has given, which is freed here; None for null."""
+    if not place.value:
+        return None
+    try:
+        raw = ctypes.string_at(place.value, -1 if length is None else length)
+    finally:
+        lib.hive_free(place)
+    return raw.decode("utf-8", "replace")
+
+
+def ask(function: Any, *arguments: Any) -> Any:
+    """Calls a function that ends with (char** json, size_t* length), and reads the JSON."""
+    place, length = ctypes.c_void_p(), ctypes.c_size_t()
+    function(*arguments, ctypes.byref(place), ctypes.byref(length))
+    return json.loads(take_text(place, length.value) or "null")
+
+
+def ask_text(function: Any, *arguments: Any) -> Optional[str]:
+    """Calls a function that ends with (char** text)."""
+    place = ctypes.c_void_p()
+    function(*arguments, ctypes.byref(place))
+    return take_text(place)
+
+
+def ask_handle(function: Any, *arguments: Any) -> ctypes.c_void_p:
+    """Calls a function that ends with a place for a handle."""
+    place = ctypes.c_void_p()
+    function(*arguments, ctypes.byref(place))
+    return place
+
+
+def ask_flag(function: Any, *arguments: Any) -> bool:
+    place = ctypes.c_bool()
+    function(*arguments, ctypes.byref(place))
+    return place.value
+
+
+def release(handle: Optional[ctypes.c_void_p]) -> None:
+    """Gives a handle back; for __del__, so it raises nothing."""
+    if handle and _library is not None:
+        try:
+            _library.hive_release(handle)
+        except Error:
+            pass
+
+
+def _codes() -> dict[str, int]:
+    tokens = {}
+    for code in range(1, 256):
+        token = lib.hive_code_token(code)
+        if token is None:
+            break
+        tokens[token.decode()] = code
+    return tokens
+
+
+codes: dict[str, int] = _codes()
+
+
+def code_of(token: str) -> int:
+    return codes.get(token, codes["failed"])
+
+
+version: str = text_of(lib.hive_version())
+
+
+def protocol_version() -> int:
+    """Of what travels between modules; two that speak different ones refuse each other."""
+    return int(lib.hive_protocol_version())
+
+
+_living: weakref.WeakSet[Any] = weakref.WeakSet()
+
+
+def ends_at_exit(thing: Any) -> None:
+    """Has threads of the library end before the process does."""
+    _living.add(thing)
+
+
+@atexit.register
+def _end_all() -> None:
+    for thing in list(_living):
+        thing._at_exit()

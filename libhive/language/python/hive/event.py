@@ -1,0 +1,230 @@
+"""Events as drones and applications get them."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+
+from . import _pictures
+from ._library import ask, ask_flag, ask_handle, lib, release
+
+if TYPE_CHECKING:
+    import numpy
+
+
+class Hop(NamedTuple):
+    """Time spent by one drone on the way of an event."""
+
+    drone: str
+    wait_us: int  #: from arrival until its code began
+    work_us: int  #: from then until it emitted
+
+
+class Share(NamedTuple):
+    """One sender's work behind an event, which it may have given out more than once."""
+
+    of: str  #: "camera.image#workers": output and group
+    epoch: int
+    turn: int  #: counts the events of the group, from 1
+    attempt: int  #: counts how often this turn was given out
+    part: int
+    to: str  #: the input that got it
+
+
+class _Memory:
+    """A body or a loan, and where its bytes are: they live as long as this does."""
+
+    __slots__ = ("handle", "address", "size")
+
+    def __init__(self, handle: ctypes.c_void_p, where: Any) -> None:
+        self.handle = handle
+        address, size = ctypes.c_void_p(), ctypes.c_size_t()
+        where(handle, ctypes.byref(address), ctypes.byref(size))
+        self.address = address.value
+        self.size = size.value
+
+    def __del__(self) -> None:
+        release(self.handle)
+
+    def view(self) -> memoryview:
+        """The bytes, without a copy; the view keeps the memory alive."""
+        if not self.size or self.address is None:
+            return memoryview(b"")
+        array = (ctypes.c_ubyte * self.size).from_address(self.address)
+        array._memory = self  # type: ignore[attr-defined]
+        return memoryview(array).cast("B")
+
+
+class Event:
+    """Something that happened: a header, a body, and where and when it began.
+
+    While an event is *in hand* it counts as being worked on, and its sender waits with the next one.  It is in hand
+    until the callback returns, or until the next one is taken from a collector; :meth:`hold` makes that longer,
+    :meth:`done` shorter.  Header, body and pictures stay valid as long as anybody refers to them; pictures hold memory
+    of the sender, but never an event.
+    """
+
+    __slots__ = ("_handle", "_info_cache", "_header_cache", "_held", "__weakref__")
+
+    def __init__(self, handle: ctypes.c_void_p) -> None:
+        """Takes over a reference of the handle."""
+        self._handle = handle
+        self._info_cache: Optional[dict[str, Any]] = None
+        self._header_cache: Optional[dict[str, Any]] = None
+        self._held = False
+
+    def __del__(self) -> None:
+        release(self._handle)
+
+    @property
+    def _info(self) -> dict[str, Any]:
+        if self._info_cache is None:
+            self._info_cache = ask(lib.hive_event_info, self._handle)
+        return self._info_cache
+
+    @property
+    def header(self) -> dict[str, Any]:
+        """What the sender's author put in."""
+        if self._header_cache is None:
+            place, length = ctypes.c_void_p(), ctypes.c_size_t()
+            lib.hive_event_header(self._handle, ctypes.byref(place), ctypes.byref(length))
+            self._header_cache = json.loads(ctypes.string_at(place.value or 0, length.value))
+        return self._header_cache
+
+    @property
+    def body(self) -> memoryview:
+        """The bytes, read-only and without a copy; empty in a notification.
+
+        When :attr:`foreign` is true they lie in memory of another process, which could still change them: copy them
+        (``bytes(event.body)``) before you check and use them.
+        """
+        return _Memory(ask_handle(lib.hive_event_body, self._handle), lib.hive_body_bytes).view().toreadonly()
+
+    @property
+    def foreign(self) -> bool:
+        """Do the bytes of the body lie in memory of another process?"""
+        body = ask_handle(lib.hive_event_body, self._handle)
+        try:
+            return ask_flag(lib.hive_body_foreign, body)
+        finally:
+            release(body)
+
+    def image(self) -> numpy.ndarray:
+        """The picture in the body, as a NumPy array of ``uint8``.
+
+        ``image/raw`` gives a read-only view without a copy, of shape (height, width) for grey and (height, width, 3)
+        for colour, in the order blue, green, red.  ``image/jpeg`` and ``image/png`` are copied, checked and decoded to
+        (height, width, 3), by OpenCV or, where that is missing, Pillow.
+
+        :raises hive.Error: "malformed" when header and bytes are no such picture, "too_large" beyond 40 million pixels,
+            "unsupported" when the body is of another type, or nothing is installed that decodes it
+        """
+        return _pictures.decode(self.type, self.header, self.body)
+
+    @property
+    def source(self) -> str:
+        """The drone that captured what this came of."""
+        return str(self._info["source"])
+
+    @property
+    def epoch(self) -> int:
+        """Of the source: a restarted one has a larger one."""
+        return int(self._info["epoch"])
+
+    @property
+    def sequence(self) -> int:
+        """Of the capture, from 1, in that epoch."""
+        return int(self._info["sequence"])
+
+    @property
+    def captured(self) -> float:
+        """When it was captured, seconds since 1970; 0.0: unknown."""
+        return float(self._info["captured_us"] / 1e6)
+
+    @property
+    def age(self) -> float:
+        """Seconds from the capture until this was first asked; 0.0 when nobody knows."""
+        return float(self._info["age_us"] / 1e6)
+
+    @property
+    def lossless(self) -> bool:
+        """Is it of a source on demand, so that nobody may skip it?"""
+        return bool(self._info["lossless"])
+
+    @property
+    def part(self) -> int:
+        """Numbers what one drone emits on one output for one input, from 0."""
+        return int(self._info["part"])
+
+    @property
+    def sender(self) -> str:
+        """The drone that emitted it."""
+        return str(self._info["sender"])
+
+    @property
+    def kind(self) -> str:
+        """What the sender is: "face"."""
+        return str(self._info["kind"])
+
+    @property
+    def output(self) -> str:
+        """Of the sender."""
+        return str(self._info["output"])
+
+    @property
+    def input(self) -> str:
+        """Where it arrived."""
+        return str(self._info["input"])
+
+    @property
+    def type(self) -> str:
+        """The media type of the body: "image/jpeg"."""
+        return str(self._info["type"])
+
+    @property
+    def size(self) -> Optional[int]:
+        """Of the body at the sender, bytes, also in a notification; None: it was never made."""
+        return self._info["size"]
+
+    @property
+    def hops(self) -> list[Hop]:
+        """The drones on its way, and the time that each took."""
+        return [Hop(**hop) for hop in self._info["hops"]]
+
+    @property
+    def shares(self) -> list[Share]:
+        """Whose shared work stands behind it, outermost first."""
+        return [Share(**share) for share in self._info["shares"]]
+
+    def done(self) -> None:
+        """From now on it is only looked at: its sender may give the next one."""
+        self._held = False
+        lib.hive_event_done(self._handle)
+
+    def hold(self) -> Event:
+        """Stays in hand until :meth:`done`, or until nobody refers to it any more."""
+        self._held = True
+        return self
+
+    def _left(self) -> None:
+        """Whoever worked on it has gone on."""
+        if not self._held:
+            lib.hive_event_done(self._handle)
+
+    def __repr__(self) -> str:
+        size = self.size
+        return (
+            f"<hive.Event {self.sender}.{self.output} {self.sequence} {self.type}"
+            f"{'' if size is None else f' {size} bytes'} {json.dumps(self.header)[:200]}>"
+        )
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """For notebooks."""
+        if self.type == "image/png":
+            return bytes(self.body)
+        return _pictures.as_png(self.image()) if self.type == "image/raw" and len(self.body) else None
+
+    def _repr_jpeg_(self) -> Optional[bytes]:
+        """For notebooks."""
+        return bytes(self.body) if self.type == "image/jpeg" else None

@@ -1,0 +1,15 @@
+"""What looks at the bytes in the comparison of Python with C++: the same as in pixels.cpp."""
+import hive
+import numpy
+
+drone = hive.Drone("pixels", "Part of a benchmark.")
+result = drone.output("result", "application/json", "the sum")
+
+
+@drone.on_event("image", "image/raw")
+def look(event):
+    pixels = numpy.frombuffer(event.body, numpy.uint8)
+    result.emit({"sum": int(pixels[::64].sum(dtype=numpy.int64))})
+
+
+drone.run()

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Installs a build into an empty prefix, then uses nothing else: builds the drones of libhive/language/README.md in C++ by
+# find_package and in C by pkg-config, and runs them, and the one in Python, in a swarm with the drones that were installed.
+# Usage: run.sh SOURCE BUILD CMAKE CXX CC PYTHON
+set -euo pipefail
+source=$1 build=$2 cmake=$3 cxx=$4 cc=$5 python=$6
+
+place=$(mktemp -d /tmp/hive-install-XXXXXX)
+prefix=$place/prefix
+finish() {
+    "$prefix/bin/hivectl" stop --all > "$place/stopped" 2>&1 || true
+    rm -rf "$place"
+}
+trap finish EXIT
+fail() {
+    echo "install: $1" >&2
+    exit 1
+}
+
+"$cmake" --install "$build" --prefix "$prefix" > "$place/log" || { tail -n 5 "$place/log"; fail "cmake --install failed"; }
+
+# Whole, and without a trace of where it was built.
+for file in bin/hivectl bin/hive-camera bin/hive-edges include/hive.h include/hive/drone.hpp include/hive/embedded_drone.hpp \
+    include/hive/application.hpp include/hive/vision/image.hpp share/man/man1/hivectl.1 share/man/man1/hivectl-connect.1 \
+    share/man/man1/hive-camera.1 share/bash-completion/completions/hivectl lib/python3/dist-packages/hive/drone.py; do
+    [ -s "$prefix/$file" ] || fail "there is no $file"
+done
+[ ! -e "$prefix/include/hive/event/module.hpp" ] && [ ! -e "$prefix/include/hive/protocol" ] || fail "private headers are installed"
+if grep -rlIF -e "$source/" -e "$build/" "$prefix"; then
+    fail "these name the place of the build"
+fi
+for binary in "$prefix"/bin/* "$prefix"/lib*/*.so; do
+    if readelf -d "$binary" 2> "$place/ignored" | grep -E 'RPATH|RUNPATH' | grep -F -e "$build" -e "$source"; then
+        fail "$binary looks for libraries in the build"
+    fi
+done
+[ "$(find "$prefix/share/man/man1" -name 'hivectl-*.1' | wc -l)" -ge 15 ] || fail "there are verbs without a man page"
+bash -n "$prefix/share/bash-completion/completions/hivectl"
+
+# The drones of the page, in folders of their own.
+block() { # LANGUAGE MARK: the block of that language on the page that has the mark
+    awk -v fence="\`\`\`$1" -v mark="$2" '
+        $0 == fence { inside = 1; text = ""; next }
+        inside && /^```/ { if (index(text, mark)) printf "%s", text; inside = 0 }
+        inside { text = text $0 "\n" }' "$source/libhive/language/README.md"
+}
+export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+mkdir -p "$place/cpp" "$place/c" "$place/py"
+block cpp run_drone > "$place/cpp/main.cpp"
+block c hive_drone_from_arguments > "$place/c/main.c"
+block python hive.Drone > "$place/py/brightness.py"
+cat > "$place/cpp/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(brightness LANGUAGES CXX)
+set(CMAKE_CXX_STANDARD 20)
+find_package(hive 0.1 REQUIRED)
+add_executable(hive-brightness main.cpp)
+target_link_libraries(hive-brightness hive::hive)
+END
+{
+    "$cmake" -S "$place/cpp" -B "$place/cpp/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$cxx"
+    "$cmake" --build "$place/cpp/build"
+} > "$place/log" 2>&1 || { tail -n 20 "$place/log" >&2; fail "a drone in C++ does not build by find_package(hive)"; }
+# shellcheck disable=SC2046
+"$cc" -std=c11 -Wall -Werror "$place/c/main.c" -o "$place/c/hive-brightness" $(pkg-config --cflags --libs hive-c) \
+    -Wl,-rpath,"$prefix/lib" -Wl,-rpath-link,"$prefix/lib" || fail "a drone in C does not build by pkg-config"
+
+# A swarm of what is installed and what was built.
+export HIVE_HOME=$place/home PATH=$prefix/bin:/usr/bin:/bin HIVE_PYTHON=$python
+unset PYTHONPATH LD_LIBRARY_PATH HIVE_DRONE_PATH
+[[ $(hivectl --version) =~ ^hivectl\ [0-9.]+\ \(protocol\ [0-9]+\)$ ]] || fail "hivectl --version says $(hivectl --version)"
+hivectl start camera width=320 height=240 > "$place/out"
+HIVE_DRONE_PATH=$place/cpp/build hivectl start brightness --as in-cpp > "$place/out"
+HIVE_DRONE_PATH=$place/c hivectl start brightness --as in-c > "$place/out"
+drones=(in-cpp in-c)
+if [ -n "$python" ]; then
+    hivectl start "$place/py/brightness.py" --as in-python > "$place/out"
+    drones+=(in-python)
+fi
+for drone in "${drones[@]}"; do
+    hivectl connect camera "$drone" > "$place/out"
+    hivectl results "$drone" -n 2 --json --timeout 30 > "$place/out" || fail "no results of $drone"
+    [ "$(grep -c '"mean"' "$place/out")" -eq 2 ] || fail "the results of $drone are: $(cat "$place/out")"
+done
+echo "install: whole, and ${drones[*]} work outside of the repository"

@@ -1,0 +1,299 @@
+"""Applications in Python, against the drones that the C++ tests have too."""
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import textwrap
+import threading
+import time
+import unittest
+
+import hive
+from world import PATIENCE, PROGRAMS, World, eventually
+
+
+class Applications(World):
+    def numbers(self, collector, count):
+        return [collector.next(PATIENCE).sequence for _ in range(count)]
+
+    def test_drones_are_found_described_and_awaited(self):
+        self.assertEqual(self.swarm.drones(), [])
+        self.refused("timeout", self.swarm.wait, "source", timeout=0.02)
+        self.swarm.wait("source", "gone")
+        self.refused("invalid_argument", self.swarm.wait, "source", "happy")
+        self.drone("ticker", "source")
+        self.assertEqual(self.swarm.drones(), ["source"])
+        self.assertEqual(self.swarm.find("s*"), ["source"])
+        error = self.refused("not_found", self.swarm.find, "sourec")
+        self.assertIn("source", str(error) + error.advice)
+        described = self.swarm.describe("source")
+        self.assertEqual((described["kind"], described["outputs"][0]["name"]), ("ticker", "tick"))
+        self.assertEqual(self.swarm.status("source")["name"], "source")
+        self.assertTrue(self.swarm.name.startswith("app-"))
+
+    def test_connect_infers_the_ports_and_says_what_does_not_fit(self):
+        self.drone("ticker", "source")
+        self.drone("sleeper", "worker")
+        self.assertEqual(self.swarm.connect("source", "worker"), ("source.tick", "worker.image"))
+        self.assertEqual(self.swarm.connect("source", "worker", window=4, lease=5), ("source.tick", "worker.image"))
+        self.refused("not_found", self.swarm.connect, "source.tock", "worker")
+        self.refused("invalid_argument", self.swarm.connect, "source", "worker", window=99)
+        self.refused("invalid_argument", self.swarm.connect, "source", "worker", group="g", stream=True)
+        self.swarm.disconnect("source", "worker")
+        self.refused("not_found", self.swarm.disconnect, "source", "worker")
+
+    def test_set_and_get_on_one_and_on_many_all_or_none(self):
+        for name in ("worker-1", "worker-2"):
+            self.drone("sleeper", name)
+        self.assertEqual(self.swarm.set("worker-1", work_ms=5), {"work_ms": 5})
+        self.assertEqual(self.swarm.set("worker-1", {"work_ms": "6"}), {"work_ms": 6})
+        self.assertEqual(self.swarm.get("worker-1", "work_ms"), {"work_ms": 6})
+        self.assertEqual(self.swarm.set("worker-*", work_ms=7), {"worker-1": {"work_ms": 7}, "worker-2": {"work_ms": 7}})
+        self.swarm.set("worker-2", most_ms=10)
+        with self.assertRaises(hive.SetError) as caught:
+            self.swarm.set(["worker-1", "worker-2"], work_ms=20)
+        self.assertEqual((caught.exception.code, caught.exception.changed), ("refused", "none"))
+        self.assertIn("work_ms 20 is more than 10", str(caught.exception))
+        self.assertEqual([values["work_ms"] for values in self.swarm.get("worker-*").values()], [7, 7])
+        answers = self.swarm.get(["worker-1", "nobody"], "work_ms")
+        self.assertEqual(answers["worker-1"], {"work_ms": 7})
+        self.assertIsInstance(answers["nobody"], hive.Error)
+
+    def test_a_source_on_demand_gives_every_event_once_and_in_order(self):
+        self.drone("ticker", "source", "pace=demand", "count=40", "bytes=5000")
+        with self.swarm.collect("source") as collector:
+            for number, event in zip(range(1, 41), collector):
+                self.assertEqual(event.sequence, number)
+                self.assertEqual(event.header["sum"], sum(event.body))
+            self.assertIsNone(collector.next())
+            self.assertEqual(collector.ended, "")
+            self.assertEqual(collector.counts()["received"], 40)
+        self.refused("stopped", collector.next, 0)
+
+    def test_an_event_is_done_when_the_next_is_asked_for_unless_it_is_held(self):
+        self.drone("ticker", "source", "pace=demand", "count=9")
+        collector = self.swarm.collect("source", window=1)
+        kept = [collector.next(PATIENCE) for _ in range(3)]
+        self.assertEqual([event.sequence for event in kept], [1, 2, 3])
+        held = collector.next(PATIENCE).hold()
+        self.assertIsNone(collector.next(0.2))
+        held.done()
+        self.assertEqual(collector.next(PATIENCE).sequence, 5)
+        self.assertEqual([len(event.body) for event in kept], [1000] * 3)
+
+    def test_results_take_the_output_with_results(self):
+        self.drone("ticker", "source", "pace=demand", "count=5")
+        self.drone("sleeper", "worker")
+        self.swarm.halt("source")
+        self.swarm.connect("source", "worker")
+        self.assertEqual(list(self.swarm.results("worker", count=0)), [])
+        self.refused("timeout", next, self.swarm.results("worker.result", timeout=0.05))
+        results = self.swarm.results("worker", timeout=PATIENCE)
+        resumed = threading.Timer(0.05, self.swarm.resume, ["source"])
+        resumed.start()
+        self.assertEqual([event.header["index"] for event in results], [1, 2, 3, 4, 5])
+        resumed.join()
+        self.assertEqual(list(self.swarm.results("worker", timeout=PATIENCE)), [])
+
+    def test_exceptions_come_with_the_identity_and_a_halted_drone_goes_on_when_it_is_resumed(self):
+        self.drone("ticker", "source", "fps=200")
+        self.drone("sleeper", "worker", "throw_at=5", more=("--on-exception", "halt"))
+        exceptions = self.swarm.exceptions("worker")
+        self.swarm.connect("source", "worker")
+        event = exceptions.next(PATIENCE)
+        self.assertGreaterEqual(event.sequence, 5)
+        self.assertEqual((event.source, event.header["policy"], event.header["input"]), ("source", "halt", "image"))
+        self.assertIn("not to my taste", event.header["text"])
+        self.swarm.wait("worker", "halted")
+        self.refused("halted", self.swarm.put, "worker", b"x", "text/plain")
+        self.swarm.exception_policy("worker", "skip")
+        self.refused("invalid_argument", self.swarm.exception_policy, "worker", "never")
+        self.swarm.resume("worker")
+        self.assertIsNotNone(self.swarm.collect("worker").next(PATIENCE))
+
+    def test_shared_work_in_order_also_when_a_worker_dies(self):
+        self.drone("ticker", "source", "pace=demand", "count=60")
+        workers = [self.drone("sleeper", f"worker-{i}", f"work_ms={3 * i}") for i in (1, 2, 3)]
+        self.swarm.halt("source")
+        for i in (1, 2, 3):
+            self.swarm.connect("source", f"worker-{i}", group="workers")
+        results = self.swarm.collect("worker-1", "worker-2", "worker-3", ordered=True)
+        self.swarm.resume("source")
+        numbers = self.numbers(results, 20)
+        workers[1].kill()
+        numbers += self.numbers(results, 40)
+        self.assertEqual(numbers, list(range(1, 61)))
+        counts = results.counts()
+        self.assertEqual((counts["missing"], counts["received"]), (0, 60))
+
+    def test_a_stopped_drone_is_gone_and_one_that_was_killed_is_remembered(self):
+        self.drone("sleeper", "worker")
+        self.swarm.set("worker", work_ms=9)
+        self.swarm.stop("worker")
+        self.assertEqual((self.swarm.drones(), self.swarm.remembered()), ([], []))
+        process = self.drone("sleeper", "worker")
+        self.swarm.set("worker", work_ms=9)
+        process.kill()
+        process.wait()
+        self.assertEqual((self.swarm.drones(), self.swarm.remembered()), ([], ["worker"]))
+        self.drone("sleeper", "worker")
+        self.assertEqual(self.swarm.get("worker", "work_ms"), {"work_ms": 9})
+
+    def test_what_is_notified_has_no_body_but_a_size(self):
+        self.drone("ticker", "source", "fps=100")
+        event = self.swarm.collect("source", notify=True).next(PATIENCE)
+        self.assertEqual(len(event.body), 0)
+        self.assertIn("index", event.header)
+        self.assertIn("source.tick", repr(event))
+
+    def test_asyncio_waits_beside_other_work_and_a_cancelled_wait_loses_nothing(self):
+        self.drone("ticker", "source", "pace=demand", "count=30")
+        self.swarm.halt("source")
+        collector = self.swarm.collect("source", window=4)
+        turns = []
+
+        async def other():
+            while True:
+                turns.append(time.monotonic())
+                await asyncio.sleep(0.001)
+
+        async def collect():
+            beside = asyncio.ensure_future(other())
+            with self.assertRaises(asyncio.TimeoutError):
+                await asyncio.wait_for(collector.__anext__(), 0.15)
+            self.swarm.resume("source")
+            numbers = [event.sequence async for event in collector]
+            beside.cancel()
+            return numbers
+
+        self.assertEqual(asyncio.run(asyncio.wait_for(collect(), PATIENCE)), list(range(1, 31)))
+        self.assertGreater(len(turns), 20)
+
+    def test_waiting_leaves_the_interpreter_to_other_threads(self):
+        self.drone("ticker", "source", "fps=0.1", "pace=demand", "count=0")
+        self.swarm.halt("source")
+        collector = self.swarm.collect("source")
+        waiter = threading.Thread(target=collector.next, args=(0.5,))
+        waiter.start()
+        rounds = 0
+        while waiter.is_alive():
+            rounds += 1
+            time.sleep(0.001)
+        self.assertGreater(rounds, 20)
+
+    def test_ctrl_c_ends_a_wait_for_ever(self):
+        self.drone("ticker", "source", "pace=demand")
+        self.swarm.halt("source")
+        script = """
+            import hive
+            with hive.Application() as swarm:
+                collector = swarm.collect("source")
+                try:
+                    print("waiting", flush=True)
+                    next(collector)
+                except KeyboardInterrupt:
+                    print("interrupted")
+            """
+        process = subprocess.Popen(
+            [sys.executable, "-c", textwrap.dedent(script)], stdout=subprocess.PIPE, text=True
+        )
+        self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
+        self.assertEqual(process.stdout.readline(), "waiting\n")
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.stdout.readline(), "interrupted\n")
+        self.assertEqual(process.wait(PATIENCE), 0)
+
+    def test_a_program_that_closes_nothing_ends_well(self):
+        self.drone("ticker", "source", "fps=100")
+        script = """
+            import hive
+            swarm = hive.Application()
+            collector = swarm.collect("source")
+            event = collector.next()
+            kept = event.body
+            drone = hive.Drone("inner", embedded=True)
+            drone.start()
+            """
+        done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], timeout=60, capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertTrue(eventually(lambda: "inner" not in self.swarm.drones()))
+
+    def test_a_closed_application_says_so(self):
+        self.drone("ticker", "source", "fps=100")
+        swarm = hive.Application("viewer", home=self.home)
+        self.assertEqual(swarm.name, "viewer")
+        collector = swarm.collect("source")
+        event = collector.next(PATIENCE)
+        swarm.close()
+        swarm.close()
+        self.refused("stopped", swarm.drones)
+        self.refused("stopped", collector.next)
+        self.assertEqual(len(event.body), 1000)
+        self.refused("invalid_argument", hive.Application, "../x")
+
+    def test_calls_of_several_threads_do_not_disturb_each_other(self):
+        self.drone("ticker", "source", "fps=200")
+        collector = self.swarm.collect("source")
+        problems = []
+
+        def ask():
+            try:
+                for _ in range(10):
+                    self.assertEqual(self.swarm.describe("source")["kind"], "ticker")
+            except BaseException as problem:
+                problems.append(problem)
+
+        threads = [threading.Thread(target=ask) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        while any(thread.is_alive() for thread in threads):
+            self.assertIsNotNone(collector.next(PATIENCE))
+        self.assertEqual(problems, [])
+
+    def test_statuses_of_many_and_places_on_other_machines(self):
+        self.drone("sleeper", "worker")
+        self.assertEqual(self.swarm.place("worker")["host"], "local")
+        statuses = self.swarm.status(["worker", "nobody"])
+        self.assertEqual(statuses["worker"]["state"], "idle")
+        self.assertEqual(statuses["nobody"].code, "not_found")
+        self.assertEqual(self.swarm.places(), [])
+        self.swarm.add_place("far", "tcp://127.0.0.1:1")
+        listed = self.swarm.places()
+        self.assertEqual([(place["drone"], place["host"]) for place in listed], [("far", "127.0.0.1")])
+        self.assertIn("far", self.swarm.drones())
+        self.swarm.forget_place(listed[0])
+        self.refused("not_found", self.swarm.forget_place, listed[0])
+        self.refused("not_found", self.swarm.place, "far")
+        self.refused("invalid_argument", self.swarm.add_place, "far", "unix:/tmp/x")
+
+    def test_a_drone_with_a_key_takes_those_who_have_it(self):
+        keys = {name: os.path.join(self.home, name + ".key") for name in ("swarm", "other")}
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        for file in keys.values():
+            subprocess.run([hivectl, "key", "new", "--file", file], check=True, capture_output=True, timeout=60)
+        self.drone("sleeper", "worker", more=("--listen", "tcp://127.0.0.1", "--key", keys["swarm"]))
+        address = next(place for place in self.swarm.status("worker")["places"] if place.startswith("tcp:"))
+        for name, code in (("swarm", None), ("other", "not_permitted")):
+            with self.subTest(name), tempfile.TemporaryDirectory(prefix="hv-", dir="/tmp") as home:
+                with hive.Application(home=home, key=keys[name], timeout=PATIENCE) as there:
+                    there.add_place("worker", address)
+                    if code is None:
+                        self.assertEqual(there.status("worker")["state"], "idle")
+                    else:
+                        self.refused(code, there.status, "worker")
+
+    def test_put_sends_an_event_and_says_what_does_not_fit(self):
+        self.drone("sleeper", "worker")
+        results = self.swarm.collect("worker")
+        self.swarm.put("worker", b"x" * 10, "text/plain", {"index": 7})
+        self.assertEqual(results.next(PATIENCE).header["index"], 7)
+        self.refused("not_found", self.swarm.put, "worker.nothing", b"x")
+        self.drone("counter", "counter")
+        self.refused("type_mismatch", self.swarm.put, "counter.tick", b"x", "text/plain")
+
+
+if __name__ == "__main__":
+    unittest.main()
