@@ -169,8 +169,9 @@ bool heard(const Statuses& statuses, const std::string& drone)
 {
     const auto found = statuses.find(drone);
     return found != statuses.end() && std::ranges::any_of(found->second.outputs, [](const OutputStatus& output) {
-               return output.name == "exceptions"
-                      && std::ranges::any_of(output.edges, [](auto& edge) { return edge.connected; });
+               return output.name == "exceptions" && std::ranges::any_of(output.edges, [](auto& edge) {
+                          return edge.connected && edge.receiver == hearer;
+                      });
            });
 }
 

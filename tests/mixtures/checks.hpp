@@ -22,7 +22,7 @@ bool says_why(const Status& status);
 Problems without_reason(const Statuses& statuses);
 /// Are these two connected, at both ends?
 bool connected(const Statuses& statuses, const Edge& edge);
-/// Is somebody connected who hears the exceptions of this drone?
+/// Is the hearer connected, so that it hears the exceptions of this drone? A collector in order hears them as well.
 bool heard(const Statuses& statuses, const std::string& drone);
 
 }  // namespace hive::mixtures

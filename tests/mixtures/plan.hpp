@@ -10,7 +10,7 @@
 
 namespace hive::mixtures {
 
-inline const std::string source = "source", watcher = "watcher";
+inline const std::string source = "source", watcher = "watcher", hearer = "hearer";
 
 /// Drones side by side, each connected to every drone of the stage before (the first: to the source).
 struct Stage {

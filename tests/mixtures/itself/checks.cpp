@@ -116,7 +116,10 @@ TEST_CASE("mixtures: exceptions are heard by who is connected to them")
     exceptions.name = "exceptions";
     exceptions.edges = {edge_of(statuses)};
     statuses.at("source").outputs.push_back(exceptions);
+    auto& edge = statuses.at("source").outputs.back().edges[0];
+    CHECK_FALSE(heard(statuses, "source"));  // a1 is somebody else
+    edge.receiver = hearer;
     CHECK(heard(statuses, "source"));
-    statuses.at("source").outputs.back().edges[0].connected = false;
+    edge.connected = false;
     CHECK_FALSE(heard(statuses, "source"));
 }
