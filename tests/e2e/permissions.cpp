@@ -115,6 +115,7 @@ class Target {
 public:
     explicit Target(const Swarm& swarm) : swarm_(swarm) { start(); }
     [[nodiscard]] const std::string& address() const { return address_; }
+    [[nodiscard]] std::string local_address() const { return "unix:" + (swarm_.home() / "sleeper.sock").string(); }
     /// @return  whether the drone was stopped
     bool restarted_if_stopped()
     {
@@ -146,7 +147,8 @@ std::string padded(std::string text)
 
 }  // namespace
 
-TEST_CASE("permissions: what strangers, viewers and members can do to a running drone is what the table says")
+TEST_CASE(
+    "permissions: what strangers, viewers, members and the owner can do to a running drone is what the table says")
 {
     const Swarm swarm;
     swarm.hivectl_done({"key", "new"});
@@ -161,7 +163,8 @@ TEST_CASE("permissions: what strangers, viewers and members can do to a running 
     const std::vector<Column> columns{{"no key", "", std::nullopt},
                                       {"another key", wrong, std::nullopt},
                                       {"viewers' key", viewer, Role::viewer},
-                                      {"members' key", swarm.key_file(), Role::member}};
+                                      {"members' key", swarm.key_file(), Role::member},
+                                      {"local socket", "", Role::owner}};
     Target target(swarm);
     std::string table = padded("packet");
     for (const auto& column : columns)
@@ -173,8 +176,10 @@ TEST_CASE("permissions: what strangers, viewers and members can do to a running 
             continue;
         table += padded(std::string(hive::protocol::token(type)));
         for (const auto& [title, key, role] : columns) {
-            auto fate = Try(target.address(), key).of(type);
-            if (type == PacketType::stop && role == Role::member && target.restarted_if_stopped())
+            const bool owner = role == Role::owner;
+            auto fate = Try(owner ? target.local_address() : target.address(), key).of(type);
+            const bool may_stop = owner || role == Role::member;
+            if (type == PacketType::stop && may_stop && target.restarted_if_stopped())
                 fate = Fate::taken;
             table += padded(word(fate));
             const auto expected = !role                                                          ? Fate::kept_out

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <utility>
 
 namespace hive::event {
@@ -14,7 +15,10 @@ namespace {
 constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
-constexpr std::size_t reserved = 32;  ///< beside them, for the local socket; as many for applications from elsewhere
+
+/// Beside them, for the local socket, and as many for applications from elsewhere. HIVE_TEST_NO_RESERVED_PLACES: none,
+/// for the test that shows what they are for.
+const std::size_t reserved = std::getenv("HIVE_TEST_NO_RESERVED_PLACES") ? 0 : 32;
 
 }  // namespace
 
@@ -128,12 +132,13 @@ transport::Address Module::listen(const transport::Address& address)
         context(), address,
         [this](std::shared_ptr<transport::Connection> connection) {
             const bool local = connection->credentials().role == Role::owner;
-            if (local && links_.size() >= most_peers && !make_room() && peers(true) >= reserved)
+            if (local && !has_local_place())
                 return turn_away(*connection);
             adopt(make_link(std::move(connection), Link::End::accepted),
                   [this, local](const LinkPtr& link, const Error&) {
                       if (link && !local && !has_place(*link)) {
                           turn_away(link->connection());
+                          links_.erase(link);  // at once, so that it takes nobody's place until its end is told
                           link->close(Error(Errc::refused, "there is no place left"));
                       }
                   });
@@ -142,18 +147,36 @@ transport::Address Module::listen(const transport::Address& address)
     return listeners_.back()->address();
 }
 
-std::size_t Module::peers(bool local) const
+namespace {
+
+bool is_local(const Link& link) { return link.credentials().role == Role::owner; }
+/// Who has said what it is: of the others, the transport bounds how many there are.
+bool is_remote(const Link& link) { return !is_local(link) && link.open(); }
+bool is_remote_application(const Link& link) { return is_remote(link) && link.peer().kind == "application"; }
+
+}  // namespace
+
+std::size_t Module::peers(bool (*like)(const Link&)) const
 {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        links_, [&](const LinkPtr& link) { return (link->credentials().role == Role::owner) == local; }));
+    return static_cast<std::size_t>(std::ranges::count_if(links_, [&](const LinkPtr& link) { return like(*link); }));
+}
+
+/// Whether one more may come through the local socket; it has said nothing yet.
+bool Module::has_local_place()
+{
+    return links_.size() < most_peers || peers(is_local) < reserved || make_room([](const Link&) { return true; });
 }
 
 /// Whether a peer from elsewhere, which has said what it is, may stay. Some places are kept for applications: whoever
-/// looks what is wrong must not find the door shut by those who have their work here.
-bool Module::has_place(const Link& link)
+/// looks what is wrong must not find the door shut by those who have their work here, nor be sent away for them.
+bool Module::has_place(const Link& newcomer)
 {
-    const auto limit = most_peers + (link.peer().kind == "application" ? reserved : 0);
-    return peers(false) <= most_peers || make_room() || peers(false) <= limit;
+    const auto applications = peers(is_remote_application);
+    if (peers(is_remote) - std::min(applications, reserved) <= most_peers)
+        return true;
+    return make_room([&](const Link& link) {
+        return &link != &newcomer && is_remote(link) && (applications > reserved || !is_remote_application(link));
+    });
 }
 
 void Module::turn_away(const transport::Connection& connection)
@@ -164,14 +187,14 @@ void Module::turn_away(const transport::Connection& connection)
 
 /// Of the peers that have nothing registered and nothing under way, the one that has been idle for longest gives up its
 /// place: strangers who only hold places do not keep out who has something to say.
-bool Module::make_room()
+bool Module::make_room(const std::function<bool(const Link&)>& may_go)
 {
     const auto registered = [](const Link& link) {
         return [&link](const Outlet& outlet) { return outlet.receivers(link) > 0; };
     };
     LinkPtr longest;
     for (const auto& link : links_)
-        if (link->idle() && std::ranges::none_of(outlets_, registered(*link))
+        if (link->idle() && may_go(*link) && std::ranges::none_of(outlets_, registered(*link))
             && (!longest || link->used() < longest->used()))
             longest = link;
     if (!longest)

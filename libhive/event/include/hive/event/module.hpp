@@ -141,9 +141,10 @@ private:
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet);
-    bool make_room();
-    [[nodiscard]] std::size_t peers(bool local) const;
-    bool has_place(const Link& link);
+    bool make_room(const std::function<bool(const Link&)>& may_go);
+    [[nodiscard]] std::size_t peers(bool (*like)(const Link&)) const;
+    bool has_local_place();
+    bool has_place(const Link& newcomer);
     void turn_away(const transport::Connection& connection);
     void on_register(Link& link, const protocol::Packet& packet, const Json& header);
     [[nodiscard]] Json confirmation(const Outlet& sender, const Welcome& welcome) const;

@@ -1,0 +1,142 @@
+// Crowds at the door of a drone behind a key: those who may come in get in soon, and the others cost nobody much.
+#include "crowd.hpp"
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+/// A drone behind a key, and a key that it does not know.
+struct House {
+    House(const std::vector<std::string>& environment = {})
+    {
+        swarm.hivectl_done({"key", "new"});
+        swarm.hivectl_done({"key", "new", "--file", wrong_key.string()});
+        ticker = swarm.drone("ticker", "ticker", {"fps=100"}, {"--listen", "tcp://127.0.0.1:0"}, environment);
+        const std::string text = swarm.log("ticker"), before = "listening at ";
+        const auto begin = text.find(before + "tcp://") + before.size();
+        address = text.substr(begin, text.find('\n', begin) - begin);
+    }
+
+    const Swarm swarm;
+    const std::filesystem::path wrong_key = swarm.home() / "wrong.key";
+    std::optional<Process> ticker;
+    std::string address;
+};
+
+/// The longest time that the drone took to answer at the local socket.
+Milliseconds slowest_answer(const House& house, int times)
+{
+    auto application = house.swarm.application(patient(5000ms));
+    Clock::duration slowest{};
+    for (int i = 0; i < times; ++i) {
+        const auto begin = Clock::now();
+        static_cast<void>(application.get("ticker", {"fps"}));
+        slowest = std::max(slowest, Clock::now() - begin);
+    }
+    return std::chrono::duration_cast<Milliseconds>(slowest);
+}
+
+/// What hivectl on another machine with the key can do.
+Finished asked_from_elsewhere(const House& house, const std::vector<std::string>& words)
+{
+    const Swarm elsewhere;
+    std::filesystem::create_directories(elsewhere.key_file().parent_path());
+    std::filesystem::copy_file(house.swarm.key_file(), elsewhere.key_file());
+    const auto added = elsewhere.hivectl({"place", "add", "ticker", house.address}, patient(15'000ms));
+    return added.exit_code == 0 ? elsewhere.hivectl(words, patient(15'000ms)) : added;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "crowds: 200 peers that lose their connections at once are all served again, and a running stream loses little")
+{
+    constexpr int peers = 200;
+    const House house;
+    const auto counter = house.swarm.drone("counter", "counter");
+    house.swarm.hivectl_done({"connect", "ticker", "counter", "--stream"});
+    Crowd crowd(house.address, house.swarm.key_file());
+    const auto first = Clock::now();
+    crowd.come(peers);
+    REQUIRE(eventually([&] { return crowd.served() == peers; }, 10'000ms));
+    const Seconds came = Clock::now() - first;
+
+    auto application = house.swarm.application();
+    const auto account = [&] {
+        for (const auto& output : application.status("ticker").outputs)
+            for (const auto& edge : output.edges)
+                if (edge.receiver == "counter.tick")
+                    return edge.events;
+        return hive::Ledger();
+    };
+    const auto before = account();
+    crowd.lose_connections();
+    REQUIRE(eventually([&] { return crowd.served() < peers; }));
+    const auto lost = Clock::now();
+    REQUIRE(eventually([&] { return crowd.served() == peers; }, 10'000ms));
+    const Seconds back = Clock::now() - lost;
+    REQUIRE(eventually([&] { return account().total() >= before.total() + 200; }, 10'000ms));
+    const auto after = account();
+    const auto events = after.total() - before.total();
+    const auto kept = after.of(hive::Fate::acknowledged) - before.of(hive::Fate::acknowledged);
+    MESSAGE("came within " << came.count() << " s, were back within " << back.count() << " s; of " << events
+                           << " events beside that, " << kept << " were received");
+    CHECK(back < patient(2000ms));
+    if (!sanitized())
+        CHECK(static_cast<double>(kept) >= 0.99 * static_cast<double>(events) - 2);  // and what is under way
+}
+
+TEST_CASE("crowds: 256 strangers and 64 silent ones keep out neither the owner nor who has the key")
+{
+    const House house;
+    const auto quiet = slowest_answer(house, 50);
+    Crowd strangers(house.address, house.wrong_key);
+    strangers.come(256);
+    strangers.come_silently(64);
+    REQUIRE(eventually([&] { return house.swarm.log("ticker").find("is not known here") != std::string::npos; }));
+    const auto slowest = slowest_answer(house, 200);
+    const auto set = house.swarm.hivectl({"set", "ticker", "fps=50"});
+    CHECK_MESSAGE(set.exit_code == 0, set.err);
+    const auto begin = Clock::now();
+    const auto member = asked_from_elsewhere(house, {"set", "ticker", "fps=60"});
+    CHECK_MESSAGE(member.exit_code == 0, member.err);
+    MESSAGE("slowest answer at the local socket " << quiet.count() << " ms without them, " << slowest.count()
+                                                  << " ms with them; a whole command at the local socket "
+                                                  << set.took.count() / 1000 << " ms; from elsewhere, two commands "
+                                                  << Seconds(Clock::now() - begin).count() << " s");
+    CHECK(slowest < patient(300ms));
+    CHECK(strangers.served() == 0);
+}
+
+TEST_CASE("crowds: when members fill all places, the places kept for the local socket and for applications are left")
+{
+    const House house;
+    Crowd members(house.address, house.swarm.key_file());
+    members.come(256);
+    REQUIRE(eventually([&] { return members.served() == 256; }, 10'000ms));
+    members.come(20);  // for whom there is none left
+    CHECK(house.swarm.hivectl_done({"set", "ticker", "fps=50"}) == "50.0\n");
+    const auto elsewhere = asked_from_elsewhere(house, {"get", "ticker", "fps"});
+    CHECK_MESSAGE(elsewhere.exit_code == 0, elsewhere.err);
+    CHECK(members.served() == 256);
+    CHECK(eventually([&] { return house.swarm.log("ticker").find("256 peers are connected") != std::string::npos; }));
+}
+
+TEST_CASE("crowds: when no places are kept, a drone whose places are all taken hears nobody else")
+{
+    const House house({"HIVE_TEST_NO_RESERVED_PLACES=1"});
+    Crowd members(house.address, house.swarm.key_file());
+    members.come(256);
+    REQUIRE(eventually([&] { return members.served() == 256; }, 10'000ms));
+    CHECK(house.swarm.hivectl({"set", "ticker", "fps=50"}).exit_code != 0);
+    CHECK(asked_from_elsewhere(house, {"get", "ticker", "fps"}).exit_code != 0);
+}
