@@ -23,8 +23,7 @@ void add_stage(std::string& work, const Share& share, const std::string& receive
     ((work += '/') += std::to_string(share.part)) += '>';
     if ((!behind_group || share.each) && !share.group())
         (work += receiver) += '.';  // each plain receiver gives an answer of its own
-    if (behind_group || !share.group())
-        work += share.to;  // workers of the group that this share names may call their inputs as they like
+    work += share.to;
 }
 
 }  // namespace
