@@ -13,17 +13,18 @@ std::string drone_of(const Share& share)
     return share.of.substr(0, share.of.substr(0, share.of.find('#')).rfind('.'));
 }
 
-/// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group drones have no names,
-/// but where one of them gives each event to several others.
+/// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group neither drones nor their
+/// groups have names. Workers of the first group may call their inputs as they like.
 void add_stage(std::string& work, const Share& share, const std::string& receiver, bool behind_group)
 {
     const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
     work += ' ';
-    work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;  // nor have their groups
+    work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;
     ((work += '/') += std::to_string(share.part)) += '>';
-    if ((!behind_group || share.each) && !share.group())
+    if (!behind_group && !share.group())
         (work += receiver) += '.';  // each plain receiver gives an answer of its own
-    work += share.to;
+    if (behind_group || !share.group())
+        work += share.to;
 }
 
 }  // namespace
@@ -50,33 +51,68 @@ bool AnswerFilter::first(const Event& event)
     const auto count = shares_behind(event);
     if (count == 0 || off_)
         return true;
+    auto [work, answer] = named(event, count);
+    const auto& taken = answers_[work];
+    const auto same = [&](const Answer& one) {
+        return one.attempts == answer.attempts && one.branches == answer.branches;
+    };
+    if (std::ranges::any_of(taken, same))
+        return true;
+    const auto before = std::ranges::find_if(
+        taken, [&](const Answer& one) { return one.attempts != answer.attempts && stand_for_each_other(one, answer); });
+    if (before == taken.end()) {
+        remember(std::move(work), std::move(answer));
+        return true;
+    }
+    if (const auto custody = before->custody.lock(); custody && event.identity.lossless)
+        static_cast<const Custody*>(custody.get())->hold(event.custody);
+    return false;
+}
+
+/// The work that the event answers, and which answer that is.
+std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& event, std::size_t count)
+{
     const auto& shares = event.identity.shares;
-    std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn), attempts;
+    std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
+    Answer answer{.attempts = {}, .branches = {}, .custody = event.custody};
     bool behind_group = false, by_kind = true;
     for (std::size_t i = 0; i < count; ++i) {
-        add_stage(work, shares[i], i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender, behind_group);
-        by_kind = behind_group || !shares[i].group();
-        behind_group = behind_group || shares[i].group();
-        (attempts += std::to_string(shares[i].attempt)) += ' ';
+        const Share& share = shares[i];
+        const auto receiver = i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender;
+        add_stage(work, share, receiver, behind_group);
+        (answer.attempts += std::to_string(share.attempt)) += ' ';
+        if (behind_group)
+            answer.branches.push_back(share.group() ? Branch() : Branch{receiver, share.each});
+        by_kind = behind_group || !share.group();
+        behind_group = behind_group || share.group();
     }
     work += ' ';
     if (by_kind)  // the group that this key names may have workers of several kinds
         work += event.kind;
-    (work += '.') += event.output;
-    (work += '/') += std::to_string(event.identity.part);
-    const auto [place, inserted] = answers_.try_emplace(work, Answer{attempts, event.custody});
-    if (!inserted) {
-        const bool same = place->second.attempts == attempts;
-        if (const auto custody = place->second.custody.lock(); custody && event.identity.lossless && !same)
-            static_cast<const Custody*>(custody.get())->hold(event.custody);
-        return same;
-    }
+    ((work += '.') += event.output) += '/';
+    return {work += std::to_string(event.identity.part), std::move(answer)};
+}
+
+/// Of two attempts at the same work: does either make the other superfluous? Not where a drone gave what it made of the
+/// work to several others, and these two are of different ones.
+bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
+{
+    const auto [mine, its] =
+        std::ranges::mismatch(one.branches, other.branches, {}, &Branch::receiver, &Branch::receiver);
+    return mine == one.branches.end() || its == other.branches.end() || !(mine->each || its->each);
+}
+
+void AnswerFilter::remember(std::string work, Answer answer)
+{
+    answers_[work].push_back(std::move(answer));
     order_.push_back(std::move(work));
-    if (order_.size() > remembered) {
-        answers_.erase(order_.front());
-        order_.pop_front();
-    }
-    return true;
+    if (order_.size() <= remembered)
+        return;
+    const auto oldest = answers_.find(order_.front());
+    oldest->second.erase(oldest->second.begin());
+    if (oldest->second.empty())
+        answers_.erase(oldest);
+    order_.pop_front();
 }
 
 }  // namespace hive::event

@@ -87,3 +87,36 @@ TEST_CASE("mixtures: what is under way and does not move needs a reason")
     CHECK(without_reason(statuses).empty());
     CHECK(says_why(statuses.at("source")));
 }
+
+TEST_CASE("mixtures: the receiver may be the one that says why, or it waits for its own receivers")
+{
+    auto statuses = good();
+    edge_of(statuses).events.came(1);
+    input_of(statuses).why = Reason::not_asked;
+    CHECK(without_reason(statuses).empty());
+    input_of(statuses).from = "somebody.else";
+    CHECK(without_reason(statuses).size() == 1);
+    EdgeStatus own;
+    own.receiver = "b1.image";
+    OutputStatus output;
+    output.name = "result";
+    output.edges = {own};
+    statuses.at("a1").outputs = {output};
+    CHECK(without_reason(statuses).size() == 1);
+    statuses.at("a1").outputs[0].edges[0].events.came(1);
+    CHECK(without_reason(statuses).empty());  // b1 does not answer, so nothing can be asked of it
+}
+
+TEST_CASE("mixtures: exceptions are heard by who is connected to them")
+{
+    auto statuses = good();
+    CHECK_FALSE(heard(statuses, "nobody"));
+    CHECK_FALSE(heard(statuses, "source"));  // its tick is received, which is something else
+    OutputStatus exceptions;
+    exceptions.name = "exceptions";
+    exceptions.edges = {edge_of(statuses)};
+    statuses.at("source").outputs.push_back(exceptions);
+    CHECK(heard(statuses, "source"));
+    statuses.at("source").outputs.back().edges[0].connected = false;
+    CHECK_FALSE(heard(statuses, "source"));
+}

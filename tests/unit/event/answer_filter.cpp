@@ -78,6 +78,31 @@ TEST_CASE(
     CHECK_FALSE(one.first(answer_of("face-2", 2, 1, false)));
 }
 
+TEST_CASE("answer filter: behind a group, who was one of several once answers for itself also when it is alone later")
+{
+    const auto answer_of = [&](const std::string& drone, int attempt, bool each) {
+        const Share given{.of = "crop-1.part", .epoch = attempt, .turn = 1, .attempt = 1, .each = each, .to = "image"};
+        return answer({with(turn_1, 1, attempt), given, own(drone + ".faces")}, drone);
+    };
+    for (const bool alone_first : {false, true}) {
+        AnswerFilter filter;
+        CHECK(filter.first(answer_of("face-2", 1, !alone_first)));
+        CHECK_FALSE(filter.first(answer_of("face-2", 2, alone_first)));
+        CHECK(filter.first(answer_of("face-1", 2, alone_first)));
+        CHECK(filter.first(answer_of("face-1", 2, alone_first)));  // a second event of that answer
+        CHECK_FALSE(filter.first(answer_of("face-1", 3, false)));
+    }
+}
+
+TEST_CASE("answer filter: workers of one group may call their inputs as they like")
+{
+    AnswerFilter filter;
+    auto other = with(turn_1, 1, 2);
+    other.to = "picture";
+    CHECK(filter.first(answer({turn_1})));
+    CHECK_FALSE(filter.first(answer({other}, "worker")));
+}
+
 TEST_CASE("answer filter: workers of one group are interchangeable also when they are of different kinds")
 {
     const auto by = [](Event event, const char* kind) {

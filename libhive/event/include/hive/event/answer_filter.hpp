@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 namespace hive::event {
 
@@ -23,13 +24,23 @@ public:
     bool first(const Event& event);
 
 private:
-    bool off_;  ///< by a test that shows what it is for
+    struct Branch {  ///< who got a share that is behind a group
+        std::string receiver;
+        bool each = false;  ///< others got it as well, and answer for themselves
+        bool operator==(const Branch&) const = default;
+    };
     struct Answer {
         std::string attempts;
+        std::vector<Branch> branches;
         std::weak_ptr<const void> custody;
     };
-    std::unordered_map<std::string, Answer> answers_;  ///< the first, by the work
-    std::deque<std::string> order_;
+    static std::pair<std::string, Answer> named(const Event& event, std::size_t count);
+    static bool stand_for_each_other(const Answer& one, const Answer& other);
+    void remember(std::string work, Answer answer);
+
+    bool off_;                                                      ///< by a test that shows what it is for
+    std::unordered_map<std::string, std::vector<Answer>> answers_;  ///< that were taken, by the work
+    std::deque<std::string> order_;                                 ///< works, one for each answer
 };
 
 /// The shares that others stand behind: all but the one by which the sender itself gave the event to this input, since
