@@ -38,25 +38,10 @@ done
 bash -n "$prefix/share/bash-completion/completions/hivectl"
 
 # The drones of the page, in folders of their own.
-block() { # LANGUAGE MARK: the block of that language on the page that has the mark
-    awk -v fence="\`\`\`$1" -v mark="$2" '
-        $0 == fence { inside = 1; text = ""; next }
-        inside && /^```/ { if (index(text, mark)) printf "%s", text; inside = 0 }
-        inside { text = text $0 "\n" }' "$source/libhive/language/README.md"
-}
+# shellcheck source=page.sh
+source "$source/tests/install/page.sh"
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
-mkdir -p "$place/cpp" "$place/c" "$place/py"
-block cpp run_drone > "$place/cpp/main.cpp"
-block c hive_drone_from_arguments > "$place/c/main.c"
-block python hive.Drone > "$place/py/brightness.py"
-cat > "$place/cpp/CMakeLists.txt" <<'END'
-cmake_minimum_required(VERSION 3.25)
-project(brightness LANGUAGES CXX)
-set(CMAKE_CXX_STANDARD 20)
-find_package(hive 0.1 REQUIRED)
-add_executable(hive-brightness main.cpp)
-target_link_libraries(hive-brightness hive::hive)
-END
+write_drones "$source" "$place"
 {
     "$cmake" -S "$place/cpp" -B "$place/cpp/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$cxx"
     "$cmake" --build "$place/cpp/build"

@@ -274,16 +274,23 @@ class Applications(World):
         hivectl = os.path.join(PROGRAMS, "hivectl")
         for file in keys.values():
             subprocess.run([hivectl, "key", "new", "--file", file], check=True, capture_output=True, timeout=60)
+        keys["viewer"] = os.path.join(self.home, "viewer.key")
+        view = [hivectl, "key", "view", "--file", keys["swarm"], "--output", keys["viewer"]]
+        subprocess.run(view, check=True, capture_output=True, timeout=60)
         self.drone("sleeper", "worker", more=("--listen", "tcp://127.0.0.1", "--key", keys["swarm"]))
         address = next(place for place in self.swarm.status("worker")["places"] if place.startswith("tcp:"))
-        for name, code in (("swarm", None), ("other", "not_permitted")):
+        for name in ("swarm", "viewer", "other"):
             with self.subTest(name), tempfile.TemporaryDirectory(prefix="hv-", dir="/tmp") as home:
                 with hive.Application(home=home, key=keys[name], timeout=PATIENCE) as there:
                     there.add_place("worker", address)
-                    if code is None:
-                        self.assertEqual(there.status("worker")["state"], "idle")
+                    if name == "other":
+                        self.refused("not_permitted", there.status, "worker")
+                        continue
+                    self.assertEqual(there.status("worker")["state"], "idle")
+                    if name == "swarm":
+                        self.assertEqual(there.set("worker", work_ms=3), {"work_ms": 3})
                     else:
-                        self.refused(code, there.status, "worker")
+                        self.refused("not_permitted", there.set, "worker", work_ms=4)
 
     def test_put_sends_an_event_and_says_what_does_not_fit(self):
         self.drone("sleeper", "worker")

@@ -112,10 +112,6 @@ TEST_CASE("answer filter: workers of one group are interchangeable also when the
     AnswerFilter filter;
     CHECK(filter.first(by(answer({turn_1}), "face")));
     CHECK_FALSE(filter.first(by(answer({with(turn_1, 1, 2)}, "worker"), "python_face")));
-    // Nor need their inputs have one name.
-    auto in = with(turn_1, 1, 3);
-    in.to = "in";
-    CHECK_FALSE(filter.first(by(answer({in}, "worker"), "python_face")));
     // Behind that group the groups of its members have no names in the work: there the kind tells them apart.
     const Share inner{.of = "face-1.faces#ages", .epoch = 3, .turn = 7, .attempt = 1, .to = "crop"};
     CHECK(filter.first(by(answer({turn_1, inner}, "age-1"), "age")));

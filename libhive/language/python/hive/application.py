@@ -463,8 +463,9 @@ class Application:
 
         :param count: how many; None: no end
         :param timeout: how long to wait for each; then :class:`hive.Error` "timeout" is raised
-        It ends when everything has ended, and then says in a :class:`hive.Error` "abandoned" what was said about that,
-        unless it is a regular end.
+
+        The loop ends when everything has ended.  If that was no regular end, what was said about it is raised as a
+        :class:`hive.Error` "abandoned".
         """
         outputs = [name for drone in drones for name in self._result_outputs(drone)]
         with self.collect(*outputs, ordered=ordered) as collector:

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# An empty Debian, and in it the packages of a build and nothing else of Hive: a swarm of what is installed, drones built there in C++,
+# C and Python, the wheel in a fresh environment. Needs root, debootstrap and a network, and downloads some 300 MB, so it is run by hand:
+# tests/install/empty_root.sh SOURCE BUILD [ROOT]
+set -euo pipefail
+source=$(cd "$1" && pwd) build=$(cd "$2" && pwd)
+place=$(mktemp -d /tmp/hive-empty-XXXXXX)
+root=${3:-$place/root}
+finish() {
+    umount "$root/proc" 2> "$place/ignored" || true
+    rm -rf "$place"
+}
+trap finish EXIT
+
+# shellcheck source=page.sh
+source "$source/tests/install/page.sh"
+[ -e "$root/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$root" > "$place/log" || { tail "$place/log" >&2; exit 1; }
+mkdir -p "$root/try"
+(cd "$place" && cpack --config "$build/CPackConfig.cmake" -G DEB -B "$place/made" -D CPACK_OUTPUT_FILE_PREFIX="$root/try" > "$place/log")
+"$source/scripts/make-wheel" "$build" "$root/try" > "$place/log"
+write_drones "$source" "$root/try"
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+
+cat > "$root/try/in_there.sh" << 'END'
+set -euo pipefail
+cd /try
+export DEBIAN_FRONTEND=noninteractive HIVE_HOME=/tmp/home LC_ALL=C.UTF-8
+fail() { echo "empty_root: $1" >&2; exit 1; }
+apt-get update -qq
+apt-get install -y -qq --no-install-recommends ./*.deb > log 2>&1 || { tail -n 5 log; fail "the packages do not install"; }
+trap 'hivectl stop --all > log 2>&1 || true' EXIT
+hivectl start camera > log
+hivectl start face > log
+hivectl connect camera face
+[ "$(hivectl results face -n 3 --json --timeout 60 | wc -l)" -eq 3 ] || fail "no results of face"
+echo "empty_root: hivectl start camera face: the swarm runs, from the packages alone"
+apt-get install -y -qq --no-install-recommends g++ cmake make pkg-config python3-numpy python3-venv > log 2>&1
+{ cmake -S cpp -B cpp/build && cmake --build cpp/build; } > log 2>&1 || { cat log; fail "no drone in C++"; }
+mkdir -p c/build
+# shellcheck disable=SC2046
+cc -std=c11 -Wall -Werror c/main.c -o c/build/hive-brightness $(pkg-config --cflags --libs hive-c) || fail "no drone in C"
+hivectl start camera --as pixels width=320 height=240 > log
+HIVE_DRONE_PATH=/try/cpp/build hivectl start brightness --as in-cpp
+HIVE_DRONE_PATH=/try/c/build hivectl start brightness --as in-c
+hivectl start py/brightness.py --as in-python
+for drone in in-cpp in-c in-python; do
+    hivectl connect pixels "$drone"
+    [ "$(hivectl results "$drone" -n 2 --json --timeout 30 | grep -c '"mean"')" -eq 2 ] || fail "no results of $drone"
+done
+python3 -m venv venv
+venv/bin/pip install --quiet --no-index --no-deps --disable-pip-version-check ./*.whl
+venv/bin/python -c 'import hive; print("empty_root: the wheel sees", hive.Application().drones())'
+END
+chroot "$root" bash /try/in_there.sh
+echo "empty_root: nothing of the repository is needed"
