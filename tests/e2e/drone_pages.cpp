@@ -117,7 +117,8 @@ std::string screen_for(const Page& page)
         return "Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp 3> screen 2> /dev/null &\n"
                "until [ -s screen ]; do sleep 0.05; done; export DISPLAY=:$(cat screen)\n";
     MESSAGE("skipped: the window of hivectl view");
-    return "export DISPLAY=:none; hivectl() { [ \"$*\" = 'view face.annotated' ] || run \"$@\"; }\n";
+    return "eval \"run_$(declare -f hivectl)\"\n"
+           "hivectl() { [ \"$*\" = 'view face.annotated' ] || run_hivectl \"$@\"; }\n";
 }
 
 void run_page(const std::string& folder)
