@@ -31,14 +31,16 @@ void source(hive::Drone& drone)
     drone.run();
 }
 
-/// Reads one byte of each cache line, and says what they come to.
+/// Reads one word of each cache line, and says what they come to.
 void look(hive::Drone& drone)
 {
     const auto result = drone.output("result", "application/json", "the sum");
     drone.on_event("image", "image/raw", [&](const hive::Event& event) {
-        std::int64_t sum = 0;
-        for (std::size_t i = 0; i < event.body.size(); i += 64)
-            sum += event.body.data()[i];
+        std::uint64_t sum = 0, word = 0;
+        for (std::size_t i = 0; i + sizeof word <= event.body.size(); i += 64) {
+            std::memcpy(&word, event.body.data() + i, sizeof word);
+            sum += word;
+        }
         result.emit({{"sum", sum}});
     });
     drone.run();
