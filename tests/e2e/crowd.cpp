@@ -17,7 +17,7 @@
 #include <vector>
 
 namespace hive::test {
-namespace {
+namespace crowd {
 
 using namespace std::chrono_literals;
 using protocol::PacketType;
@@ -133,7 +133,7 @@ private:
     std::array<char, 64> byte_{};
 };
 
-}  // namespace
+}  // namespace crowd
 
 class Crowd::Impl {
 public:
@@ -156,7 +156,8 @@ public:
     {
         asio::post(context_, [this, peers] {
             for (int i = 0; i < peers; ++i)
-                guests_.emplace_back(std::make_shared<Guest>(context_, goal_, static_cast<int>(guests_.size()) + 1))
+                guests_
+                    .emplace_back(std::make_shared<crowd::Guest>(context_, goal_, static_cast<int>(guests_.size()) + 1))
                     ->dial();
         });
     }
@@ -172,16 +173,16 @@ public:
         asio::post(context_, [this, peers] {
             const asio::ip::tcp::endpoint to(asio::ip::make_address(goal_.address.host), goal_.address.port);
             for (int i = 0; i < peers; ++i)
-                std::make_shared<Silent>(context_, to)->come();
+                std::make_shared<crowd::Silent>(context_, to)->come();
         });
     }
     [[nodiscard]] int served() const { return goal_.served; }
 
 private:
-    Goal goal_;
+    crowd::Goal goal_;
     asio::io_context context_;
     asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
-    std::vector<std::shared_ptr<Guest>> guests_;
+    std::vector<std::shared_ptr<crowd::Guest>> guests_;
     std::thread thread_;
 };
 
