@@ -38,7 +38,8 @@ const std::vector<Page> pages{
     {"annotate", "", {}},
     {"axis",
      "mkdir -p .config/hive; echo root:pass > .config/hive/door-camera; chmod 600 .config/hive/door-camera\n"
-     "hive-axis-emulator port=$port1 control=$port2 auth=digest &\n",
+     "hive-axis-emulator port=$port1 control=$port2 auth=digest &\n"
+     "until (: < /dev/tcp/127.0.0.1/$port1) 2> /dev/null; do sleep 0.05; done\n",
      {{"http://192.0.2.10", "http://127.0.0.1:$port1 allow_address=127.0.0.1"}}},
     {"axis/emulator",
      "",
@@ -48,6 +49,7 @@ const std::vector<Page> pages{
      "hivectl start camera; mkdir pictures; hivectl snap camera pictures/1.jpg; hivectl stop camera\n",
      {{"hivectl set cam source=/dev/video0 width=1280 height=720", set_device}}},
     {"detect", "", {}},
+    {"edges", "hivectl start camera\n", {}},
     {"face", "hivectl start camera --as cam\n", {}},
     {"gesture", "", {}},
     {"record", "", {}},
@@ -159,6 +161,13 @@ TEST_CASE("pages: the commands on the page of axis/emulator work as they stand t
 TEST_CASE("pages: the commands on the page of background work as they stand there") { run_page("background"); }
 TEST_CASE("pages: the commands on the page of camera work as they stand there") { run_page("camera"); }
 TEST_CASE("pages: the commands on the page of detect work as they stand there") { run_page("detect"); }
+TEST_CASE("pages: the commands on the page of edges work as they stand there")
+{
+    if (fs::exists(Swarm().program("hive-edges")))
+        run_page("edges");
+    else
+        MESSAGE("skipped: drones in Python are not built here");
+}
 TEST_CASE("pages: the commands on the page of face work as they stand there") { run_page("face"); }
 TEST_CASE("pages: the commands on the page of gesture work as they stand there") { run_page("gesture"); }
 TEST_CASE("pages: the commands on the page of record work as they stand there") { run_page("record"); }
