@@ -51,7 +51,9 @@ bool AnswerFilter::first(const Event& event)
     const auto count = shares_behind(event);
     if (count == 0 || off_)
         return true;
-    auto [work, answer] = named(event, count);
+    auto found = named(event, count);
+    auto& work = found.first;
+    auto& answer = found.second;
     const auto& taken = answers_[work];
     const auto same = [&](const Answer& one) {
         return one.attempts == answer.attempts && one.branches == answer.branches;

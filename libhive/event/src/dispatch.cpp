@@ -21,7 +21,7 @@ void Dispatch::send(const Send& send, const std::string& encoding)
     const auto form = encoding.empty() ? send.event : send.event->rendition(encoding);
     if (form && !lines_.contains(send.receiver))
         return hooks_.transmit(send, *form);
-    const auto waiting = std::make_shared<Waiting>(send, form);
+    const auto waiting = std::make_shared<Waiting>(Waiting{send, form});
     lines_[send.receiver].push_back(waiting);
     if (!form)
         encode(waiting, encoding);
@@ -32,7 +32,7 @@ void Dispatch::end(ReceiverId receiver)
     const auto line = lines_.find(receiver);
     if (line == lines_.end())
         return hooks_.end(receiver);
-    line->second.push_back(std::make_shared<Waiting>(Send{receiver, nullptr, {}, {}}, nullptr));
+    line->second.push_back(std::make_shared<Waiting>(Waiting{{receiver, nullptr, {}, {}}, nullptr}));
 }
 
 void Dispatch::encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding)

@@ -149,16 +149,16 @@ void Worker::work_on_sets()
 {
     auto& matchings = parts_.declaration.matchings;
     for (std::size_t i = 0; i < matchings.size(); ++i) {
-        auto& [inputs, matcher, callback] = matchings[i];
-        matcher.expire(Clock::now());
+        auto& matching = matchings[i];
+        matching.matcher.expire(Clock::now());
         while (!parts_.board.halted() && !parts_.board.stopping())
-            if (const auto set = matcher.pop()) {
-                if (work(*set, [&] { callback(*set); }))
+            if (const auto set = matching.matcher.pop()) {
+                if (work(*set, [&] { matching.callback(*set); }))
                     conclude_all(*set, event::Ending::processed);
             } else {
                 break;
             }
-        parts_.board.matched(i, matcher.counts());
+        parts_.board.matched(i, matching.matcher.counts());
     }
 }
 
