@@ -18,6 +18,7 @@ Option Option::required() const { return Option(option_->required()); }
 Option Option::type_name(const std::string& name) const { return Option(option_->type_name(name)); }
 Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
 Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
+Option Option::one_each() const { return Option(option_->allow_extra_args(false)); }
 Option Option::one_of(const std::vector<std::string>& words) const
 {
     return Option(option_->check(CLI::IsMember(words)));

@@ -28,6 +28,7 @@ public:
     Option type_name(const std::string& name) const;  ///< how --help writes the value
     Option excludes(Option other) const;
     Option needs(Option other) const;
+    Option one_each() const;  ///< of several values: each has the option before it
 
     // What a value may be:
     Option one_of(const std::vector<std::string>& words) const;

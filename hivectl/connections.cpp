@@ -17,6 +17,7 @@ struct BothEnds {
     std::string from, to;
     const EdgeStatus* at_sender = nullptr;
     const InputStatus* at_receiver = nullptr;
+    std::string from_host{}, to_host{};  ///< empty: not known
 
     [[nodiscard]] const hive::ConnectionOptions& options() const
     {
@@ -32,6 +33,19 @@ bool same_edge(const BothEnds& ends, const std::string& to, const InputStatus& i
 {
     return ends.at_sender && !ends.at_receiver && ends.from == input.from && ends.to == to
            && (ends.at_sender->registration == input.registration || !input.connected);
+}
+
+/// The host of a drone that the directory knows, whether it answered or not; empty for others, such as applications.
+/// @param end  "camera.image", or the name alone
+std::string host_of(const std::string& end, const std::vector<hive::StatusAnswer>& statuses)
+{
+    const auto knows = [&](const std::string& name) {
+        return std::ranges::find(statuses, name, &hive::StatusAnswer::drone);
+    };
+    auto found = knows(end);
+    if (found == statuses.end())
+        found = knows(end.substr(0, end.rfind('.')));
+    return found == statuses.end() ? "" : found->place.host;
 }
 
 std::vector<BothEnds> joined(const std::vector<hive::StatusAnswer>& statuses)
@@ -51,6 +65,10 @@ std::vector<BothEnds> joined(const std::vector<hive::StatusAnswer>& statuses)
             else
                 edges.push_back({input.from, to, nullptr, &input});
         }
+    for (auto& ends : edges) {
+        ends.from_host = host_of(ends.from, statuses);
+        ends.to_host = ends.is_group() ? "" : host_of(ends.to, statuses);
+    }
     std::ranges::stable_sort(edges, {}, &BothEnds::order);
     return edges;
 }
@@ -103,6 +121,7 @@ hive::Json why_of(const BothEnds& ends)
 void add_names(Row& row, const BothEnds& ends)
 {
     const auto& options = ends.options();
+    row.add("from_host", text_or_null(ends.from_host)).add("to_host", text_or_null(ends.to_host));
     row.add("kind", kind_of(ends)).add("transfer", token(options.transfer)).add("delivery", token(options.delivery));
     row.add("window", options.window).add("group", text_or_null(options.group));
     row.add("encoding", text_or_null(ends.at_sender ? ends.at_sender->encoding : options.encoding));

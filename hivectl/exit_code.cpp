@@ -2,7 +2,8 @@
 #include "exit_code.hpp"
 
 #include "output.hpp"
-#include "programs.hpp"
+
+#include <hive/program.hpp>
 
 #include <array>
 
@@ -55,7 +56,7 @@ std::string kind_of(const std::string& drone)
     const bool numbered =
         dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
     for (const auto& kind : {drone, numbered ? drone.substr(0, dash) : ""})
-        if (!kind.empty() && program_of(kind))
+        if (!kind.empty() && hive::program_of(kind))
             return kind;
     return {};
 }

@@ -6,13 +6,12 @@
 #include "interrupt.hpp"
 #include "output.hpp"
 #include "places.hpp"
-#include "programs.hpp"
-#include "python_file.hpp"
 #include "session.hpp"
 #include "table.hpp"
 #include "targets.hpp"
 
 #include <hive/name.hpp>
+#include <hive/program.hpp>
 
 #include <sstream>
 #include <sys/wait.h>
@@ -22,31 +21,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::filesystem::path require_program(const std::string& kind)
+hive::BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
 {
-    hive::require_name(kind, "kind");
-    if (const auto program = program_of(kind))
-        return *program;
-    const auto known = kinds();
-    std::string list;
-    for (const auto& one : known)
-        list += (list.empty() ? "" : ", ") + one;
-    throw hive::no_such("there is no drone hive-" + kind
-                            + " beside hivectl, in $HIVE_DRONE_PATH or in $PATH; kinds found: "
-                            + (list.empty() ? "none" : list),
-                        kind, known, "see what can be started: hivectl start --help");
-}
-
-BackgroundProcess start(Session& session, const LaunchPlan& plan, const std::filesystem::path& log)
-{
-    const auto run = is_python_file(plan.kind) ? run_of_python_file(plan.kind)
-                                               : PythonRun{.interpreter = require_program(plan.kind)};
+    const auto run = hive::command_of(plan.kind);
     require_free(session.application(), plan.verb, plan.kind, plan.name);
     std::vector<std::string> words = run.arguments, environment = run.environment;
     words.insert(words.end(), {"--name", plan.name});
     words.insert(words.end(), plan.arguments.begin(), plan.arguments.end());
     environment.push_back("HIVE_HOME=" + session.home().string());
-    return {run.interpreter, words, environment, log, plan.life};
+    return {run.program, words, environment, log, plan.life};
 }
 
 /// The name belongs to one drone of the swarm. Of one that does not answer from another machine only the place is
@@ -55,8 +38,8 @@ bool holds(hive::Application& application, std::string_view verb, const hive::Pl
 {
     if (!is_elsewhere(place) || !application.status(std::vector{place.drone}).at(0).error)
         return true;
-    complain(verb, place.drone + " at " + place_text(place) + " " + answered_text(place)
-                       + " and does not answer now; that place is forgotten");
+    complain(verb, place.drone + " at " + place_text(place) + " " + answered_text(place) + " and does not answer now; "
+                       + (place.announced ? "it is taken to be gone" : "that place is forgotten"));
     application.forget_place(place);
     return false;
 }
@@ -123,9 +106,8 @@ int Launch::give_up(bool late, std::chrono::milliseconds limit)
 
 int Launch::died(int status) const
 {
-    const std::string how = WIFSIGNALED(status) ? "was killed by signal " + std::to_string(WTERMSIG(status))
-                                                : "ended with exit code " + std::to_string(WEXITSTATUS(status));
-    complain(plan_.verb, plan_.name + " " + how + (was_ready_ ? "" : " before it was ready") + "; its log says:");
+    complain(plan_.verb, plan_.name + " " + hive::how_it_ended(status) + (was_ready_ ? "" : " before it was ready")
+                             + "; its log says:");
     show_last_words();
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
     return code >= exit_code::usage && code <= exit_code::partly_done ? code : exit_code::failure;
@@ -158,18 +140,54 @@ int as_first_free(const std::string& name, const std::function<int(const std::st
         }
 }
 
-int start_in_background(Session& session, const LaunchPlan& plan)
+namespace {
+
+void print_started(Session& session, const std::string& name, bool found)
+{
+    const auto status = session.application().status(name + "@" + hive::Place::here);
+    Row row{{"drone", name},
+            {"kind", status.kind},
+            {"pid", status.pid},
+            {"log", (session.home() / (name + ".log")).string()},
+            {"places", status.places}};
+    if (found)
+        row.add("found", true);
+    write_out(session.json ? row.json() + "\n" : name + "\n");
+}
+
+/// Waits until the drone that has the name here is ready; false: it never will be, or is of another kind. Of a file of
+/// Python the kind is what the file says it is.
+bool found_here(Session& session, const LaunchPlan& plan)
+{
+    const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
+    do {
+        const auto answer = session.application().status(std::vector{plan.name + "@" + hive::Place::here}).at(0);
+        if (!answer.error && answer.status.state != hive::State::starting)
+            return answer.status.kind == plan.kind || hive::is_python_file(plan.kind);
+        if (answer.error && answer.error->code() == hive::Errc::not_found)
+            return false;
+    } while (std::chrono::steady_clock::now() < end && interrupt::sleep(10ms));
+    return false;
+}
+
+int start_newly(Session& session, const LaunchPlan& plan)
 {
     Launch launch(session, plan);
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;
-    const auto places = session.application().status(plan.name + "@" + hive::Place::here).places;
-    const Row row{{"drone", plan.name},
-                  {"kind", plan.kind},
-                  {"pid", launch.process().pid()},
-                  {"log", launch.log().string()},
-                  {"places", places}};
-    write_out(session.json ? row.json() + "\n" : plan.name + "\n");
+    print_started(session, plan.name, false);
+    return exit_code::done;
+}
+
+}  // namespace
+
+int start_in_background(Session& session, const LaunchPlan& plan, bool if_missing)
+try {
+    return start_newly(session, plan);
+} catch (const hive::Error& error) {
+    if (error.code() != hive::Errc::name_taken || !if_missing || !found_here(session, plan))
+        throw;
+    print_started(session, plan.name, true);
     return exit_code::done;
 }
 

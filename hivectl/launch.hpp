@@ -1,9 +1,8 @@
 // Runs the program of a drone and waits until it answers.
 #pragma once
 
-#include "background.hpp"
-
 #include <hive/application.hpp>
+#include <hive/process.hpp>
 
 #include <chrono>
 #include <filesystem>
@@ -20,7 +19,7 @@ class Session;
 struct LaunchPlan {
     std::string verb, kind, name;        ///< kind: "face", or a file of Python, "edges.py"
     std::vector<std::string> arguments;  ///< of the program, but its name
-    Life life = Life::own;
+    hive::BackgroundProcess::Life life = hive::BackgroundProcess::Life::own;
 };
 
 /// A drone started here.
@@ -35,7 +34,7 @@ public:
     std::optional<int> await(std::chrono::milliseconds limit);
     /// Says on stderr how it ended, and its last words. Returns its exit code if that is one of ours.
     int died(int status) const;
-    [[nodiscard]] BackgroundProcess& process() { return process_; }
+    [[nodiscard]] hive::BackgroundProcess& process() { return process_; }
     [[nodiscard]] std::filesystem::path log() const;
     [[nodiscard]] const std::string& name() const { return plan_.name; }
 
@@ -46,7 +45,7 @@ private:
 
     Session& session_;
     LaunchPlan plan_;
-    BackgroundProcess process_;
+    hive::BackgroundProcess process_;
     bool was_ready_ = false;
 };
 
@@ -72,6 +71,7 @@ private:
 int as_first_free(const std::string& name, const std::function<int(const std::string&)>& call);
 
 /// Starts a drone for good and prints its name when it is ready. Returns the exit code.
-int start_in_background(Session& session, const LaunchPlan& plan);
+/// @param if_missing  one of this name and kind that runs here already is found and printed instead
+int start_in_background(Session& session, const LaunchPlan& plan, bool if_missing = false);
 
 }  // namespace hivectl

@@ -38,6 +38,13 @@ std::string sentence_about(const hive::OutputStatus& output)
     return output.name + ": " + std::string(sentence(output.why)) + (names.empty() ? "" : " (" + names + ")");
 }
 
+std::string sentence_about(const hive::InputStatus& input)
+{
+    const bool told = input.why == Reason::refused && !input.error.empty();
+    return input.input + " from " + input.from + ": " + std::string(sentence(input.why))
+           + (told ? ": " + input.error : "");
+}
+
 /// By the drone's own clock, which began at its epoch.
 bool quiet(const hive::Status& status, const hive::OutputStatus& output)
 {
@@ -95,7 +102,7 @@ std::string standstill(const hive::Status& status)
             append(text, sentence_about(output));
     for (const auto& input : status.inputs)
         if (input.why != Reason::none && input.why != status.why)
-            append(text, input.input + " from " + input.from + ": " + std::string(sentence(input.why)));
+            append(text, sentence_about(input));
     return text;
 }
 

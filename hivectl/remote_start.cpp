@@ -6,38 +6,27 @@
 #include "launch.hpp"
 #include "output.hpp"
 #include "places.hpp"
-#include "remote.hpp"
 #include "session.hpp"
 #include "table.hpp"
 
 #include <hive/name.hpp>
+#include <hive/remote.hpp>
 
 #include <algorithm>
+#include <sstream>
 
 namespace hivectl {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::string_view on_network = "tcp://";
-
-/// The first place on the network that the drone said it has; of one that listens everywhere, at the address of ssh.
-std::string address_of(const hive::Json& started, const Remote& remote, std::chrono::milliseconds limit)
+std::vector<std::string> texts_in(const hive::Json& list)
 {
-    const hive::Fields fields(started, "what hivectl start printed on " + remote.host());
-    for (const auto& place : fields.array("places")) {
-        const auto text = place.is_string() ? place.get<std::string>() : "";
-        if (!text.starts_with(on_network))
-            continue;
-        const auto host = text.substr(on_network.size(), text.rfind(':') - on_network.size());
-        if (host != "0.0.0.0" && host != "[::]")
-            return text;
-        const auto found = remote.address(limit);
-        const bool number6 = found.find(':') != std::string::npos;
-        return std::string(on_network) + (number6 ? "[" + found + "]" : found) + text.substr(text.rfind(':'));
-    }
-    throw hive::Error(hive::Errc::failed, "the drone on " + remote.host() + " listens at no port",
-                      "let it: --listen tcp://0.0.0.0");
+    std::vector<std::string> texts;
+    for (const auto& item : list)
+        if (item.is_string())
+            texts.push_back(item.get<std::string>());
+    return texts;
 }
 
 /// What the drone there says when it is asked from here.
@@ -48,7 +37,7 @@ hive::StatusAnswer answer_from(hive::Application& application, const hive::Place
 }
 
 /// The key that is missing there is the one of this swarm, so a new one would not do.
-void advise_key(const RemotePlan& plan, const CommandResult& result)
+void advise_key(const RemotePlan& plan, const hive::CommandResult& result)
 {
     const bool key_missing = result.exit_code == exit_code_of(hive::Errc::not_permitted)
                              && result.err.find("swarm key") != std::string::npos;
@@ -64,7 +53,7 @@ int start_remotely(Session& session, const RemotePlan& plan)
     hive::require_name(plan.kind, "kind");
     auto& application = session.application();
     require_free(application, "start", plan.kind, plan.name);
-    const Remote remote(plan.ssh, session.home());
+    const hive::Remote remote(plan.ssh, session.home());
     const auto limit = session.timeout(10s);
     std::vector<std::string> words{"start",
                                    plan.kind,
@@ -81,9 +70,13 @@ int start_remotely(Session& session, const RemotePlan& plan)
         return result.exit_code;
     }
     const hive::Json started = hive::parse_json(result.out);
-    const hive::Place place{
-        .drone = plan.name, .host = remote.host(), .address = address_of(started, remote, limit), .ssh = plan.ssh};
-    application.add_place(place);
+    const auto places =
+        texts_in(hive::Fields(started, "what hivectl start printed on " + remote.host()).array("places"));
+    const hive::Place place{.drone = plan.name,
+                            .host = remote.host(),
+                            .address = remote.met_at(places, remote.address(limit)),
+                            .ssh = plan.ssh};
+    application.replace_places({place});
     if (const auto answer = answer_from(application, place); answer.error) {
         complain("start", plan.name + " runs on " + place.host + ", but does not answer here: "
                               + explained(*answer.error) + "; is " + place.address + " open to this machine?");
@@ -103,12 +96,20 @@ int start_remotely(Session& session, const RemotePlan& plan)
 
 int stop_remotely(Session& session, const hive::Place& place)
 {
-    const Remote remote(place.ssh, session.home());
+    const hive::Remote remote(place.ssh, session.home());
     const auto result = remote.hivectl({"stop", place.drone}, session.timeout() + 12s);
     repeat_complaints("stop", remote.host(), result.err);
     if (result.exit_code == exit_code::done || result.exit_code == exit_code::not_found)
         session.application().forget_place(place);
     return result.exit_code;
+}
+
+void repeat_complaints(std::string_view verb, const std::string& host, const std::string& text)
+{
+    const std::string own = "hivectl " + std::string(verb) + ": ";
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        complain(verb, host + ": " + printable(line.starts_with(own) ? line.substr(own.size()) : line));
 }
 
 }  // namespace hivectl

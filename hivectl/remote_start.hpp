@@ -4,6 +4,7 @@
 #include <hive/application.hpp>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hivectl {
@@ -21,5 +22,7 @@ int start_remotely(Session& session, const RemotePlan& plan);
 /// Ends a drone that was started through ssh and does not answer here, or has it forgotten if it crashed. Returns the
 /// exit code of hivectl there.
 int stop_remotely(Session& session, const hive::Place& place);
+/// Lines of another machine's stderr, each with the machine's name before it, without what hivectl puts there.
+void repeat_complaints(std::string_view verb, const std::string& host, const std::string& text);
 
 }  // namespace hivectl

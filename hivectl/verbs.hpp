@@ -10,12 +10,18 @@
 #define HIVECTL_VERBS(VERB)                                                                                            \
     VERB(start)                                                                                                        \
     VERB(stop)                                                                                                         \
+    VERB(replace)                                                                                                      \
     VERB(ps)                                                                                                           \
     VERB(describe)                                                                                                     \
     VERB(devices)                                                                                                      \
     VERB(wait)                                                                                                         \
     VERB(place)                                                                                                        \
     VERB(logs)                                                                                                         \
+    VERB(check)                                                                                                        \
+    VERB(schema)                                                                                                       \
+    VERB(up)                                                                                                           \
+    VERB(down)                                                                                                         \
+    VERB(export)                                                                                                       \
     VERB(connect)                                                                                                      \
     VERB(disconnect)                                                                                                   \
     VERB(edges)                                                                                                        \

@@ -15,26 +15,28 @@ refuse() {
 }
 
 refuse "protocol knows nothing above it" 'hive/(transport|event|vision)/|hive/(event|drone|application)\.hpp' protocol
-refuse "transport knows no event" 'hive/(event|vision)/|hive/(event|drone|application)\.hpp' libhive/transport
-refuse "event knows neither service nor manager" 'hive/(drone|application)\.hpp|hive/vision/' libhive/event
+refuse "transport knows no event" 'hive/(event|discovery|vision)/|hive/(event|drone|application)\.hpp' libhive/transport
+refuse "discovery stands on transport alone" 'hive/(event|vision)/|hive/(event|drone|application)\.hpp' libhive/discovery
+refuse "event knows neither service nor manager" 'hive/(drone|application)\.hpp|hive/(discovery|vision)/' libhive/event
 refuse "service and manager are siblings" 'hive/application\.hpp|hive/vision/' libhive/service
 refuse "service and manager are siblings" 'hive/drone\.hpp|hive/vision/' libhive/manager
-refuse "hivectl uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/drone\.hpp' hivectl
-refuse "drones use the public API and vision alone" 'hive/(transport|event|protocol)/|hive/application\.hpp' drones
-refuse "language stands on the public API alone" '(hive/(transport|event|protocol|vision|recording)/|asio|opencv|CLI/|spdlog)' libhive/language
-refuse "nothing of Hive itself is written against hive.h" 'hive\.h[">]' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
-refuse "recordings are made by who uses the public API" 'hive/recording/' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision
-refuse "recording uses the public API alone" 'hive/(transport|event|protocol|vision)/|hive/(drone|application)\.hpp' libhive/recording
+refuse "hivectl uses the public API alone" 'hive/(transport|discovery|event|protocol|vision)/|hive/drone\.hpp' hivectl
+refuse "drones use the public API and vision alone" 'hive/(transport|discovery|event|protocol)/|hive/application\.hpp' drones
+refuse "language stands on the public API alone" '(hive/(transport|discovery|event|protocol|vision|recording)/|asio|opencv|CLI/|spdlog)' libhive/language
+refuse "nothing of Hive itself is written against hive.h" 'hive\.h[">]' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
+refuse "recordings are made by who uses the public API" 'hive/recording/' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision
+refuse "recording uses the public API alone" 'hive/(transport|discovery|event|protocol|vision)/|hive/(drone|application)\.hpp' libhive/recording
 mapfile -t no_asio < <(find drones \( -name '*.hpp' -o -name '*.cpp' \) -not -path 'drones/axis/emulator/*')
-refuse "Asio belongs to transport, event and the emulated camera" 'asio' protocol libhive/service libhive/manager libhive/vision hivectl "${no_asio[@]}"
+refuse "Asio belongs to transport, event and the emulated camera" 'asio' protocol libhive/discovery libhive/service libhive/manager libhive/vision hivectl "${no_asio[@]}"
 refuse "the emulated camera is no part of Hive" 'hive/' drones/axis/emulator
-refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/event libhive/service libhive/manager hivectl
-refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/event libhive/manager libhive/vision drones
+refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager hivectl
+refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/discovery libhive/event libhive/manager libhive/vision drones
 mapfile -t verbs < <(find hivectl \( -name '*.hpp' -o -name '*.cpp' \) -not -name command_line.cpp)
 refuse "in hivectl one file knows CLI11: it takes seconds to compile" 'CLI/' "${verbs[@]}"
-refuse "zlib belongs to recording" 'zlib' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision hivectl drones
+refuse "zlib belongs to recording" 'zlib' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision hivectl drones
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
-refuse "OpenSSL belongs to transport" 'openssl/' protocol libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
+refuse "OpenSSL belongs to transport" 'openssl/' protocol libhive/discovery libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
+refuse "Avahi belongs to discovery" 'avahi-' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision libhive/recording libhive/language hivectl drones
 refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
     protocol/include/hive/*.hpp libhive/transport/include/hive/key.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive

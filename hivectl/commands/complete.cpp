@@ -2,10 +2,11 @@
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
-#include "../programs.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../verbs.hpp"
+
+#include <hive/program.hpp>
 
 #include <algorithm>
 
@@ -43,7 +44,7 @@ Words parameters(hive::Application& application, const std::string& drone, const
 Words operands(Operand operand, const std::string& first, const std::string& current, Session& session)
 {
     switch (operand) {
-    case Operand::kind: return kinds();
+    case Operand::kind: return hive::kinds();
     case Operand::drone: return session.application(300ms).drones();
     case Operand::sender: return ends(session.application(300ms), current, true);
     case Operand::receiver: return ends(session.application(300ms), current, false);

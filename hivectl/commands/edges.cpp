@@ -26,7 +26,9 @@ bool concerns(const Row& row, const std::vector<std::string>& drones)
 
 /// What stands in a table of common width; --json has all.
 const std::vector<Column> columns{{"FROM", "from"},
+                                  {"FROM-HOST", "from_host", nullptr, hive::Place::here},
                                   {"TO", "to"},
+                                  {"TO-HOST", "to_host", nullptr, hive::Place::here},
                                   {"KIND", "kind", nullptr, "receiver"},
                                   {"GROUP", "group", nullptr, nothing},
                                   {"TRANSFER", "transfer"},
@@ -123,6 +125,9 @@ Verb edges_verb()
             "full) "
             "+ unmatched (no partner at the other inputs) + queued + in_hand; in the table R- stands for receiver. "
             "missing is what was lost to the receiver for good, at either end.\n\n"
+            "FROM-HOST and TO-HOST: where the two ends run, as in `hivectl ps`; each is left out when all of its ends "
+            "run "
+            "on this machine, and null (-) for an end that is no drone known here. "
             "ROUND-TRIP: of a receiver on another machine, the shortest of late; a receiver asks for WINDOW events "
             "ahead, "
             "so window / round trip is the most that comes through in a second, and stderr says when more would help. "

@@ -4,13 +4,14 @@
 #include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../places.hpp"
-#include "../remote.hpp"
+#include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
 #include <hive/name.hpp>
+#include <hive/remote.hpp>
 
 #include <deque>
 #include <fstream>
@@ -88,7 +89,7 @@ int read_there(const hive::Place& place, const Options& options, Session& sessio
                           place.drone + " at " + place_text(place)
                               + " was not started through ssh, so its log is there",
                           "ask there: hivectl logs " + place.drone);
-    const Remote remote(place.ssh, session.home());
+    const hive::Remote remote(place.ssh, session.home());
     std::vector<std::string> words{"logs", place.drone, "-n", std::to_string(options.lines)};
     if (session.json)
         words.emplace_back("--json");

@@ -10,6 +10,8 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
+#include <hive/name.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -100,6 +102,26 @@ Row row_of(const hive::StatusAnswer& answer)
                {"last_exception", status.last_exception ? exception_json(*status.last_exception) : hive::Json()}};
 }
 
+/// The last line of its log says most about why.
+Row failed_row(const hive::FailedDrone& failed)
+{
+    const auto end = failed.log.find_last_not_of('\n');
+    const auto line = end == std::string::npos ? "" : failed.log.substr(failed.log.rfind('\n', end) + 1, end + 1);
+    return Row{{"name", failed.drone},    {"host", hive::Place::here},
+               {"kind", nullptr},         {"state", "failed"},
+               {"pid", nullptr},          {"uptime_us", nullptr},
+               {"busy_percent", nullptr}, {"note", failed.reason + (line.empty() ? "" : ": " + line)},
+               {"log", failed.log}};
+}
+
+void add_failed(std::vector<Row>& rows, const std::vector<std::string>& words, hive::Application& application)
+{
+    for (const auto& failed : application.failed())
+        if (words.empty()
+            || std::ranges::any_of(words, [&](const auto& word) { return hive::matches_glob(word, failed.drone); }))
+            rows.push_back(failed_row(failed));
+}
+
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application(1s);
@@ -110,6 +132,7 @@ int run(const std::vector<std::string>& words, Session& session)
         rows.push_back(answer.error ? silent_row(answer) : row_of(answer));
         outcome.done();
     }
+    add_failed(rows, words, application);
     print_rows(session.json,
                {{"NAME", "name"},
                 {"HOST", "host", nullptr, hive::Place::here},
@@ -142,9 +165,10 @@ Verb ps_verb()
         .summary = "Lists the drones that run, on this machine and on those that it knows of",
         .details =
             "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer, "
-            "or "
-            "unreachable for one on another machine that does not. HOST is where it runs; the column is left out when "
-            "all run on this machine. "
+            "or unreachable for one on another machine that does not, or failed for one that fell too often under "
+            "hivectl up --stay. HOST is where it runs; the column is left out when "
+            "all run on this machine. Drones of other machines are those of the list of places (hivectl place), and "
+            "those that announce themselves on the local network and have this swarm's key. "
             "BUSY is the share of its lifetime that its code was working. NOTE says what the drone reports about its "
             "world, why it or one of its outputs or inputs stands still, what has kept it busy for more than a second, "
             "its last exception, and how many events found no partner where several inputs belong together.",

@@ -1,17 +1,13 @@
 // hivectl put: sends one file into a drone.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
+#include "../file_text.hpp"
 #include "../media_type.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iostream>
 
 namespace hivectl {
 namespace {
@@ -21,32 +17,6 @@ constexpr std::size_t most_bytes = 1024ull * 1024 * 1024;  // no drone takes mor
 struct Options {
     std::string to, file, type, header = "{}";
 };
-
-std::string content_of(std::istream& in, const std::string& file)
-{
-    std::string content;
-    std::vector<char> block(1 << 20);
-    while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
-        content.append(block.data(), static_cast<std::size_t>(in.gcount()));
-        if (content.size() > most_bytes)
-            throw hive::Error(hive::Errc::too_large, printable(file) + " is larger than 1 GiB");
-    }
-    if (in.bad())
-        throw hive::Error(hive::Errc::io, "cannot read " + printable(file) + ": " + std::strerror(errno));
-    return content;
-}
-
-std::string content_of(const std::string& file)
-{
-    if (file == "-")
-        return content_of(std::cin, "stdin");
-    if (std::filesystem::is_directory(file))
-        throw hive::Error(hive::Errc::io, "cannot read " + printable(file) + ": it is a directory");
-    std::ifstream in(file, std::ios::binary);
-    if (!in)
-        throw hive::Error(hive::Errc::io, "cannot read " + printable(file) + ": " + std::strerror(errno));
-    return content_of(in, file);
-}
 
 hive::Json header_of(const std::string& text)
 {
@@ -68,7 +38,7 @@ int run(const Options& options, Session& session)
                           "the ending of " + printable(options.file) + " says no media type",
                           "add for example --type image/jpeg");
     const auto header = header_of(options.header);
-    std::string content = content_of(options.file);
+    std::string content = text_of_file(options.file, most_bytes);
     auto& application = session.application();
     auto input = application.endpoint(options.to);
     if (input.port.empty())

@@ -42,7 +42,7 @@ std::string path_of(const std::string& file) { return std::filesystem::absolute(
 
 LaunchPlan plan_of(const Options& options, const std::string& name)
 {
-    LaunchPlan plan{"save", "write", name, {}, Life::tied};
+    LaunchPlan plan{"save", "write", name, {}, hive::BackgroundProcess::Life::tied};
     for (const auto& setting : {"file=" + path_of(options.file), "quality=" + std::to_string(options.quality),
                                 "fps=" + std::to_string(options.fps), "count=" + std::to_string(options.count),
                                 std::string("overwrite=") + (options.overwrite ? "on" : "off")})

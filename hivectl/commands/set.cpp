@@ -4,12 +4,14 @@
 #include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../places.hpp"
-#include "../remote.hpp"
+#include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
+
+#include <hive/remote.hpp>
 
 #include <set>
 
@@ -26,7 +28,7 @@ struct Options {
 /// The same command on the drone's machine, at its local socket: whoever may log in there is its operator.
 int set_there(const hive::Place& place, const Options& options, Session& session)
 {
-    const Remote remote(place.ssh, session.home());
+    const hive::Remote remote(place.ssh, session.home());
     const auto limit = session.timeout();
     std::vector<std::string> words{"set", place.drone, "--timeout",
                                    std::to_string(std::max<std::int64_t>(1, limit / 1s))};

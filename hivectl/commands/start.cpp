@@ -1,19 +1,20 @@
 // hivectl start: runs a drone in the background and returns when it answers.
 #include "../command_line.hpp"
 #include "../launch.hpp"
-#include "../python_file.hpp"
 #include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
 #include "../verbs.hpp"
+
+#include <hive/program.hpp>
 
 namespace hivectl {
 namespace {
 
 struct Options {
     std::string kind, name, on_exception, listen, advertise, key, log_level, on;
-    std::vector<std::string> settings;
-    bool halted = false, insecure = false, remote_operator = false;
+    std::vector<std::string> settings, connections;
+    bool if_missing = false, halted = false, insecure = false, no_announce = false, remote_operator = false;
 };
 
 /// The options that are handed on; to a drone here as to a hivectl elsewhere.
@@ -27,8 +28,11 @@ std::vector<std::string> handed_on(const Options& options)
                                       {"--log-level", options.log_level}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
+    for (const auto& connection : options.connections)
+        words.insert(words.end(), {"--connect", connection});
     for (const auto& [flag, chosen] : {std::pair{"--halted", options.halted},
                                        {"--insecure", options.insecure},
+                                       {"--no-announce", options.no_announce},
                                        {"--remote-operator", options.remote_operator}})
         if (chosen)
             words.emplace_back(flag);
@@ -58,7 +62,8 @@ int run(const Options& options, Session& session)
 {
     parse_settings(options.settings);  // mistakes are found before anything is started
     if (options.on.empty())
-        return start_in_background(session, {"start", options.kind, options.name, arguments(options)});
+        return start_in_background(session, {"start", options.kind, options.name, arguments(options)},
+                                   options.if_missing);
     return start_remotely(
         session,
         {.ssh = options.on, .kind = options.kind, .name = options.name, .words = words_for_other_machine(options)});
@@ -73,13 +78,23 @@ Run declare(CommandLine& line, Session& session)
         .required();
     line.option("key=value", options->settings, "parameters to begin with");
     line.option("--as", options->name, "its name in the swarm (default: KIND, or FILE without .py)").type_name("NAME");
+    const auto on = line.option("--on", options->on,
+                                "start it on that machine, through ssh: HOST, USER@HOST, or a name of ssh's own")
+                        .type_name("HOST");
+    line.flag("--if-missing", options->if_missing,
+              "a drone of this name and kind that runs here already is left as it is, and printed as if it was started")
+        .excludes(on);
     line.option("--on-exception", options->on_exception,
                 "when its code throws: skip the input (default), or halt until resumed")
         .type_name("skip|halt")
         .one_of({"skip", "halt"});
+    line.option("--connect", options->connections,
+                "receive from there as soon as the sender is there; may be repeated, and INPUT be left out where there "
+                "is only one. OPTIONs: at=tcp://HOST:PORT, stream, notify, window=N, first_frame, share, group=NAME, "
+                "lease=SECONDS, encoding=NAME")
+        .type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
+        .one_each();
     line.flag("--halted", options->halted, "start it halted, so that everything can be connected first");
-    line.option("--on", options->on, "start it on that machine, through ssh: HOST, USER@HOST, or a name of ssh's own")
-        .type_name("HOST");
     line.option("--listen", options->listen,
                 "also be reachable there: tcp://HOST:PORT, or tcp://HOST for a port from 7700 on (default with --on: "
                 "tcp://0.0.0.0)")
@@ -92,6 +107,8 @@ Run declare(CommandLine& line, Session& session)
         .type_name("FILE");
     line.flag("--insecure", options->insecure,
               "let --listen take peers without a key: only on a network that you trust wholly");
+    line.flag("--no-announce", options->no_announce,
+              "do not announce it on the local network when it listens there: who is told its place still finds it");
     line.flag("--remote-operator", options->remote_operator,
               "who has the swarm's key may also set over the network what concerns this machine: paths, URLs, logins");
     line.option("--log-level", options->log_level,
@@ -100,7 +117,7 @@ Run declare(CommandLine& line, Session& session)
         .one_of({"debug", "info", "warning", "error", "off"});
     return [options, &session] {
         if (options->name.empty())
-            options->name = is_python_file(options->kind) ? name_of_python_file(options->kind) : options->kind;
+            options->name = hive::usual_name(options->kind);
         return run(*options, session);
     };
 }

@@ -29,9 +29,9 @@ std::vector<std::string> all_of(hive::Application& application)
 
 std::vector<std::string> meant_by(const std::string& word, hive::Application& application)
 {
-    auto names = all_of(application);
     if (!is_glob(word) && runs(application, word))
         return {word};
+    auto names = all_of(application);
     const auto nothing_fits = hive::no_such("no drone " + hive::in_quotes(word) + " runs or is remembered", word, names,
                                             "see what runs: hivectl ps");
     std::erase_if(names, [&](const std::string& name) { return !hive::matches_glob(word, name); });
@@ -40,11 +40,20 @@ std::vector<std::string> meant_by(const std::string& word, hive::Application& ap
     return names;
 }
 
+/// What somebody else started, and this home knows of by its announcement alone, is stopped by its name.
+std::vector<std::string> all_of_our_own(hive::Application& application)
+{
+    auto names = all_of(application);
+    std::erase_if(
+        names, [&](const std::string& name) { return runs(application, name) && application.place(name).announced; });
+    return names;
+}
+
 std::vector<std::string> meant_by(const Options& options, hive::Application& application, Outcome& outcome)
 {
     std::vector<std::string> names;
     if (options.all)
-        return all_of(application);
+        return all_of_our_own(application);
     for (const auto& word : options.names)
         try {
             add_new(names, meant_by(word, application));
@@ -64,6 +73,8 @@ void stop_anywhere(const std::string& name, Session& session)
     } catch (const hive::Error& error) {
         const bool silent = error.code() == hive::Errc::unreachable || error.code() == hive::Errc::timeout;
         if (!is_elsewhere(place) || !silent)
+            throw;
+        if (place.announced)
             throw;
         if (place.ssh.empty())
             throw hive::Error(error.code(), error.what(), "if it is gone for good: hivectl place remove " + name);
@@ -108,8 +119,10 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones, or globs such as 'face-*'");
-    line.flag("--all", options->all,
-              "every drone that hivectl ps lists, also on other machines; those that crashed are forgotten");
+    line.flag(
+        "--all", options->all,
+        "every drone of this machine and of the list of places (hivectl place), but none that only announces itself "
+        "on the local network; those that crashed are forgotten");
     return [options, &session] { return run(*options, session); };
 }
 

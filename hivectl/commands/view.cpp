@@ -44,7 +44,7 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
 
 LaunchPlan plan_of(const Options& options, const std::string& name)
 {
-    LaunchPlan plan{"view", "view", name, {}, Life::tied};
+    LaunchPlan plan{"view", "view", name, {}, hive::BackgroundProcess::Life::tied};
     if (options.port == 0)
         plan.arguments = {"--set", "window=on"};
     else

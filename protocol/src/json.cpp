@@ -1,8 +1,10 @@
-// Parsing with limits, printing safely, reading fields.
+// Parsing with limits, and printing safely.
+#include "json_places.hpp"
+
 #include <hive/error.hpp>
 #include <hive/json.hpp>
-#include <hive/name.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace hive {
@@ -23,7 +25,10 @@ std::string too_long(const JsonLimits& limits)
 /// wide value is refused before that value exists (nlohmann 3.11.2 crashes on copying or dumping a very deep one).
 class LimitedBuilder final : public nlohmann::json_sax<Json> {
 public:
-    explicit LimitedBuilder(const JsonLimits& limits) : limits_(limits) {}
+    /// @param places  told of each token; null: nobody wants to know
+    explicit LimitedBuilder(const JsonLimits& limits, PlaceWriter* places = nullptr) : limits_(limits), places_(places)
+    {
+    }
 
     bool null() override { return add(nullptr); }
     bool boolean(bool value) override { return add(value); }
@@ -50,6 +55,8 @@ public:
         if (!is_new)
             return refuse(Errc::malformed, "the key " + in_quotes(place->first) + " twice in one object");
         slot_ = &place->second;
+        if (places_)
+            places_->key(place->first);
         return true;
     }
     bool end_object() override { return close(); }
@@ -57,11 +64,16 @@ public:
     bool end_array() override { return close(); }
     bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& cause) override
     {
+        error_at_ = position;
+        if (cause.id == 406)
+            return refuse(Errc::malformed, "a number too large for a double");
         // nlohmann's text repeats the input; only the place is told.
-        return refuse(Errc::malformed, cause.id == 406 ? "a number too large for a double"
-                                                       : "an error at byte " + std::to_string(position));
+        return refuse(Errc::malformed,
+                      places_ ? "something that does not belong here" : "an error at byte " + std::to_string(position));
     }
 
+    /// How many bytes had been read when the text turned out to be no JSON; 0: it is, or a limit was met first.
+    [[nodiscard]] std::size_t error_at() const noexcept { return error_at_; }
     Json take()
     {
         if (!problem_.empty())
@@ -86,6 +98,8 @@ private:
     {
         if (++values_ > limits_.values)
             return refuse(Errc::too_large, "more than " + std::to_string(limits_.values) + " values");
+        if (places_)
+            places_->value();
         if (!open_.empty() && open_.back()->is_array())
             slot_ = &open_.back()->get_ptr<Json::array_t*>()->emplace_back(std::forward<Value>(value));
         else
@@ -98,36 +112,70 @@ private:
             return refuse(Errc::too_large, too_deep(limits_));
         if (!add(type))
             return false;
+        if (places_)
+            places_->open(type == Json::value_t::object);
         open_.push_back(slot_);
         return true;
     }
     bool close()
     {
         open_.pop_back();
+        if (places_)
+            places_->close();
         return true;
     }
 
     const JsonLimits& limits_;
+    PlaceWriter* places_;
     Json result_;
     Json* slot_ = &result_;    ///< where the next value goes, unless an array is open
     std::vector<Json*> open_;  ///< the objects and arrays around it, outermost first
-    std::size_t values_ = 0;
+    std::size_t values_ = 0, error_at_ = 0;
     Errc code_ = Errc::malformed;
     std::string problem_;
 };
 
-}  // namespace
-
-Json parse_json(std::string_view text, const JsonLimits& limits)
+void require_readable(std::string_view text, const JsonLimits& limits)
 {
     require_at_most("JSON", text.size(), limits.bytes);
     if (text.starts_with("\xEF\xBB\xBF"))
         throw Error(Errc::malformed, "JSON with a byte order mark");
     if (text.find('\0') != std::string_view::npos)  // to nlohmann's lexer it is the end, whatever follows
         throw Error(Errc::malformed, "JSON with a NUL byte");
+}
+
+/// Where the mistake is: at the token that was not taken, or before it, where a ',' or ':' was too much.
+std::size_t place_of_mistake(const LimitedBuilder& builder, const PlaceWriter& places)
+{
+    const auto token = places.next_token();
+    return builder.error_at() == 0 ? token : std::min(builder.error_at() - 1, token);
+}
+
+}  // namespace
+
+Json parse_json(std::string_view text, const JsonLimits& limits)
+{
+    require_readable(text, limits);
     LimitedBuilder builder(limits);
     Json::sax_parse(text.begin(), text.end(), &builder);
     return builder.take();
+}
+
+PlacedJson parse_placed_json(std::string_view text, const JsonLimits& limits)
+{
+    PlaceWriter places(text);
+    LimitedBuilder builder(limits, &places);
+    const auto nul = text.find('\0');
+    std::size_t at = nul == std::string_view::npos ? 0 : nul;
+    try {
+        require_readable(text, limits);
+        Json::sax_parse(text.begin(), text.end(), &builder);
+        at = place_of_mistake(builder, places);
+        auto value = builder.take();
+        return {std::move(value), places.take()};
+    } catch (const Error& error) {
+        throw JsonMistake(error, at);
+    }
 }
 
 void require_within(const Json& value, const JsonLimits& limits, std::size_t around)
@@ -181,90 +229,6 @@ std::optional<std::int64_t> json_integer(const Json& value)
         return std::nullopt;
     const auto number = value.get<std::int64_t>();
     return number >= -max_json_integer && number <= max_json_integer ? std::optional(number) : std::nullopt;
-}
-
-Fields::Fields(const Json& object, std::string_view what) : object_(object), what_(what)
-{
-    if (!object.is_object())
-        throw Error(Errc::malformed, what_ + ": not a JSON object");
-}
-
-void Fields::fail(const char* key, std::string_view expected) const
-{
-    throw Error(Errc::malformed, what_ + ": \"" + key + "\" must be " + std::string(expected));
-}
-
-const Json& Fields::field(const char* key) const
-{
-    const auto found = object_.find(key);
-    if (found == object_.end())
-        throw Error(Errc::malformed, what_ + ": \"" + key + "\" is missing");
-    return *found;
-}
-
-std::string Fields::text(const char* key) const
-{
-    const Json& value = field(key);
-    if (!value.is_string())
-        fail(key, "a string");
-    return value.get<std::string>();
-}
-
-std::string Fields::text_or(const char* key, std::string fallback) const
-{
-    return has(key) ? text(key) : std::move(fallback);
-}
-
-std::string Fields::name(const char* key) const
-{
-    auto value = text(key);
-    if (!is_name(value))
-        fail(key, "a name");
-    return value;
-}
-
-std::string Fields::name_or(const char* key, std::string fallback) const
-{
-    return has(key) ? name(key) : std::move(fallback);
-}
-
-std::int64_t Fields::integer(const char* key, std::int64_t low, std::int64_t high) const
-{
-    const Json& value = field(key);
-    const auto number = json_integer(value);
-    if (!number || *number < low || *number > high)
-        fail(key, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
-    return *number;
-}
-
-std::int64_t Fields::integer_or(const char* key, std::int64_t low, std::int64_t high, std::int64_t fallback) const
-{
-    return has(key) ? integer(key, low, high) : fallback;
-}
-
-bool Fields::flag_or(const char* key, bool fallback) const
-{
-    if (!has(key))
-        return fallback;
-    if (!field(key).is_boolean())
-        fail(key, "true or false");
-    return field(key).get<bool>();
-}
-
-const Json& Fields::object(const char* key) const
-{
-    const Json& value = field(key);
-    if (!value.is_object())
-        fail(key, "an object");
-    return value;
-}
-
-const Json& Fields::array(const char* key) const
-{
-    const Json& value = field(key);
-    if (!value.is_array())
-        fail(key, "an array");
-    return value;
 }
 
 }  // namespace hive

@@ -6,14 +6,14 @@
 namespace hive::protocol {
 
 template <class Number>
-void put(unsigned char* at, Number value) noexcept
+void store(unsigned char* at, Number value) noexcept
 {
     for (std::size_t i = 0; i < sizeof value; ++i)
         at[i] = static_cast<unsigned char>(value >> (8 * i));
 }
 
 template <class Number>
-Number get(const unsigned char* at) noexcept
+Number load(const unsigned char* at) noexcept
 {
     Number value = 0;
     for (std::size_t i = 0; i < sizeof value; ++i)

@@ -58,9 +58,9 @@ PrefixBytes encode(const Prefix& prefix) noexcept
     std::memcpy(bytes.data(), magic.data(), magic.size());
     bytes[4] = version;
     bytes[5] = static_cast<unsigned char>(prefix.type);
-    put(&bytes[6], prefix.channel);
-    put(&bytes[8], prefix.header_size);
-    put(&bytes[12], prefix.body_size);
+    store(&bytes[6], prefix.channel);
+    store(&bytes[8], prefix.header_size);
+    store(&bytes[12], prefix.body_size);
     return bytes;
 }
 
@@ -71,8 +71,8 @@ Prefix decode_prefix(const unsigned char* bytes, const Limits& limits)
     if (bytes[4] != version)
         throw Error(Errc::version_mismatch, "the peer speaks version " + std::to_string(bytes[4])
                                                 + " of the protocol, this end version " + std::to_string(version));
-    Prefix prefix{static_cast<PacketType>(bytes[5]), get<std::uint16_t>(&bytes[6]), get<std::uint32_t>(&bytes[8]),
-                  get<std::uint32_t>(&bytes[12])};
+    Prefix prefix{static_cast<PacketType>(bytes[5]), load<std::uint16_t>(&bytes[6]), load<std::uint32_t>(&bytes[8]),
+                  load<std::uint32_t>(&bytes[12])};
     if (token(prefix.type).empty())
         throw Error(Errc::malformed, "packet type " + std::to_string(bytes[5]) + " does not exist");
     require_bare(prefix);

@@ -11,14 +11,14 @@ constexpr std::size_t reference_bytes = slot_bytes + 16;
 
 void put_slot(unsigned char* at, const Slot& slot)
 {
-    put(at, slot.segment);
-    put(at + 4, slot.index);
-    put(at + 8, slot.generation);
+    store(at, slot.segment);
+    store(at + 4, slot.index);
+    store(at + 8, slot.generation);
 }
 
 Slot get_slot(const unsigned char* at)
 {
-    return {get<std::uint32_t>(at), get<std::uint32_t>(at + 4), get<std::uint64_t>(at + 8)};
+    return {load<std::uint32_t>(at), load<std::uint32_t>(at + 4), load<std::uint64_t>(at + 8)};
 }
 
 }  // namespace
@@ -41,8 +41,8 @@ Body to_body(const Reference& reference)
 {
     std::vector<unsigned char> bytes(reference_bytes);
     put_slot(bytes.data(), reference.slot);
-    put(bytes.data() + slot_bytes, reference.offset);
-    put(bytes.data() + slot_bytes + 8, reference.size);
+    store(bytes.data() + slot_bytes, reference.offset);
+    store(bytes.data() + slot_bytes + 8, reference.size);
     return bytes;
 }
 
@@ -51,8 +51,8 @@ Reference reference_from_body(const Body& body)
     if (body.size() != reference_bytes)
         throw Error(Errc::malformed, "reference: " + std::to_string(body.size()) + " bytes instead of "
                                          + std::to_string(reference_bytes));
-    return {get_slot(body.data()), get<std::uint64_t>(body.data() + slot_bytes),
-            get<std::uint64_t>(body.data() + slot_bytes + 8)};
+    return {get_slot(body.data()), load<std::uint64_t>(body.data() + slot_bytes),
+            load<std::uint64_t>(body.data() + slot_bytes + 8)};
 }
 
 Body to_body(const std::vector<Slot>& slots)

@@ -17,7 +17,7 @@ foreach(layer protocol libhive/event libhive/service libhive/manager libhive/vis
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${layer}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev
     FILES_MATCHING PATTERN "*.hpp" PATTERN "hive/protocol" EXCLUDE PATTERN "hive/event" EXCLUDE)
 endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/libhive/language/c/include/hive.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/libhive/language/c/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev)
 
 # find_package(hive), and pkg-config.
 install(EXPORT hive NAMESPACE hive:: FILE hive-targets.cmake DESTINATION ${package} COMPONENT libhive-dev)
@@ -69,6 +69,8 @@ set(CPACK_COMPONENT_LIBHIVE-DEV_DESCRIPTION "distributed vision processing: to b
 set(CPACK_COMPONENT_HIVE_DESCRIPTION "distributed vision processing: hivectl and the drones")
 set(CPACK_COMPONENT_PYTHON3-HIVE_DESCRIPTION "distributed vision processing: drones and applications in Python")
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_RECOMMENDS "libavahi-client3")  # loaded, not linked
+set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SUGGESTS "avahi-daemon")
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS "libhive0 ${exactly}, nlohmann-json3-dev")
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SUGGESTS "libopencv-imgcodecs-dev, libturbojpeg0-dev")

@@ -133,7 +133,7 @@ TEST_CASE_TEMPLATE("bad peer: who says no hello is closed in time", Place, Unix,
     RawPair pair(Place::address, hasty);
     const auto begin = std::chrono::steady_clock::now();
     REQUIRE(pair.until_closed());
-    CHECK(std::chrono::steady_clock::now() - begin < hasty.first_packet + 1s);
+    CHECK(std::chrono::steady_clock::now() - begin < hasty.first_packet + 5s);
     CHECK(pair.end.code == Errc::timeout);
     CHECK(pair.end.text.find("no hello within 120 ms") != std::string::npos);
 }
@@ -148,7 +148,7 @@ TEST_CASE_TEMPLATE("bad peer: a hello byte by byte is closed at the deadline", P
         pair.loop.run_for(10ms);
     }
     REQUIRE(pair.until_closed());
-    CHECK(std::chrono::steady_clock::now() - begin < hasty.first_packet + 1s);
+    CHECK(std::chrono::steady_clock::now() - begin < hasty.first_packet + 5s);
     CHECK(pair.end.code == Errc::timeout);
     CHECK(pair.end.packets.empty());
 }
@@ -218,6 +218,8 @@ TEST_CASE_TEMPLATE(
     Place, Unix, Tcp)
 {
     Timing timing = hasty;
+    if (sanitized)
+        timing.silence = patient.silence;  // two thousand pings take longer to write and to read there
     timing.control_bytes = 16 * 1024;
     RawPair pair(Place::address, timing);
     pair.write(hello());

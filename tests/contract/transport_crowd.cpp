@@ -148,7 +148,7 @@ TEST_CASE_TEMPLATE("crowd: a thousand silent peers cost little, and good ones be
         return late.has(1);
     };
     REQUIRE(pair.loop.until(ask_and_look, 20s));
-    CHECK(answered > 100);
+    CHECK(answered > 20);
     CHECK(pair.dialing.closed == 0);
     if (!sanitized)
         CHECK(most < before + 5'000'000);

@@ -1,6 +1,7 @@
 // Who comes in over tcp: those who prove the swarm's key. What the others are told, and what they cost.
 #include "transport_world.hpp"
 
+#include <algorithm>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -249,4 +250,23 @@ TEST_CASE("keys: a listener that ends lets go of those who are shaking hands")
     }));
     CHECK(gate.refused.empty());
     ::close(descriptor);
+}
+
+TEST_CASE("keys: a connection with a handshake, both ends in one thread, takes little longer than one without")
+{
+    const auto median_us = [](Gate& gate, const Security& security) {
+        std::vector<std::int64_t> times;
+        for (int i = 0; i < 101; ++i) {
+            const auto begin = std::chrono::steady_clock::now();
+            const auto dialed = gate.dial(security);
+            REQUIRE(dialed.connection);
+            times.push_back((std::chrono::steady_clock::now() - begin) / 1us);
+        }
+        std::ranges::nth_element(times, times.begin() + 50);
+        return times[50];
+    };
+    Gate gate, plain({}, patient);
+    const auto with = median_us(gate, keyed(gate.folder)), without = median_us(plain, {});
+    MESSAGE("median of 101: ", with, " us with a key, ", without, " us without");
+    CHECK(with < (sanitized ? 100'000 : 5'000));  // noise of the machine; what it is in peace, the line above says
 }

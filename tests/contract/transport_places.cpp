@@ -123,7 +123,7 @@ TEST_CASE("place: a dial to a unix socket whose queue is full keeps its deadline
     CHECK(answer.code == Errc::timeout);
     CHECK(answer.text.find("100 ms") != std::string::npos);
     CHECK(std::chrono::steady_clock::now() - begin >= 100ms);
-    CHECK(std::chrono::steady_clock::now() - begin < 1s);
+    CHECK(std::chrono::steady_clock::now() - begin < 5s);
     CHECK(listen_error(loop, unix_at(folder.path("full"))) == Errc::name_taken);  // a full queue is alive
     ::close(filling);
     ::close(listening);
@@ -145,7 +145,7 @@ TEST_CASE("place: a dial to a tcp port that does not answer keeps its deadline")
     const auto begin = std::chrono::steady_clock::now();
     const auto answer = dial(loop, address, 150ms);
     CHECK(answer.code == Errc::timeout);
-    CHECK(std::chrono::steady_clock::now() - begin < 1s);
+    CHECK(std::chrono::steady_clock::now() - begin < 5s);
     ::close(filling);
     ::close(listening);
 }
@@ -159,7 +159,7 @@ TEST_CASE("place: host names are looked up, and a name that does not exist is an
     const auto answer = dial(loop, {Address::Scheme::tcp, "no-such-host.invalid", 1}, 500ms);
     CHECK((answer.code == Errc::unreachable || answer.code == Errc::timeout));
     CHECK(answer.text.find("no-such-host.invalid") != std::string::npos);
-    CHECK(std::chrono::steady_clock::now() - begin < 2s);
+    CHECK(std::chrono::steady_clock::now() - begin < 5s);
 }
 
 TEST_CASE("place: a taken tcp port is named")

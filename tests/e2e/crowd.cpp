@@ -26,7 +26,7 @@ using protocol::PacketType;
 struct Goal {
     transport::Address address;
     transport::Security security;
-    std::atomic<int> served = 0;
+    std::atomic<int> served = 0, lost = 0;
     bool over = false;
 };
 
@@ -68,7 +68,10 @@ private:
         connection_->start({.packet = [this](protocol::Packet&& packet) { on_packet(packet); },
                             .closed =
                                 [self = shared_from_this()](const Error&) {
-                                    self->goal_.served -= std::exchange(self->served_, false);
+                                    if (std::exchange(self->served_, false)) {
+                                        --self->goal_.served;
+                                        ++self->goal_.lost;
+                                    }
                                     self->connection_.reset();
                                     self->retry();
                                 }});
@@ -177,6 +180,7 @@ public:
         });
     }
     [[nodiscard]] int served() const { return goal_.served; }
+    [[nodiscard]] int lost() const { return goal_.lost; }
 
 private:
     crowd::Goal goal_;
@@ -192,6 +196,7 @@ Crowd::Crowd(const std::string& address, const std::filesystem::path& key) : imp
 Crowd::~Crowd() = default;
 void Crowd::come(int peers) { impl_->come(peers); }
 int Crowd::served() const { return impl_->served(); }
+int Crowd::lost() const { return impl_->lost(); }
 void Crowd::lose_connections() { impl_->lose_connections(); }
 void Crowd::come_silently(int peers) { impl_->come_silently(peers); }
 

@@ -21,6 +21,8 @@ public:
     void come(int peers);
     /// Those of them who are served now.
     [[nodiscard]] int served() const;
+    /// How often one of them who was served has lost its connection.
+    [[nodiscard]] int lost() const;
     /// All that are connected lose their connection at once, and come back.
     void lose_connections();
     /// Others come, who only hold the door: they connect, say nothing, and come again when they are sent away.

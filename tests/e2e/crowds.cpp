@@ -1,6 +1,6 @@
 // Crowds at the door of a drone behind a key: those who may come in get in soon, and the others cost nobody much.
 #include "crowd.hpp"
-#include "swarm.hpp"
+#include "measure.hpp"
 
 #include <doctest/doctest.h>
 
@@ -32,18 +32,25 @@ struct House {
     std::string address;
 };
 
-/// The longest time that the drone took to answer at the local socket.
-Milliseconds slowest_answer(const House& house, int times)
+/// How long the drone took to answer at the local socket.
+struct Answers {
+    Clock::duration most, slowest;  ///< of 96 %, and of all
+};
+
+Answers answers(const House& house, int times)
 {
     auto application = house.swarm.application(patient(5000ms));
-    Clock::duration slowest{};
+    std::vector<Clock::duration> took;
     for (int i = 0; i < times; ++i) {
         const auto begin = Clock::now();
         static_cast<void>(application.get("ticker", {"fps"}));
-        slowest = std::max(slowest, Clock::now() - begin);
+        took.push_back(Clock::now() - begin);
     }
-    return std::chrono::duration_cast<Milliseconds>(slowest);
+    std::ranges::sort(took);
+    return {took.at(took.size() * 96 / 100), took.back()};
 }
+
+double milliseconds(Clock::duration time) { return 1e3 * Seconds(time).count(); }
 
 /// What hivectl on another machine with the key can do.
 Finished asked_from_elsewhere(const House& house, const std::vector<std::string>& words)
@@ -78,42 +85,50 @@ TEST_CASE(
                     return edge.events;
         return hive::Ledger();
     };
-    const auto before = account();
-    crowd.lose_connections();
-    REQUIRE(eventually([&] { return crowd.served() < peers; }));
-    const auto lost = Clock::now();
-    REQUIRE(eventually([&] { return crowd.served() == peers; }, 10'000ms));
-    const Seconds back = Clock::now() - lost;
-    REQUIRE(eventually([&] { return account().total() >= before.total() + 200; }, 10'000ms));
-    const auto after = account();
-    const auto events = after.total() - before.total();
-    const auto kept = after.of(hive::Fate::acknowledged) - before.of(hive::Fate::acknowledged);
-    MESSAGE("came within " << came.count() << " s, were back within " << back.count() << " s; of " << events
-                           << " events beside that, " << kept << " were received");
-    CHECK(back < patient(2000ms));
+    std::vector<Seconds> back;
+    std::vector<double> missed;  // beyond 1 % of the events
+    for (int round = 0; round < 3; ++round) {
+        const auto before = account();
+        const auto lost_before = crowd.lost();
+        const auto lost = Clock::now();
+        crowd.lose_connections();
+        REQUIRE(eventually([&] { return crowd.lost() >= lost_before + peers; }));
+        REQUIRE(eventually([&] { return crowd.served() == peers; }, 10'000ms));
+        back.push_back(Clock::now() - lost);
+        REQUIRE(eventually([&] { return account().total() >= before.total() + 200; }, 10'000ms));
+        const auto after = account();
+        const auto events = after.total() - before.total();
+        const auto kept = after.of(hive::Fate::acknowledged) - before.of(hive::Fate::acknowledged);
+        missed.push_back(0.99 * static_cast<double>(events) - static_cast<double>(kept));
+        MESSAGE("came within " << came.count() << " s, were back within " << back.back().count() << " s; of " << events
+                               << " events beside that, " << kept << " were received");
+    }
+    CHECK(median(back) < stated(2000ms));
     if (!sanitized())
-        CHECK(static_cast<double>(kept) >= 0.99 * static_cast<double>(events) - 2);  // and what is under way
+        CHECK(median(missed) <= 2);  // and what is under way
 }
 
 TEST_CASE("crowds: 256 strangers and 64 silent ones keep out neither the owner nor who has the key")
 {
     const House house;
-    const auto quiet = slowest_answer(house, 50);
+    const auto quiet = answers(house, 50);
     Crowd strangers(house.address, house.wrong_key);
     strangers.come(sanitized() ? 64 : 256);
     strangers.come_silently(64);
     REQUIRE(eventually([&] { return house.swarm.log("ticker").find("is not known here") != std::string::npos; }));
-    const auto slowest = slowest_answer(house, 200);
+    const auto crowded = answers(house, 200);
     const auto set = house.swarm.hivectl({"set", "ticker", "fps=50"});
     CHECK_MESSAGE(set.exit_code == 0, set.err);
     const auto begin = Clock::now();
     const auto member = asked_from_elsewhere(house, {"set", "ticker", "fps=60"});
     CHECK_MESSAGE(member.exit_code == 0, member.err);
-    MESSAGE("slowest answer at the local socket " << quiet.count() << " ms without them, " << slowest.count()
-                                                  << " ms with them; a whole command at the local socket "
-                                                  << set.took.count() / 1000 << " ms; from elsewhere, two commands "
-                                                  << Seconds(Clock::now() - begin).count() << " s");
-    CHECK(slowest < patient(300ms));
+    MESSAGE("slowest answer at the local socket "
+            << milliseconds(quiet.slowest) << " ms without them, " << milliseconds(crowded.slowest)
+            << " ms with them, 96 % within " << milliseconds(crowded.most)
+            << " ms; a whole command at the local socket " << set.took.count() / 1000
+            << " ms; from elsewhere, two commands " << Seconds(Clock::now() - begin).count() << " s");
+    CHECK(crowded.most < stated(300ms));
+    CHECK(crowded.slowest < patient(3000ms));
     CHECK(strangers.served() == 0);
 }
 

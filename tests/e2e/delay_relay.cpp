@@ -6,46 +6,23 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cerrno>
-#include <cstring>
 #include <deque>
 #include <future>
 #include <list>
-#include <stdexcept>
 #include <thread>
 #include <vector>
 
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 namespace hive::test {
 namespace {
 
-int require_descriptor(int descriptor, const char* what)
-{
-    if (descriptor < 0)
-        throw std::runtime_error(std::string("relay: ") + what + ": " + std::strerror(errno));
-    return descriptor;
-}
-
-sockaddr_in socket_address(const DelayRelay::Address& address)
-{
-    sockaddr_in result{};
-    result.sin_family = AF_INET;
-    result.sin_port = htons(static_cast<std::uint16_t>(address.port));
-    ::inet_pton(AF_INET, address.host.c_str(), &result.sin_addr);
-    return result;
-}
-
 int open_socket()
 {
-    const int descriptor = require_descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), "socket");
+    const int descriptor = require_descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), "relay: socket");
     const int on = 1;
     ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -86,7 +63,8 @@ struct RelayedWay {
 
 class DelayRelay::Impl {
 public:
-    Impl(const std::string& network_namespace, const Address& at, const Address& to, Clock::duration one_way)
+    Impl(const std::string& network_namespace, const NetworkAddress& at, const NetworkAddress& to,
+         Clock::duration one_way)
         : to_(socket_address(to)), one_way_(one_way)
     {
         std::promise<void> begun;
@@ -119,18 +97,14 @@ public:
     Impl& operator=(const Impl&) = delete;
 
 private:
-    /// A thread may enter a network namespace alone; its sockets belong there.
-    void listen(const std::string& network_namespace, const Address& at)
+    void listen(const std::string& network_namespace, const NetworkAddress& at)
     {
-        const int space = require_descriptor(::open(("/run/netns/" + network_namespace).c_str(), O_RDONLY | O_CLOEXEC),
-                                             "open the namespace");
-        const int entered = ::setns(space, CLONE_NEWNET);
-        ::close(space);
-        require_descriptor(entered, "enter the namespace");
+        enter_network(network_namespace);
         listening_ = open_socket();
         const auto address = socket_address(at);
-        require_descriptor(::bind(listening_, reinterpret_cast<const sockaddr*>(&address), sizeof address), "bind");
-        require_descriptor(::listen(listening_, 16), "listen");
+        require_descriptor(::bind(listening_, reinterpret_cast<const sockaddr*>(&address), sizeof address),
+                           "relay: bind");
+        require_descriptor(::listen(listening_, 16), "relay: listen");
     }
     void run()
     {
@@ -170,7 +144,7 @@ private:
     std::list<RelayedWay> ways_;
 };
 
-DelayRelay::DelayRelay(const std::string& network_namespace, const Address& at, const Address& to,
+DelayRelay::DelayRelay(const std::string& network_namespace, const NetworkAddress& at, const NetworkAddress& to,
                        std::chrono::milliseconds one_way)
     : impl_(std::make_unique<Impl>(network_namespace, at, to, one_way))
 {

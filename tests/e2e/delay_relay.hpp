@@ -2,6 +2,8 @@
 // ways.
 #pragma once
 
+#include "network_space.hpp"
+
 #include <chrono>
 #include <memory>
 #include <string>
@@ -11,11 +13,7 @@ namespace hive::test {
 /// Lives in a network namespace, on a thread of its own, until it is destroyed. Throws std::runtime_error.
 class DelayRelay {
 public:
-    struct Address {
-        std::string host;  ///< an IPv4 number
-        int port = 0;
-    };
-    DelayRelay(const std::string& network_namespace, const Address& at, const Address& to,
+    DelayRelay(const std::string& network_namespace, const NetworkAddress& at, const NetworkAddress& to,
                std::chrono::milliseconds one_way);
     ~DelayRelay();
     DelayRelay(const DelayRelay&) = delete;

@@ -1,17 +1,14 @@
 // The commands on the drones' pages, run as they stand there: every indented line of a README in drones/, a page at a
 // time, in the order of the page, in a swarm of its own. What has to be there first, and the few words that cannot be
 // as on the page, are in one list.
+#include "free_port.hpp"
 #include "onnx_writer.hpp"
 #include "reader.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <arpa/inet.h>
 #include <fstream>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -22,12 +19,13 @@ namespace fs = std::filesystem;
 
 struct Page {
     std::string folder;
-    std::string before;                                      ///< what the reader has done already
+    std::string before;                                      ///< what the reader has done already, to its end
     std::vector<std::pair<std::string, std::string>> other;  ///< words of the page, and those that stand for them here
 };
 
 const std::string recording = "hivectl start camera; hivectl start face; hivectl connect camera face\n"
-                              "hivectl record camera face.faces -n 10 -o run.hive; hivectl stop --all\n";
+                              "hivectl results face -n 1 > first.log\n"
+                              "hivectl record camera face.faces -n 40 -o run.hive; hivectl stop --all\n";
 
 // Needs hardware: without it the command has to be refused.
 const std::string set_device = "if [ -e /dev/video0 ]; then hivectl set cam source=/dev/video0 width=1280 height=720\n"
@@ -74,19 +72,6 @@ std::string commands_on(const fs::path& page)
             commands += line.substr(4) + "\n";
     }
     return commands;
-}
-
-std::string free_port()
-{
-    const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    REQUIRE(::bind(descriptor, reinterpret_cast<sockaddr*>(&address), size) == 0);
-    ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size);
-    ::close(descriptor);
-    return std::to_string(ntohs(address.sin_port));
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to)
@@ -136,8 +121,9 @@ void run_page(const std::string& folder)
     const onnx::File model(".onnx", onnx::bytes_of({8, 8, {1, 5, 7}, std::vector<float>(35, 0.0F), {}}));
     fs::copy_file(model.path(), swarm.home() / "yolov8n.onnx");
     std::ofstream(swarm.home() / "coco.names") << "person\n";
-    const auto script = "port1=" + free_port() + " port2=" + free_port() + " bin='" + swarm.program("").string()
-                        + "' HOME=$PWD\n" + windows + screen_for(page) + page.before + commands;
+    const auto script = "port1=" + std::to_string(free_port()) + " port2=" + std::to_string(free_port()) + " bin='"
+                        + swarm.program("").string() + "' HOME=$PWD\n" + windows + screen_for(page)
+                        + "of_reader=$patience patience=60\n" + page.before + "\npatience=$of_reader\n" + commands;
     const auto finished = run_as_reader(swarm, script, sanitized() ? 10 : 1);
     CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of\n", commands, "\nit printed\n",
                   finished.out, finished.err);

@@ -37,7 +37,6 @@ TEST_CASE(
     REQUIRE(exception);
     const auto at = exception->identity.sequence;  // 37, unless the machine was so busy that sync skipped it
     CHECK(at >= 37);
-    CHECK(at <= 45);
     CHECK(exception->identity.source == "source");
     CHECK(exception->header.at("policy") == "halt");
     CHECK(exception->header.at("input") == "image");
@@ -58,7 +57,7 @@ TEST_CASE(
     std::int64_t last = 0;
     while (const auto result = collector->next(50ms))
         last = result->identity.sequence;
-    CHECK(last < at);
+    CHECK(last < 37);  // so `at` was the first that it had from there on
 
     const auto newest = produced(application, "source");
     swarm.hivectl_done({"resume", "worker"});

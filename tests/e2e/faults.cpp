@@ -1,46 +1,18 @@
 // Starting, names and sources that fail: nothing hangs, and every failure says what it was.
 #include "measure.hpp"
 
+#include <mute_server.hpp>
+
 #include <doctest/doctest.h>
 
-#include <arpa/inet.h>
 #include <csignal>
 #include <fstream>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-/// A web server that takes connections and never says a word.
-class MuteServer {
-public:
-    MuteServer() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
-    {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        socklen_t size = sizeof address;
-        auto* any = reinterpret_cast<sockaddr*>(&address);
-        REQUIRE(::bind(socket_, any, size) == 0);
-        REQUIRE(::listen(socket_, 8) == 0);
-        REQUIRE(::getsockname(socket_, any, &size) == 0);
-        port_ = ntohs(address.sin_port);
-    }
-    ~MuteServer() { ::close(socket_); }
-    [[nodiscard]] std::string port() const { return std::to_string(port_); }
-    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + port() + "/video"; }
-
-private:
-    int socket_;
-    int port_ = 0;
-};
 
 std::size_t times(const std::string& text, const std::string& part)
 {
@@ -61,7 +33,7 @@ TEST_CASE("stall: a camera whose source is silent still answers, says that it is
     for (const auto& words : {std::vector<std::string>{"get", "camera", "fps"}, {"ps"}, {"describe", "camera"}}) {
         const auto took = median_ms(swarm, words, 5);
         MESSAGE("hivectl ", words[0], " of a camera with a silent source: ", took, " ms");
-        CHECK(took < static_cast<double>(patient(100ms).count()));
+        CHECK(took < static_cast<double>(patient(2000ms).count()));  // the source may take 20 s to open
     }
     const auto begin = Clock::now();
     CHECK(eventually([&] { return !application.status("camera").condition.empty(); }, 6000ms));
@@ -91,7 +63,7 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
                               {"record", "camera", "ticker", "-o", file}}) {
         CAPTURE(words[0]);
         auto all = words;
-        all.insert(all.end(), {"--timeout", "0.3"});
+        all.insert(all.end(), {"--timeout", "2"});  // which is also the time to register
         const auto silent = swarm.hivectl(all);
         CHECK(silent.exit_code == 124);
         CHECK(has(silent.err, "camera: " + condition));
@@ -284,12 +256,12 @@ TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a
     drone.signal(SIGSTOP);
     const auto ps = swarm.hivectl({"ps", "--json"});
     CHECK(ps.exit_code == 0);
-    CHECK(ps.took < patient(2500ms));
+    CHECK(ps.took < stated(4500ms));  // not for the 5 s that are usual with others
     CHECK(Json::parse(ps.out).at(0).at("state") == "silent");
     CHECK(Json::parse(ps.out).at(1).at("state") == "idle");
     const auto get = swarm.hivectl({"get", "hung", "--timeout", "0.5"});
     CHECK(get.exit_code == 124);
-    CHECK(get.took < patient(1500ms));
+    CHECK(get.took < stated(4000ms));
     drone.signal(SIGCONT);
     CHECK(swarm.hivectl({"get", "hung"}).exit_code == 0);
 }
@@ -326,4 +298,15 @@ TEST_CASE(
     REQUIRE(eventually([&] { return swarm.hivectl({"ps", "ticker"}).exit_code == 0; }));
     CHECK(std::filesystem::file_size(other) >= full - 20);
     swarm.hivectl_done({"stop", "ticker"});
+}
+
+TEST_CASE("logs: the last lines of a drone, also of one that has crashed")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"start", "ticker"});
+    CHECK(has(swarm.hivectl_done({"logs", "ticker"}), "started"));
+    CHECK(lines_of(swarm.hivectl_done({"logs", "ticker", "-n", "1", "--json"})) == 1);
+    ::kill(static_cast<pid_t>(swarm.application().status("ticker").pid), SIGKILL);
+    CHECK(has(swarm.hivectl_done({"logs", "ticker"}), "started"));
+    CHECK(swarm.hivectl({"logs", "nobody"}).exit_code == 3);
 }

@@ -24,6 +24,10 @@ std::uint64_t seed()
     return told ? std::stoull(told) : std::random_device{}();
 }
 
+/// A busy drone leaves time to start hivectl and to deal with it; hivectl itself waits for longer.
+constexpr auto busy_time = 6000ms;
+constexpr const char* longer = "20";
+
 std::string number(int value) { return std::to_string(value); }
 
 std::vector<Process> sleepers(const Swarm& swarm, int count)
@@ -34,9 +38,9 @@ std::vector<Process> sleepers(const Swarm& swarm, int count)
     return drones;
 }
 
-void make_busy(hive::Application& application, const std::string& drone, int work_ms)
+void make_busy(hive::Application& application, const std::string& drone)
 {
-    application.set(drone, {{"work_ms", work_ms}});
+    application.set(drone, {{"work_ms", busy_time.count()}});
     application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
     REQUIRE(eventually([&] { return application.status(drone).state == hive::State::busy; }));
 }
@@ -74,8 +78,8 @@ TEST_CASE("joint set: a Ctrl-C before all drones are prepared leaves them all as
     const Swarm swarm;
     const auto drones = sleepers(swarm, 3);
     auto application = swarm.application();
-    make_busy(application, "s3", 1500);
-    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    make_busy(application, "s3");
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000", "--timeout", longer}, "set");
     REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
     setter.signal(SIGINT);
     CHECK(setter.wait(patient(5000ms)) == 130);
@@ -89,10 +93,10 @@ TEST_CASE("joint set: a set on one drone that a set on many has prepared comes a
     const Swarm swarm;
     const auto drones = sleepers(swarm, 2);
     auto application = swarm.application();
-    make_busy(application, "s2", 1000);
-    auto many = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "many");
+    make_busy(application, "s2");
+    auto many = swarm.hivectl_running({"set", "s*", "most_ms=7000", "--timeout", longer}, "many");
     REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
-    CHECK(swarm.hivectl_done({"set", "s1", "most_ms=8000"}) == "8000\n");
+    CHECK(swarm.hivectl_done({"set", "s1", "most_ms=8000", "--timeout", longer}) == "8000\n");
     REQUIRE(many.wait(patient(10'000ms)).has_value());
     const auto after = values(application, "most_ms");
     CHECK((after == std::vector{8000, 7000} || after == std::vector{7000, 7000}));
@@ -103,8 +107,8 @@ TEST_CASE("joint set: a drone that ends after it has prepared is the reason why 
     const Swarm swarm;
     auto drones = sleepers(swarm, 3);
     auto application = swarm.application();
-    make_busy(application, "s3", 1500);
-    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    make_busy(application, "s3");
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000", "--timeout", longer}, "set");
     REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
     drones[0].kill();
     const auto exit_code = setter.wait(patient(10'000ms));
@@ -120,11 +124,13 @@ TEST_CASE("joint set: a drone that is stopped before it is prepared leaves all a
     const Swarm swarm;
     const auto drones = sleepers(swarm, 2);
     auto application = swarm.application();
-    make_busy(application, "s2", 1000);
-    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000"}, "set");
+    make_busy(application, "s2");
+    const auto idle = Clock::now() + busy_time;
+    auto setter = swarm.hivectl_running({"set", "s*", "most_ms=7000", "--timeout", longer}, "set");
     REQUIRE(eventually([&] { return is_locked(swarm, "s1"); }));
     drones[1].signal(SIGSTOP);
     const auto exit_code = setter.wait(patient(10'000ms));
+    std::this_thread::sleep_until(idle);  // so the set is the next that it finds
     drones[1].signal(SIGCONT);
     CHECK(exit_code == 4);
     CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
@@ -138,12 +144,13 @@ TEST_CASE("joint set: a commit that came in time counts, even if the drone was s
     const Swarm swarm;
     const auto drones = sleepers(swarm, 1);
     auto asker = raw::Peer::meet(swarm.home() / "s1.sock");
+    constexpr auto deadline = 2000ms;
     const Json prepared =
-        asker.ask(raw::set, {{"parameters", {{"most_ms", 7000}}}, {"prepare", 7}, {"deadline_ms", 200}});
+        asker.ask(raw::set, {{"parameters", {{"most_ms", 7000}}}, {"prepare", 7}, {"deadline_ms", deadline.count()}});
     REQUIRE(raw::text_of(prepared) == "");
     drones[0].signal(SIGSTOP);
     asker.send(raw::packet(raw::set, 0, R"({"id":70,"commit":7})"));
-    std::this_thread::sleep_for(1300ms);  // the deadline, and the second for which the drone holds it
+    std::this_thread::sleep_for(deadline + 1100ms);  // also over the second for which the drone holds it
     drones[0].signal(SIGCONT);
     const auto answer = asker.next_of(raw::confirmation);
     REQUIRE(answer.has_value());

@@ -27,10 +27,13 @@ Namespace::Namespace(const Swarm& swarm, std::string name) : swarm_(swarm), name
     made_ = swarm_.run({"/usr/bin/env", "ip", "netns", "add", name_}).exit_code == 0;
 }
 
+/// What is still inside ends too: a session of sshd would wait there for the other end of its connection.
 Namespace::~Namespace()
 {
     if (made_)
-        static_cast<void>(swarm_.run({"/usr/bin/env", "ip", "netns", "delete", name_}));
+        static_cast<void>(swarm_.run(
+            {"/bin/sh", "-c",
+             "for pid in $(ip netns pids " + name_ + "); do kill -KILL $pid; done; " + "ip netns delete " + name_}));
 }
 
 std::vector<std::string> Namespace::inside(const std::vector<std::string>& words) const
@@ -80,7 +83,10 @@ Lab::Lab(const std::vector<std::string>& names, const std::vector<std::string>& 
     write_ssh();
 }
 
-Finished Lab::shell(const std::string& line) const { return laptop_->swarm.run(on_laptop(line), 60'000ms); }
+Finished Lab::shell(const std::string& line, Milliseconds patience) const
+{
+    return laptop_->swarm.run(on_laptop(line), patience);
+}
 
 std::string Lab::shell_done(const std::string& line) const
 {
@@ -134,8 +140,8 @@ void Lab::add(const std::string& name, const std::vector<std::string>& variables
            << "/keys/user.pub\nStrictModes no\nPermitRootLogin yes\nUsePAM no\nPidFile none\n"
               "Subsystem sftp /usr/lib/openssh/sftp-server\n"
               "ForceCommand cd \"$HOME\" && exec /bin/sh -c \"$SSH_ORIGINAL_COMMAND\"\nSetEnv HOME="
-           << home << " HIVE_HOME=" << home << " PATH=" << machine.swarm.program("hivectl").parent_path().string()
-           << ":/usr/bin:/bin";
+           << home << " HIVE_HOME=" << home << " DBUS_SYSTEM_BUS_ADDRESS=unix:path=" << home
+           << "/bus PATH=" << machine.swarm.program("hivectl").parent_path().string() << ":/usr/bin:/bin";
     for (const auto& variable : variables)
         config << " " << variable;
     config << std::endl;

@@ -10,6 +10,8 @@
 
 namespace hive::test {
 
+using Seconds = std::chrono::duration<double>;
+
 /// A network namespace, gone at the end.
 class Namespace {
 public:
@@ -33,6 +35,8 @@ private:
 /// A machine with a home of its own and an address that the others reach.
 struct Machine {
     Machine(const Namespace& hub, const std::string& name, int number);
+    /// Runs hivectl on it, which must succeed; what it starts stays there.
+    void hivectl_done(const std::string& words) const { net.run(swarm.program("hivectl").string() + " " + words); }
 
     Swarm swarm;
     Namespace net;
@@ -48,7 +52,7 @@ public:
     explicit Lab(const std::vector<std::string>& names, const std::vector<std::string>& variables = {});
 
     /// A line of a shell on the laptop, with hivectl, ssh and scp in its path and a home without anything.
-    [[nodiscard]] Finished shell(const std::string& line) const;
+    [[nodiscard]] Finished shell(const std::string& line, Milliseconds patience = Milliseconds(60'000)) const;
     std::string shell_done(const std::string& line) const;
     std::string hivectl_done(const std::string& words) const { return shell_done("hivectl " + words); }
     /// hivectl on the laptop, beside the test: what it prints goes to NAME.log in directory().

@@ -152,7 +152,7 @@ TEST_CASE("matched: an application gets sets of a source and a worker that leave
     for (std::int64_t expected = 1; expected <= 60; ++expected) {
         if (expected == 20)
             continue;
-        const auto set = collector->next(patient(2000ms));  // less than a matcher's patience
+        const auto set = collector->next(stated(3500ms));  // less than a matcher's patience
         REQUIRE_MESSAGE(set, "no set ", expected);
         REQUIRE(set->size() == 2);
         CHECK(set->at(0).input == "source.tick");
@@ -171,8 +171,7 @@ TEST_CASE("matched: live sources are brought together by the time of their captu
     const Swarm swarm;
     const auto fast = swarm.drone("ticker", "fast", {"fps=100"}), slow = swarm.drone("ticker", "slow", {"fps=20"});
     auto application = swarm.application();
-    const auto collector =
-        application.collect_matched({{"slow", ""}, {"fast", ""}}, hive::Match::within(patient(40ms)));
+    const auto collector = application.collect_matched({{"slow", ""}, {"fast", ""}}, hive::Match::within(stated(40ms)));
     std::int64_t last = 0;
     for (int i = 0; i < 20; ++i) {
         const auto set = collector->next(patient(5000ms));
@@ -181,7 +180,7 @@ TEST_CASE("matched: live sources are brought together by the time of their captu
         CHECK(set->at(1).identity.source == "fast");
         CHECK(set->at(0).identity.sequence > last);
         last = set->at(0).identity.sequence;
-        CHECK(std::abs(set->at(0).identity.captured_us - set->at(1).identity.captured_us) <= patient(40ms) / 1us);
+        CHECK(std::abs(set->at(0).identity.captured_us - set->at(1).identity.captured_us) <= stated(40ms) / 1us);
     }
     CHECK(collector->counts().missing.at("slow.tick") > 20);
 }

@@ -1,5 +1,7 @@
 // Networks that fail in the middle of work, and come back. Slow, since each failure has to be noticed first.
+#include "bad_link.hpp"
 #include "lab.hpp"
+#include "possible.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,24 +14,13 @@ using hive::Json;
 
 namespace {
 
-using Seconds = std::chrono::duration<double>;
-
-bool possible()
-{
-    const auto what = missing_for_lab();
-    if (!what.empty())
-        MESSAGE("left out: it needs " << what);
-    return what.empty();
-}
-
 /// A source on demand on one machine, a worker on the next, and its results on the laptop; all behind a key.
 class Chain {
 public:
-    explicit Chain(std::int64_t events, const std::vector<std::string>& variables = {})
-        : lab_({"cam1", "gpu1"}, variables)
+    explicit Chain(const std::vector<std::string>& variables = {}) : lab_({"cam1", "gpu1"}, variables)
     {
         lab_.share_key();
-        lab_.hivectl_done("start ticker --on cam1 pace=demand ends=true count=" + std::to_string(events));
+        lab_.hivectl_done("start ticker --on cam1 pace=demand ends=true");
         lab_.hivectl_done("start sleeper --on gpu1 work_ms=10");
         results_.emplace(lab_.hivectl_running("results sleeper", "results"));
         REQUIRE(eventually([&] { return !application_.status("sleeper").outputs.at(0).edges.empty(); }));
@@ -55,9 +46,13 @@ public:
         return {noticed, Clock::now() - mended};
     }
 
-    /// Numbers of the events whose results came, when the source has come to its end.
+    /// What the source has given.
+    [[nodiscard]] std::int64_t given() { return at_source_.status("ticker").outputs.at(0).produced; }
+
+    /// Numbers of the events whose results came, when the source has come to its end, which is now near.
     std::vector<std::int64_t> finished()
     {
+        lab_.hivectl_done("set ticker count=" + std::to_string(given() + 50));
         CHECK(results_->wait(patient(40'000ms)) == 0);
         std::istringstream lines(text_of(lab_.directory() / "results.log"));
         std::vector<std::int64_t> numbers;
@@ -69,13 +64,39 @@ public:
 
 private:
     Lab lab_;
-    hive::Application application_{lab_.machine(1).swarm.application()};
+    hive::Application application_{lab_.machine(1).swarm.application()},
+        at_source_{lab_.machine(0).swarm.application()};
     std::optional<Process> results_;
 };
 
-void check_each_once(const std::vector<std::int64_t>& numbers, std::int64_t events)
+/// Nearly all took less than what is promised: each stall of the machine may have met one of them.
+void check_most(std::vector<double> seconds, Milliseconds promised)
 {
-    CHECK(static_cast<std::int64_t>(numbers.size()) == events);
+    std::ranges::sort(seconds);
+    const auto others = std::max<std::size_t>(1, seconds.size() / 10);
+    CHECK(seconds.at(seconds.size() - 1 - others) < Seconds(promised).count());
+    CHECK(seconds.back() < Seconds(patient(10'000ms)).count());
+}
+
+/// Breaks the network again and again: each time that is noticed in time, and so is its mending.
+void check_survives(Chain& chain, int times, const std::function<void()>& breaks, const std::function<void()>& mends)
+{
+    std::vector<double> noticed, back;
+    for (int i = 0; i < times; ++i) {
+        const auto took = chain.survive(breaks, mends);
+        noticed.push_back(took.first.count());
+        back.push_back(took.second.count());
+    }
+    MESSAGE("noticed after at most " << std::ranges::max(noticed) << " s, mended after at most "
+                                     << std::ranges::max(back) << " s");
+    check_most(noticed, stated(2500ms));
+    check_most(back, stated(1000ms));
+}
+
+void check_each_once(Chain& chain)
+{
+    const auto numbers = chain.finished();
+    CHECK(static_cast<std::int64_t>(numbers.size()) == chain.given());
     CHECK(std::ranges::adjacent_find(numbers, std::greater_equal()) == numbers.end());
 }
 
@@ -83,42 +104,50 @@ void check_each_once(const std::vector<std::int64_t>& numbers, std::int64_t even
 
 TEST_CASE("network: partitions are noticed and mended in time, and of a source on demand nothing is lost or twice")
 {
-    if (!possible())
+    if (!possible(missing_for_lab()))
         return;
     constexpr int partitions = sanitized() ? 5 : 20;
-    constexpr std::int64_t events = 100 + 40 * partitions;
-    Chain chain(events);
-    std::vector<double> noticed, back;
-    for (int i = 0; i < partitions; ++i) {
-        const auto took = chain.survive([&] { chain.lab().cut(0); }, [&] { chain.lab().mend(0); });
-        noticed.push_back(took.first.count());
-        back.push_back(took.second.count());
-    }
-    MESSAGE("noticed after at most " << std::ranges::max(noticed) << " s, mended after at most "
-                                     << std::ranges::max(back) << " s");
-    CHECK(std::ranges::max(noticed) < Seconds(patient(2500ms)).count());
-    CHECK(std::ranges::max(back) < Seconds(patient(1000ms)).count());
-    check_each_once(chain.finished(), events);
+    Chain chain;
+    check_survives(
+        chain, partitions, [&] { chain.lab().cut(0); }, [&] { chain.lab().mend(0); });
+    check_each_once(chain);
+}
+
+TEST_CASE("network: a black hole, which tells nobody, is noticed and left behind in time, and nothing is lost or twice")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    constexpr int holes = 6;
+    constexpr LineQuality good{.delay = 5ms};
+    Chain chain;
+    BadLink link(chain.lab().machine(0), chain.lab().machine(1), good);
+    check_survives(
+        chain, holes, [&] { link.swallow(); }, [&] { link.set(good); });
+    check_each_once(chain);
 }
 
 TEST_CASE("network: what vanishes on the way to a receiver that is still heard comes again")
 {
-    if (!possible())
+    if (!possible(missing_for_lab()))
         return;
-    Chain chain(200);
+    Chain chain;
+    std::vector<double> noticed;
     for (int i = 0; i < 3; ++i) {
         const auto took = chain.survive([&] { chain.lab().swallow(0, 1); }, [&] { chain.lab().let_through(0, 1); });
         MESSAGE("noticed after " << took.first.count() << " s, mended after " << took.second.count() << " s");
-        CHECK(took.first < patient(2500ms));
+        noticed.push_back(took.first.count());
     }
-    check_each_once(chain.finished(), 200);
+    check_most(noticed, stated(2500ms));
+    check_each_once(chain);
 }
 
 TEST_CASE("network: when places are not kept, what vanishes on the way is lost")
 {
-    if (!possible())
+    if (!possible(missing_for_lab()))
         return;
-    Chain chain(100, {"HIVE_TEST_NO_PLACES=1"});
-    chain.survive([&] { chain.lab().swallow(0, 1); }, [&] { chain.lab().let_through(0, 1); });
-    CHECK(chain.finished().size() < 100);
+    Chain chain({"HIVE_TEST_NO_PLACES=1"});
+    for (int i = 0; i < 3; ++i)
+        chain.survive([&] { chain.lab().swallow(0, 1); }, [&] { chain.lab().let_through(0, 1); });
+    const auto came = static_cast<std::int64_t>(chain.finished().size());
+    CHECK(came < chain.given());
 }

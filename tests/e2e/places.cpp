@@ -1,21 +1,15 @@
 // Drones of another home, met over TCP by their names: every verb, names that are not unique, places that do not
 // answer.
 #include "measure.hpp"
+#include "rows.hpp"
 
 #include <doctest/doctest.h>
-
-#include <algorithm>
-#include <csignal>
-#include <cstdlib>
-#include <fstream>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
 
 namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Where a drone listens on the network, as it says itself.
 std::string port_of(const Swarm& swarm, const std::string& drone)
@@ -39,16 +33,6 @@ void introduce(const Swarm& there, const std::string& drone, const Swarm& here)
 {
     here.hivectl_done({"place", "add", drone, port_of(there, drone)});
 }
-
-Json row_named(const std::string& rows, const std::string& key, const std::string& name)
-{
-    for (const auto& row : Json::parse(rows))
-        if (row.at(key) == name)
-            return row;
-    return nullptr;
-}
-
-std::ptrdiff_t lines_of(const std::string& text) { return std::ranges::count(text, '\n'); }
 
 }  // namespace
 
@@ -240,6 +224,32 @@ TEST_CASE("places: a drone takes its port from 7700 on, and has it again after a
     CHECK(port_of(far, "source").empty());
 }
 
+TEST_CASE("replace: the new one has the port of the old one, and its receivers in another home")
+{
+    const Swarm far, near;
+    const auto worker = near.drone("sleeper", "worker");
+    const auto source = on_port(far, "ticker", "source", {"fps=100"});
+    const auto place = port_of(far, "source");
+    introduce(far, "source", near);
+    near.hivectl_done({"connect", "source", "worker"});
+    auto application = near.application();
+    const auto collector = application.collect({{"worker", "result"}});
+    REQUIRE(collector->next(patient(10'000ms)));
+    const auto elsewhere = near.hivectl({"replace", "source"});
+    CHECK(elsewhere.exit_code == 5);
+    CHECK(has(elsewhere.err, "do it there"));
+    const auto epoch = application.status("source").epoch;
+    far.hivectl_done({"replace", "source"}, 40'000ms);
+    CHECK(port_of(far, "source") == place);
+    const auto begin = Clock::now();
+    std::optional<hive::Event> event;
+    do
+        event = collector->next(patient(10'000ms));
+    while (event && event->identity.epoch <= epoch && Clock::now() - begin < patient(10'000ms));
+    REQUIRE(event);
+    CHECK(event->identity.epoch > epoch);
+}
+
 TEST_CASE("places: what is advertised is where others are told to find it")
 {
     const Swarm swarm;
@@ -250,140 +260,4 @@ TEST_CASE("places: what is advertised is where others are told to find it")
                                     "tcp://127.0.0.1", "--advertise", "tcp://0.0.0.0:7700", "--insecure"});
     CHECK(nowhere.exit_code == 2);
     CHECK(has(nowhere.err, "--advertise"));
-}
-
-TEST_CASE("logs: the last lines of a drone, also of one that has crashed")
-{
-    const Swarm swarm;
-    swarm.hivectl_done({"start", "ticker"});
-    CHECK(has(swarm.hivectl_done({"logs", "ticker"}), "started"));
-    CHECK(lines_of(swarm.hivectl_done({"logs", "ticker", "-n", "1", "--json"})) == 1);
-    ::kill(static_cast<pid_t>(swarm.application().status("ticker").pid), SIGKILL);
-    CHECK(has(swarm.hivectl_done({"logs", "ticker"}), "started"));
-    CHECK(swarm.hivectl({"logs", "nobody"}).exit_code == 3);
-}
-
-namespace {
-
-/// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh.
-class FakeSsh {
-public:
-    FakeSsh(const Swarm& here, const Swarm& there)
-        : here_(here), directory_(here.home() / "ssh"), path_(directory_.string() + ":" + std::getenv("PATH"))
-    {
-        std::filesystem::create_directory(directory_);
-        const auto file = directory_ / "ssh";
-        std::ofstream(file) << "#!/bin/sh\n"
-                               "if [ \"$1\" = -G ]; then echo hostname 127.0.0.1; exit; fi\n"
-                               "while [ \"$1\" != -- ]; do shift; done\n"
-                               "case $2 in\n"
-                               "  me@gpu1) HIVE_HOME="
-                            << there.home().string() << " PATH=" << there.program("hivectl").parent_path().string()
-                            << ":$PATH exec sh -c \"$3\" ;;\n"
-                            << "  bare) PATH=/nowhere exec /bin/sh -c \"$3\" ;;\n"
-                               "esac\n"
-                               "echo 'ssh: Could not resolve hostname '$2 >&2\n"
-                               "exit 255\n";
-        std::filesystem::permissions(file, std::filesystem::perms::owner_all);
-    }
-    [[nodiscard]] Finished hivectl(const std::vector<std::string>& words) const
-    {
-        std::vector<std::string> all{"/usr/bin/env", "PATH=" + path_, here_.program("hivectl").string()};
-        all.insert(all.end(), words.begin(), words.end());
-        return here_.run(all, 40'000ms);
-    }
-
-private:
-    const Swarm& here_;
-    std::filesystem::path directory_;
-    std::string path_;
-};
-
-}  // namespace
-
-TEST_CASE("start --on: the drone runs there, is in the list of places until it is stopped, and its log is read")
-{
-    const Swarm there, here;
-    const FakeSsh ssh(here, there);
-    const auto started = ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "fps=7", "--insecure"});
-    REQUIRE_MESSAGE(started.exit_code == 0, started.err);
-    CHECK(started.out == "t-1\n");
-    CHECK(there.application().get("t-1", {"fps"}) == Json{{"fps", 7.0}});
-    CHECK(row_named(here.hivectl_done({"ps", "--json"}), "name", "t-1").at("host") == "gpu1");
-    const auto places = Json::parse(here.hivectl_done({"place", "list", "--json"}));
-    REQUIRE(places.size() == 1);
-    CHECK(places.at(0).at("ssh") == "me@gpu1");
-    CHECK(has(ssh.hivectl({"logs", "t-1"}).out, "listening at tcp://"));
-    const auto again = ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "--insecure"});
-    CHECK(again.exit_code != 0);
-    CHECK(has(again.err, "gpu1"));
-    CHECK(ssh.hivectl({"stop", "t-1"}).out == "t-1\n");
-    CHECK(there.application().drones().empty());
-    CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
-}
-
-TEST_CASE("start --on: a drone that crashed there is forgotten there by stop, and its last words can be read")
-{
-    const Swarm there, here;
-    const FakeSsh ssh(here, there);
-    REQUIRE(ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--insecure"}).exit_code == 0);
-    ::kill(static_cast<pid_t>(there.application().status("ticker").pid), SIGKILL);
-    REQUIRE(eventually([&] { return there.application().drones().empty(); }));
-    CHECK(row_named(here.hivectl_done({"ps", "--json"}), "name", "ticker").at("state") == "unreachable");
-    CHECK(has(ssh.hivectl({"logs", "ticker"}).out, "started"));
-    CHECK(there.application().remembered() == std::vector<std::string>{"ticker"});
-    const auto stopped = ssh.hivectl({"stop", "ticker"});
-    CHECK_MESSAGE(stopped.exit_code == 0, stopped.err);
-    CHECK(there.application().remembered().empty());
-    CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
-}
-
-TEST_CASE("start --on: what is missing there is said in one sentence, with what helps")
-{
-    const Swarm there, here;
-    const FakeSsh ssh(here, there);
-    const auto unknown_host = ssh.hivectl({"start", "ticker", "--on", "nobody", "--insecure"});
-    CHECK(unknown_host.exit_code == 4);
-    CHECK(has(unknown_host.err, "Could not resolve hostname nobody"));
-    CHECK(has(unknown_host.err, "ssh nobody true"));
-    const auto no_hivectl = ssh.hivectl({"start", "ticker", "--on", "bare", "--insecure"});
-    CHECK(no_hivectl.exit_code == 3);
-    CHECK(has(no_hivectl.err, "no hivectl on bare"));
-    const auto no_drone = ssh.hivectl({"start", "nothing-like-it", "--on", "me@gpu1", "--insecure"});
-    CHECK(no_drone.exit_code == 3);
-    CHECK(has(no_drone.err, "gpu1: there is no drone hive-nothing-like-it"));
-    const auto no_key = ssh.hivectl({"start", "ticker", "--on", "me@gpu1"});
-    CHECK(no_key.exit_code != 0);
-    CHECK(has(no_key.err, "gpu1: "));
-    const auto bad_value = ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--insecure", "fps=none at all'"});
-    CHECK(bad_value.exit_code != 0);
-    CHECK(has(bad_value.err, "fps"));
-    CHECK(ssh.hivectl({"start", "ticker", "--on", "-oProxyCommand=touch x"}).exit_code == 2);
-    CHECK(there.application().drones().empty());
-    CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
-}
-
-TEST_CASE("start --on: what concerns its machine is set through ssh, and by the swarm's key alone it is not")
-{
-    const Swarm there, here;
-    const FakeSsh ssh(here, there);
-    here.hivectl_done({"key", "new"});
-    const auto started = ssh.hivectl({"start", "camera", "--on", "me@gpu1", "--json"});
-    REQUIRE_MESSAGE(started.exit_code == 0, started.err);
-    const auto set = ssh.hivectl({"set", "camera", "source=scene", "fps=7"});
-    CHECK_MESSAGE(set.exit_code == 0, set.err);
-    CHECK(set.out == "fps=7.0\nsource=scene\n");
-    CHECK(there.application().get("camera", {"fps"}) == Json{{"fps", 7.0}});
-    const auto bad = ssh.hivectl({"set", "camera", "source=/nowhere/it's not there"});
-    CHECK(bad.exit_code != 0);
-    CHECK(has(bad.err, "gpu1: "));
-
-    const auto address = Json::parse(started.out).at("address").get<std::string>();
-    here.hivectl_done({"place", "remove", "camera"});
-    here.hivectl_done({"place", "add", "camera", address});
-    const auto by_key = ssh.hivectl({"set", "camera", "source=scene"});
-    CHECK(by_key.exit_code == 5);
-    CHECK(has(by_key.err, "--remote-operator"));
-    CHECK(ssh.hivectl({"set", "camera", "fps=8"}).exit_code == 0);
-    there.hivectl_done({"stop", "camera"});
 }

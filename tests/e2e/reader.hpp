@@ -3,7 +3,9 @@
 
 #include "swarm.hpp"
 
+#include <fstream>
 #include <string>
+#include <vector>
 
 namespace hive::test {
 
@@ -19,12 +21,30 @@ hivectl() {
 command -v jq > /dev/null || jq() { cat; }
 )";
 
+/// The contents of the blocks of a page between ```sh and ```.
+inline std::vector<std::string> shell_blocks(const std::filesystem::path& page)
+{
+    std::vector<std::string> blocks;
+    std::ifstream in(page);
+    bool inside = false;
+    for (std::string line; std::getline(in, line);)
+        if (!inside && line == "```sh") {
+            inside = true;
+            blocks.emplace_back();
+        } else if (line.starts_with("```")) {
+            inside = false;
+        } else if (inside) {
+            blocks.back() += line + "\n";
+        }
+    return blocks;
+}
+
 /// @param seconds  for commands that stream
 inline Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)
 {
     const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds)
                                + "\ncd " + swarm.home().string() + "\n";
-    return swarm.run({"/bin/bash", "-c", values + reader + commands}, Milliseconds(60'000));
+    return swarm.run({"/bin/bash", "-c", values + reader + commands}, Milliseconds(90'000));
 }
 
 }  // namespace hive::test

@@ -15,24 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The contents of the blocks between ```sh and ```.
-std::vector<std::string> shell_blocks(const fs::path& page)
-{
-    std::vector<std::string> blocks;
-    std::ifstream in(page);
-    bool inside = false;
-    for (std::string line; std::getline(in, line);)
-        if (!inside && line == "```sh") {
-            inside = true;
-            blocks.emplace_back();
-        } else if (line.starts_with("```")) {
-            inside = false;
-        } else if (inside) {
-            blocks.back() += line + "\n";
-        }
-    return blocks;
-}
-
 /// The commands under "examples:" of a verb's help, without what they do.
 std::vector<std::string> examples(const Swarm& swarm, const std::string& verb)
 {
@@ -68,6 +50,9 @@ struct Verb {
 const std::vector<Verb> verbs{{"start", ""},
                               {"ps", ""},
                               {"describe", "hivectl start face"},
+                              {"check", "cp " HIVE_SOURCE_DIR "/scripts/swarms/face.json doorway.json"},
+                              {"schema", ""},
+                              {"export", ""},
                               {"connect", ""},
                               {"edges", ""},
                               {"snap", ""},
@@ -97,6 +82,11 @@ const std::vector<Verb> verbs{{"start", ""},
 TEST_CASE("README: the commands on the front page work as they stand there") { run_blocks("README.md"); }
 
 TEST_CASE("README: the commands on hivectl's page work as they stand there") { run_blocks("hivectl/README.md"); }
+
+TEST_CASE("README: the commands on the page of the swarm file work as they stand there")
+{
+    run_blocks("libhive/docs/swarm-file.md");
+}
 
 TEST_CASE("README: hivectl --help has each heading once")
 {

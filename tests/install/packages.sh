@@ -35,6 +35,8 @@ done
 for word in libspdlog libssl libstdc++; do
     grep -q "$word" "$place/libhive0.depends" || fail "libhive0 does not depend on $word: $(cat "$place/libhive0.depends")"
 done
+dpkg-deb -f "$place/debs"/libhive0_*.deb Recommends > "$place/recommended"
+grep -q libavahi-client3 "$place/recommended" || fail "libhive0 does not recommend libavahi-client3"
 for package in libhive-dev hive python3-hive; do
     grep -q 'libhive0 (= ' "$place/$package.depends" || fail "$package does not depend on its libhive0"
 done

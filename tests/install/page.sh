@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# The drones of libhive/language/README.md as files, each in a folder of its own; to be sourced.
+# Programs on pages as files: those of libhive/language/README.md each in a folder of its own; to be sourced.
 
 block() { # PAGE LANGUAGE MARK: the block of that language on the page that has the mark
     awk -v fence="\`\`\`$2" -v mark="$3" '

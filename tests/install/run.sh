@@ -20,7 +20,7 @@ fail() {
 "$cmake" --install "$build" --prefix "$prefix" > "$place/log" || { tail -n 5 "$place/log"; fail "cmake --install failed"; }
 
 # Whole, and without a trace of where it was built.
-for file in bin/hivectl bin/hive-camera bin/hive-edges include/hive.h include/hive/drone.hpp include/hive/embedded_drone.hpp \
+for file in bin/hivectl bin/hive-camera bin/hive-edges include/hive.h include/hive_swarm.h include/hive/drone.hpp include/hive/embedded_drone.hpp \
     include/hive/application.hpp include/hive/vision/image.hpp share/man/man1/hivectl.1 share/man/man1/hivectl-connect.1 \
     share/man/man1/hive-camera.1 share/bash-completion/completions/hivectl lib/python3/dist-packages/hive/drone.py; do
     [ -s "$prefix/$file" ] || fail "there is no $file"

@@ -318,14 +318,13 @@ TEST_CASE("hostile sender: a storm over a stream is bounded by the queue, contro
     auto& liar = pair.serve();
     auto clock = pair.prey.meet("clock");
     const std::string body(1'000'000, 's');
-    Milliseconds slowest{};
+    std::vector<Milliseconds> answers;
     for (int i = 1; i <= 300; ++i) {
         REQUIRE(liar.send(pair.event(event_header({{"seq", i}, {"type", "image/png"}}), body), within(5000)));
         if (i % 10 == 0)
-            slowest = std::max(slowest, slowest_answer(clock, 1));
+            answers.push_back(answer_times(clock, 1).front());
     }
-    MESSAGE("slowest answer " << slowest.count() << " ms");
-    CHECK(slowest < within(100));
+    check_answers(answers);
     if (!hive::test::sanitized())
         CHECK(hive::test::resident_bytes(pair.prey.pid()) < memory + (80u << 20));
     CHECK(hive::test::eventually([&] { return pair.prey.well(); }, within(2000)));
@@ -353,13 +352,13 @@ TEST_CASE(
             if (!peer)
                 continue;
             peer->send(raw::hello_packet("liar", "camera"));
-            if (!peer->next_of(raw::hello, Milliseconds(500)))
-                continue;  // somebody who only looked whether anybody is there
+            if (!peer->next_of(raw::hello, Milliseconds(5000)))
+                continue;  // somebody who only looked whether anybody is there, and has closed
             to_application = raw::error_of(peer->ask(raw::describe, Json::object(), 0, {}, Milliseconds(2000)));
             peers.push_back(std::move(*peer));
         }
     });
-    const auto get = prey.swarm().hivectl({"get", "liar", "--timeout", "1"}, within(5000));
+    const auto get = prey.swarm().hivectl({"get", "liar", "--timeout", "3"}, within(5000));
     over = true;
     liar.join();
     CHECK(get.exit_code != 0);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace hostile {
 
@@ -16,8 +17,9 @@ using hive::test::Clock;
 using hive::test::Milliseconds;
 using raw::Json;
 
-/// A deadline, three times as long under a sanitizer.
-inline Milliseconds within(int milliseconds) { return Milliseconds(milliseconds * (hive::test::sanitized() ? 3 : 1)); }
+/// A deadline that only guards against hanging: three times as long, for a slow machine. What is stated is measured
+/// without it.
+inline Milliseconds within(int milliseconds) { return Milliseconds(3 * milliseconds); }
 
 /// A drone in a home of its own.
 class Prey {
@@ -33,7 +35,7 @@ public:
     [[nodiscard]] const hive::test::Swarm& swarm() const { return *swarm_; }
     [[nodiscard]] pid_t pid() const { return process_.pid(); }
     [[nodiscard]] std::string log() const { return swarm_->log("prey"); }
-    /// Is it the same process, and does it answer within 100 ms?
+    /// Is it the same process, and does it answer before its peers would take it for dead, which is after two seconds?
     [[nodiscard]] bool well() const;
 
 private:
@@ -41,7 +43,8 @@ private:
     hive::test::Process process_;
 };
 
-/// A peer that behaves: receives `image` as a stream in a thread of its own, and finds the gaps in the sequence.
+/// A peer that behaves: receives `image` as a stream in a thread of its own, and finds the gaps in the sequence. What
+/// is missing after it was itself held up does not count: live pictures are not kept for a receiver that is late.
 class Witness {
 public:
     explicit Witness(const Prey& prey);
@@ -60,7 +63,10 @@ private:
     std::thread thread_;
 };
 
-/// The slowest of some answers to `status`, one each 20 ms.
-Milliseconds slowest_answer(raw::Peer& peer, int times);
+/// How long some answers to `status` take, one each 20 ms; the longest time there is for one that is an error.
+std::vector<Milliseconds> answer_times(raw::Peer& peer, int times);
+
+/// Where nothing disturbs the measurement: 95 % of the answers come within 100 ms, and all in good time.
+void check_answers(std::vector<Milliseconds> times);
 
 }  // namespace hostile

@@ -25,7 +25,7 @@ std::string connect_packet(int id, Json fields)
 
 TEST_CASE("request: a set is answered at its deadline while user code is busy, and never applied after it")
 {
-    const Prey prey("sleeper", {"work_ms=1500"});
+    const Prey prey("sleeper", {"work_ms=4000"});
     auto peer = prey.meet();
     REQUIRE(raw::error_of(peer.ask(raw::put, {{"input", "image"}, {"type", "text/plain"}}, 0, "x")) == "");
     REQUIRE(
@@ -35,10 +35,10 @@ TEST_CASE("request: a set is answered at its deadline while user code is busy, a
     CHECK(raw::error_of(answer) == "timeout");
     CHECK(Clock::now() - begin > Milliseconds(190));
     CHECK(peer.ask(raw::status).at("result").at("state") == "busy");
-    REQUIRE(
-        hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "idle"; }, within(5000)));
-    CHECK(peer.ask(raw::get).at("result").at("parameters").at("work_ms") == 1500);
-    CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{"work_ms", 7}}}, {"deadline_ms", 200}})) == "");
+    REQUIRE(hive::test::eventually([&] { return peer.ask(raw::status).at("result").at("state") == "idle"; },
+                                   within(15'000)));
+    CHECK(peer.ask(raw::get).at("result").at("parameters").at("work_ms") == 4000);
+    CHECK(raw::error_of(peer.ask(raw::set, {{"parameters", {{"work_ms", 7}}}, {"deadline_ms", 5000}})) == "");
     CHECK(peer.ask(raw::get).at("result").at("parameters").at("work_ms") == 7);
 }
 
@@ -126,4 +126,14 @@ TEST_CASE("request: who is only notified of a camera is told no size while no pi
             return notification && notification->json().value("size", 0) == 320 * 240 * 3;
         },
         within(3000)));
+}
+
+TEST_CASE("request: a drone hands over to nobody when no process waits to take over")
+{
+    const Prey prey("sleeper");
+    auto peer = prey.meet();
+    const Json answer = peer.ask(raw::stop, {{"successor", true}});
+    CHECK(raw::error_of(answer) == "refused");
+    CHECK(raw::error_of(peer.ask(raw::stop, {{"successor", 1}})) == "malformed");
+    CHECK(peer.ask(raw::status).at("result").at("state") == "idle");
 }

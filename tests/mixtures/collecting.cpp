@@ -32,8 +32,8 @@ std::vector<Endpoint> last_outputs(const Topology& topology)
 }  // namespace
 
 Collecting::Collecting(const test::Swarm& swarm, const Topology& topology)
-    : application_({.name = "collector", .home = swarm.home(), .timeout = test::patient(5000ms)}),
-      hearing_({.name = hearer, .home = swarm.home(), .timeout = test::patient(5000ms)}),
+    : application_({.name = "collector", .home = swarm.home(), .timeout = test::stated(5000ms)}),
+      hearing_({.name = hearer, .home = swarm.home(), .timeout = test::stated(5000ms)}),
       results_(application_.collect(last_outputs(topology), {.ordered = topology.ordered})),
       exceptions_(hearing_.exceptions(topology.drones())),
       thread_([this](const std::stop_token& ending) { run(ending); })

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <iostream>
 #include <random>
 
@@ -14,7 +15,13 @@ struct Options {
     std::optional<std::uint64_t> seed, from;
     int steps = 14, rounds = 0, seconds = 60;
     bool go_on = false, plan_only = false;
+    std::string until;
 };
+
+bool has(const Problems& problems, const std::string& text)
+{
+    return std::ranges::any_of(problems, [&](const auto& problem) { return problem.find(text) != std::string::npos; });
+}
 
 void print(const Plan& plan, const Played& played)
 {
@@ -47,7 +54,7 @@ int play_rounds(const Options& options)
         ++failed;
         std::cout << played.picture << "\n  to play it again: mixtures --seed " << plan.seed << " --steps "
                   << options.steps << std::endl;
-        if (!options.go_on)
+        if (!options.go_on && has(played.problems, options.until))
             break;
     }
     std::cout << seeds << " seeds from " << first << ", " << steps << " steps, " << failed << " failed" << std::endl;
@@ -67,6 +74,7 @@ int main(int argc, char** argv)
     app.add_option("--rounds", options.rounds, "so many, whatever time they take; 0: as --seconds says");
     app.add_option("--seconds", options.seconds, "begin no round after that")->capture_default_str();
     app.add_flag("--go-on", options.go_on, "also after a round that failed");
+    app.add_option("--until", options.until, "go on after a round that failed, but for one with this in a problem");
     app.add_flag("--plan", options.plan_only, "print the rounds and play none");
     CLI11_PARSE(app, argc, argv);
     return play_rounds(options);

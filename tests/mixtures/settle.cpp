@@ -3,6 +3,7 @@
 #include "round.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace hive::mixtures {
 namespace {
@@ -16,10 +17,12 @@ constexpr auto most_time = test::sanitized() ? 90'000ms : 45'000ms;
 
 void Stillness::look(std::string picture)
 {
+    const auto now = test::Clock::now();
+    since_ += std::max<test::Clock::duration>(now - std::exchange(looked_, now) - 100ms, 0ms);
     if (!picture.empty() && picture == picture_)
         return;
     picture_ = std::move(picture);
-    since_ = test::Clock::now();
+    since_ = now;
 }
 
 bool Round::source_done(const Statuses& statuses) const

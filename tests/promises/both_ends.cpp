@@ -1,4 +1,5 @@
 // An edge has two ends, and what is lost at either is said of the edge.
+#include "recorded.hpp"
 #include "taking.hpp"
 
 #include <hive/recording/reader.hpp>
@@ -22,11 +23,6 @@ std::int64_t gaps_in(const std::filesystem::path& file)
         first = count == 0 ? last : first;
     }
     return last - first + 1 - count;
-}
-
-std::int64_t recorded_in(const std::filesystem::path& file)
-{
-    return std::filesystem::exists(file) ? hive::recording::Reader(file).summary().events() : 0;
 }
 
 }  // namespace

@@ -57,11 +57,12 @@ TEST_CASE(
 TEST_CASE("end: of a live source the last event comes before the end, whoever is slow")
 {
     const Swarm swarm;
-    const auto source = swarm.drone("ticker", "source", {"fps=200", counted(100)});
+    const auto source = swarm.drone("ticker", "source", {"fps=0.1", counted(100)});
     const auto worker = swarm.drone("sleeper", "worker", {"work_ms=30"});
     auto application = swarm.application();
     const auto collector = application.collect({{"worker", "result"}});
     application.connect({"source", "tick"}, {"worker", "image"});
+    application.set("source", {{"fps", 200.0}});  // it comes to its end only when it is received
     const auto [sequences, end] = take_all(*collector);
     REQUIRE_FALSE(sequences.empty());
     CHECK(sequences.back() == 100);

@@ -120,8 +120,8 @@ TEST_CASE("ordered: a damaged picture in a folder is failed at once, and its exc
 TEST_CASE("ordered: a replay of two outputs on demand gives the same events in the same order each time")
 {
     const Swarm swarm;
-    const auto large = swarm.drone("ticker", "large", {"fps=200", "bytes=300000"}),
-               small = swarm.drone("ticker", "small", {"fps=200", "bytes=100"});
+    const auto large = swarm.drone("ticker", "large", {"pace=demand", "bytes=300000"}),
+               small = swarm.drone("ticker", "small", {"pace=demand", "bytes=100"});
     const auto file = swarm.home() / "run.hive";
     swarm.hivectl_done({"record", "large", "small", "-o", file.string(), "-n", "100"});
     const auto original = events_in(file);

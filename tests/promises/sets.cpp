@@ -14,7 +14,7 @@ public:
     /// @param most_ms  a longer work_ms is refused by the second worker's own code
     explicit OneBusy(int most_ms)
         : most_ms_(most_ms),
-          second_(swarm_.drone("sleeper", "s2", {"work_ms=1500", "most_ms=" + std::to_string(most_ms)}))
+          second_(swarm_.drone("sleeper", "s2", {"work_ms=3000", "most_ms=" + std::to_string(most_ms)}))
     {
         keep_busy(application_, "s2");
     }
@@ -48,19 +48,19 @@ private:
     Process first_{swarm_.drone("sleeper", "s1", {"work_ms=10"})}, second_;
 };
 
-const std::pair before{10, 1500};
+const std::pair before{10, 3000};
 
 }  // namespace
 
 TEST_CASE("set: a value that was confirmed is not taken away by a set on many that ends in a refusal")
 {
-    OneBusy drones(2000);
+    OneBusy drones(5000);
     auto both = drones.set_both(9000);
     const auto one = drones.swarm().hivectl({"set", "s1", "work_ms=77", "--timeout", "10"});
     REQUIRE(both.wait(patient(10'000ms)));
     CHECK(both.wait(0ms) != 0);
     CHECK(drones.values().first == (one.exit_code == 0 ? 77 : 10));
-    CHECK(drones.values().second == 1500);
+    CHECK(drones.values().second == 3000);
 }
 
 TEST_CASE("set: Ctrl-C in the middle of a set on many leaves all as they were, or all as they were to be")
@@ -68,7 +68,7 @@ TEST_CASE("set: Ctrl-C in the middle of a set on many leaves all as they were, o
     int value = 0;
     SUBCASE("that one of them would have refused") { value = 9000; }
     SUBCASE("that all of them would have taken") { value = 50; }
-    OneBusy drones(2000);
+    OneBusy drones(5000);
     auto both = drones.set_both(value);
     both.signal(SIGINT);
     REQUIRE(both.wait(patient(10'000ms)));

@@ -24,8 +24,6 @@ private:
     const char* variable_;
 };
 
-inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 using Sequences = std::vector<std::int64_t>;
 
 /// As text, so that a failed test shows them.

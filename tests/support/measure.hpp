@@ -4,7 +4,9 @@
 #include <swarm.hpp>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
+#include <string>
 #include <vector>
 
 namespace hive::test {
@@ -42,6 +44,14 @@ inline double rate(Collector& collector, int batch, int periods, Milliseconds pa
     const auto begin = take(1);
     const auto end = take(batch * periods);
     return batch * periods / std::chrono::duration<double>(end - begin).count();
+}
+
+/// The load of the machine over the last minute, since others may work on it beside what is measured.
+inline std::string machine_load()
+{
+    std::string one;
+    std::ifstream("/proc/loadavg") >> one;
+    return one;
 }
 
 /// When the results of each drone came, by drone.

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <sstream>
 #include <poll.h>
 #include <stdexcept>
 #include <sys/prctl.h>
@@ -51,9 +52,31 @@ int open_log(const fs::path& file)
     return descriptor;
 }
 
+/// No signal comes to a child that still has the handlers of the test: there it would wait for ever for a lock that
+/// another thread of the test had.
+class SignalsBlocked {
+public:
+    SignalsBlocked()
+    {
+        sigset_t all;
+        ::sigfillset(&all);
+        ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    SignalsBlocked(const SignalsBlocked&) = delete;
+    SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+    [[nodiscard]] const sigset_t& before() const { return before_; }
+
+private:
+    sigset_t before_;
+};
+
 /// Only what may be called between fork and exec of a process with threads.
-[[noreturn]] void become(char* const* words, char* const* environment, int out, int err)
+[[noreturn]] void become(char* const* words, char* const* environment, int out, int err, const sigset_t& signals)
 {
+    for (const int handled : {SIGINT, SIGTERM, SIGHUP})
+        ::signal(handled, SIG_DFL);
+    ::pthread_sigmask(SIG_SETMASK, &signals, nullptr);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
     ::dup2(null, STDIN_FILENO);
@@ -77,9 +100,10 @@ Process::Process(const std::vector<std::string>& words, const std::vector<std::s
     const auto variables = environment_with(environment);
     const auto word_pointers = pointers(words), variable_pointers = pointers(variables);
     const int out_file = open_log(out), err_file = open_log(err);
+    const SignalsBlocked blocked;
     pid_ = ::fork();
     if (pid_ == 0)
-        become(word_pointers.data(), variable_pointers.data(), out_file, err_file);
+        become(word_pointers.data(), variable_pointers.data(), out_file, err_file, blocked.before());
     ::close(out_file);
     ::close(err_file);
     if (pid_ < 0)
@@ -152,8 +176,9 @@ std::size_t open_descriptors(pid_t pid)
 
 std::string text_of(const fs::path& file)
 {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();  // in /proc a file may end with its process: no exception
+    return std::move(text).str();
 }
 
 }  // namespace hive::test

@@ -5,6 +5,7 @@
 
 #include <sys/types.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -45,5 +46,7 @@ std::size_t resident_bytes(pid_t pid);
 std::size_t open_descriptors(pid_t pid);
 /// What a file holds; empty when there is none.
 std::string text_of(const std::filesystem::path& file);
+inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+inline std::ptrdiff_t lines_of(const std::string& text) { return std::ranges::count(text, '\n'); }
 
 }  // namespace hive::test

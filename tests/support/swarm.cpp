@@ -65,7 +65,8 @@ std::vector<std::string> Swarm::environment() const
 {
     const char* path = std::getenv("PATH");
     return {"HIVE_HOME=" + home_.string(), "PATH=" + programs_.string() + ":" + (path ? path : "/usr/bin:/bin"),
-            "XDG_CONFIG_HOME=" + (home_ / "config").string(), "HIVE_KEY="};
+            "XDG_CONFIG_HOME=" + (home_ / "config").string(),
+            "HIVE_KEY=", "DBUS_SYSTEM_BUS_ADDRESS=unix:path=" + (home_ / "bus").string()};
 }
 
 Finished Swarm::run(const std::vector<std::string>& words, Milliseconds patience) const
@@ -141,7 +142,7 @@ std::string Swarm::log(const std::string& name) const { return text_of(home_ / (
 
 Application Swarm::application(Milliseconds timeout) const
 {
-    return Application({.name = {}, .home = home_, .timeout = patient(timeout), .key = key_file()});
+    return Application({.name = {}, .home = home_, .timeout = stated(timeout), .key = key_file()});
 }
 
 std::optional<fs::path> shared_data(const std::string& relative)

@@ -22,7 +22,8 @@ struct Finished {
 };
 
 /// A fresh home directory (with the user's configuration in it), the built programs, and everything that was started in
-/// it; all gone at the end.
+/// it; all gone at the end. Its programs see no system bus but one that a test makes, at `bus` in the home: drones of
+/// tests are not announced on a real network.
 class Swarm {
 public:
     Swarm();

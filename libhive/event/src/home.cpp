@@ -44,6 +44,15 @@ struct flock whole_file(short type)
     return lock;
 }
 
+constexpr std::string_view name_ending = ".lock", succession_ending = ".next";
+
+std::int64_t number_in(const fs::path& file)
+{
+    std::int64_t number = 0;
+    std::ifstream(file) >> number;
+    return number;
+}
+
 }  // namespace
 
 fs::path default_home()
@@ -79,9 +88,14 @@ std::vector<std::string> Home::names() const
     return names;
 }
 
-bool Home::alive(const std::string& name) const
+bool Home::alive(const std::string& name) const { return locked(name, name_ending); }
+bool Home::succession(const std::string& name) const { return locked(name, succession_ending); }
+std::int64_t Home::holder(const std::string& name) const { return number_in(path(name, name_ending)); }
+std::int64_t Home::successor(const std::string& name) const { return number_in(path(name, succession_ending)); }
+
+bool Home::locked(const std::string& name, std::string_view ending) const
 {
-    const int descriptor = ::open(path(name, ".lock").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    const int descriptor = ::open(path(name, ending).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0)
         return false;
     struct flock whole = whole_file(F_WRLCK);
@@ -101,19 +115,7 @@ std::optional<Json> Home::read_state(const std::string& name) const
 
 void Home::write_state(const std::string& name, const Json& state) const
 {
-    const fs::path target = path(name, ".state"), fresh = path(name, ".state.new");
-    {
-        std::ofstream file(fresh, std::ios::trunc);
-        std::error_code ignored;  // the folder is for its owner alone as well
-        fs::permissions(fresh, fs::perms::owner_read | fs::perms::owner_write, ignored);
-        file << state.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-        if (!file.flush())
-            fail(Errc::io, "cannot write " + fresh.string());
-    }
-    std::error_code problem;
-    fs::rename(fresh, target, problem);
-    if (problem)
-        throw Error(Errc::io, "cannot replace " + target.string() + ": " + problem.message());
+    replace_file(path(name, ".state"), state.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void Home::forget_state(const std::string& name) const noexcept
@@ -122,9 +124,26 @@ void Home::forget_state(const std::string& name) const noexcept
     fs::remove(path(name, ".state"), ignored);
 }
 
-NameClaim::NameClaim(const Home& home, const std::string& name)
+void replace_file(const fs::path& file, const std::string& text)
 {
-    const auto file = home.path(name, ".lock");
+    const fs::path fresh = file.string() + ".new";
+    {
+        std::ofstream stream(fresh, std::ios::trunc);
+        std::error_code ignored;  // the folder is for its owner alone as well
+        fs::permissions(fresh, fs::perms::owner_read | fs::perms::owner_write, ignored);
+        stream << text;
+        if (!stream.flush())
+            fail(Errc::io, "cannot write " + fresh.string());
+    }
+    std::error_code problem;
+    fs::rename(fresh, file, problem);
+    if (problem)
+        throw Error(Errc::io, "cannot replace " + file.string() + ": " + problem.message());
+}
+
+NameClaim::NameClaim(const Home& home, const std::string& name, To what)
+{
+    const auto file = home.path(name, what == To::name ? name_ending : succession_ending);
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor_ < 0)
         fail(Errc::io, "cannot open " + file.string());
@@ -133,8 +152,8 @@ NameClaim::NameClaim(const Home& home, const std::string& name)
         char holder[32] = {};
         const auto length = ::pread(descriptor_, holder, sizeof holder - 1, 0);
         ::close(descriptor_);
-        throw Error(Errc::name_taken,
-                    name + " runs already" + (length > 0 ? ", as process " + std::string(holder) : ""));
+        throw Error(Errc::name_taken, name + (what == To::name ? " runs already" : " is being replaced already")
+                                          + (length > 0 ? ", as process " + std::string(holder) : ""));
     }
     const auto pid = std::to_string(::getpid());
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0)

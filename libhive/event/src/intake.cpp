@@ -1,10 +1,6 @@
-// Registering, credit and acknowledgement at the receiving end.
+// Registering at a sender, coming back after a loss, and leaving.
 #include <hive/event/clock.hpp>
-#include <hive/event/door.hpp>
-#include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
-#include <hive/name.hpp>
-#include <hive/printable.hpp>
 
 #include <algorithm>
 
@@ -18,11 +14,10 @@ using namespace std::chrono_literals;
 
 constexpr auto patience = 3s;      // for one attempt to dial and register
 constexpr auto short_break = 10s;  // so long after a loss it is tried more often: most networks are back by then
-constexpr auto patience_in_break = 600ms;   // for one attempt to dial then, and six round trips more
-constexpr auto patience_to_leave = 30s;     // for what is in hand when it is told to stop
-constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row for each input
-constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
-constexpr auto lost_for_good = 2s;          // who has not come back by then does not hold up the end of the others
+constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, and six round trips more
+constexpr auto pause_after_refusal = 1s;   // the sender is there, and will say the same again
+constexpr auto patience_to_leave = 30s;    // for what is in hand when it is told to stop
+constexpr auto lost_for_good = 2s;         // who has not come back by then does not hold up the end of the others
 
 /// A socket file is the name of its drone; a port may be another one's by now.
 std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
@@ -37,7 +32,7 @@ Backoff backoff_for(const transport::Address& address)
 {
     // A local socket that is not there costs nothing to try, so a restarted drone is met again at once.
     const bool local = address.scheme != transport::Address::Scheme::tcp;
-    return {local ? 50ms : 100ms, local ? 300ms : 4000ms, static_cast<std::uint32_t>(wall_us())};
+    return {local ? 5ms : 100ms, local ? 300ms : 4000ms, static_cast<std::uint32_t>(wall_us())};
 }
 
 }  // namespace
@@ -48,7 +43,7 @@ Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink, std::function<void(
       sink_(std::move(sink)),
       on_end_(std::move(on_end)),
       backoff_(backoff_for(spec_.address)),
-      quick_backoff_(100ms, 200ms, static_cast<std::uint32_t>(wall_us())),
+      quick_backoff_(10ms, 200ms, static_cast<std::uint32_t>(wall_us())),
       timer_(host.context())
 {
 }
@@ -199,7 +194,8 @@ void Intake::failed(const Error& error)
 
 void Intake::retry()
 {
-    timer_.expires_after(in_short_break() ? quick_backoff_.next() : backoff_.next());
+    const auto pause = in_short_break() ? quick_backoff_.next() : backoff_.next();
+    timer_.expires_after(refusal() ? std::max<Clock::duration>(pause, pause_after_refusal) : pause);
     timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
         if (const auto self = weak.lock(); self && !problem && !self->stopped_)
             self->attempt();
@@ -221,6 +217,25 @@ void Intake::stop(std::function<void()> left)
         });
     }
     try_to_leave();
+}
+
+bool Intake::owes() const
+{
+    return std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.worked && !each.done; });
+}
+
+void Intake::hand_over()
+{
+    stopped_ = left_ = true;
+    timer_.cancel();
+    if (const auto first = std::exchange(first_, {}))
+        first(Error(Errc::stopped, spec_.receiver + ": another process takes over before this connection was made"));
+    if (connected_ && (done_ > told_done_ || !back_.empty()))
+        tell(asked_, worked_);
+    ++generation_;
+    in_hand_.clear();
+    connected_ = false;
+    link_.reset();
 }
 
 void Intake::leave_now()
@@ -287,199 +302,21 @@ void Intake::disconnected()
     lost_at_ = Clock::now();
 }
 
-bool Intake::given_up() const { return !connected_ && Clock::now() - lost_at_ >= lost_for_good; }
-
-void Intake::note_end(std::optional<std::string> text)
+/// Whatever is wrong but that nobody was met, or not for long enough.
+std::optional<Error> Intake::refusal() const
 {
-    if (end_ == text)
-        return;
-    end_ = std::move(text);
-    on_end_();
-}
-
-void Intake::on_packet(const protocol::Packet& packet)
-{
-    if (packet.type == PacketType::end)
-        return note_end(protocol::end_from_json(parse_json(packet.header_text())).text);
-    note_end(std::nullopt);
-    if (spec_.options.transfer == Transfer::synchronized && arrived() >= asked_)
-        throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
-    Event event = event_from_packet(packet);
-    if (packet.type == PacketType::notification)
-        event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
-    ++received_;
-    event.identity.offset_us += link_ ? link_->peer_clock().offset_us() : 0;
-    age_us_ = event.age().count();
-    event.input = spec_.input;
-    note_share(event);
-    give_receipt(event, {host_.door(), weak_from_this(), generation_, arrived()});
-    if (refuses_now())
-        conclude(event, Ending::discarded);
-    else
-        sink_(std::move(event));
-}
-
-void Intake::accept(Event event)
-{
-    ++received_;
-    constexpr std::int64_t no_generation = -1;  // there is nobody to ask or to acknowledge
-    give_receipt(event, {host_.door(), weak_from_this(), no_generation, 0});
-    sink_(std::move(event));
-}
-
-/// A halted member keeps no work from others, and an input that leaves takes nothing more.
-bool Intake::refuses_now() const
-{
-    return stopped_ || (!spec_.options.group.empty() && host_.paused() == Reason::halted);
-}
-
-void Intake::note_share(Event& event)
-{
-    Delivery& delivery = in_hand_.emplace_back();
-    delivery.lossless = lossless_ = event.identity.lossless;
-    if (event.identity.shares.empty())
-        return;
-    Share& share = event.identity.shares.back();
-    if (group_ && share.of == group_->of && share.epoch == group_->epoch) {
-        delivery.turn = share.turn;
-        group_->turn = std::max(group_->turn, share.turn);
-        group_->closed = std::max(group_->closed, share.closed);
-    }
-    if (share.to.empty() && is_name(spec_.input))
-        share.to = spec_.input;
-}
-
-Intake::Delivery* Intake::delivery(std::int64_t number)
-{
-    const auto index = number - done_ - 1;
-    return index < 0 || index >= static_cast<std::int64_t>(in_hand_.size())
-               ? nullptr
-               : &in_hand_[static_cast<std::size_t>(index)];
-}
-
-void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending)
-{
-    if (ending)
-        ++ended_[static_cast<std::size_t>(*ending)];
-    Delivery* one = generation == generation_ ? delivery(number) : nullptr;
-    if (one) {
-        finished_ += worked && !one->worked ? 1 : 0;
-        one->worked = one->worked || worked;
-        one->done = one->done || done;
-        const bool begun = !ending || (*ending != Ending::discarded && *ending != Ending::dropped);
-        if (!begun && !spec_.options.group.empty())
-            back_.push_back(number);
-        for (; !in_hand_.empty() && in_hand_.front().done && in_hand_.front().worked; in_hand_.pop_front())
-            ++done_;
-        const auto not_worked = std::ranges::find(in_hand_, false, &Delivery::worked);
-        worked_ = done_ + (not_worked - in_hand_.begin());
-    }
-    flush();
-    if (stopped_) {
-        try_to_leave();
-        end_if_done();
-    } else if (end_ && all_worked()) {
-        on_end_();
-    }
-}
-
-/// Is there something to tell that cannot go with a later request?
-bool Intake::ask_now(std::int64_t ask, std::int64_t worked) const
-{
-    if (!back_.empty())
-        return true;
-    const bool waits = worked_ < arrived();  // something is being worked on, and its end will be told
-    if (spec_.options.transfer == Transfer::streaming)
-        return (done_ > told_done_ || worked > told_worked_)
-               && (!waits || lossless_ || worked - told_worked_ >= told_at_least);
-    return ask > asked_ || (worked > told_worked_ && !spec_.options.group.empty()) || (done_ > told_done_ && !waits);
-}
-
-void Intake::flush()
-{
-    if (!connected_)
-        return;
-    const bool may_ask = !stopped_ && host_.paused() == Reason::none;
-    const bool streaming = spec_.options.transfer == Transfer::streaming;
-    const auto ask = may_ask ? std::max(asked_, spec_.options.window + finished_) : asked_;
-    // A stream asks for nothing: what it has worked on lets more lossless events come.
-    const auto worked = may_ask || !streaming ? worked_ : std::max(told_worked_, done_);
-    if (!ask_now(ask, worked))
-        return;
-    asked_ = ask;
-    told_done_ = done_;
-    told_worked_ = worked;
-    link_->connection().send(protocol::make_packet(
-        PacketType::request, protocol::to_text({epoch_, ask, done_, worked, std::exchange(back_, {})}), channel_));
-}
-
-std::optional<Standing> Intake::standing() const
-{
-    if (!group_ || !connected_)
+    if (connected_ || !problem_)
         return std::nullopt;
-    Standing standing{*group_, {}};
-    for (const auto& each : in_hand_)
-        if (each.turn != 0 && !each.done)
-            standing.open.push_back(each.turn);
-    return standing;
-}
-
-InputStatus Intake::status() const
-{
-    const auto ended = [&](Ending ending) { return ended_[static_cast<std::size_t>(ending)]; };
-    InputStatus status{.input = spec_.input,
-                       .from = spec_.sender + "." + spec_.output,
-                       .connected = connected_,
-                       .registration = epoch_,
-                       .options = spec_.options,
-                       .received = received_,
-                       .processed = ended(Ending::processed),
-                       .abandoned = ended(Ending::abandoned),
-                       .duplicates = ended(Ending::duplicate),
-                       .discarded = ended(Ending::discarded),
-                       .dropped = ended(Ending::dropped),
-                       .unmatched = ended(Ending::unmatched),
-                       .last_age_us = age_us_,
-                       .round_trip_us = link_ ? link_->peer_clock().round_trip_us() : 0,
-                       .clock_offset_us = link_ ? link_->peer_clock().offset_us() : 0,
-                       .error = problem_ ? shortened(problem_->what(), most_shown) : ""};
-    status.in_hand = received_;
-    for (const auto count : ended_)
-        status.in_hand -= count;
-    if (connected_)
-        status.why = host_.paused();
-    if (end_ && status.why == Reason::none)
-        status.why = Reason::source_ended;
-    else if (!connected_)
-        status.why = problem_ && problem_->code() == Errc::refused ? Reason::refused : Reason::dialing;
-    return status;
-}
-
-namespace {
-
-/// Each text once, joined.
-void add_text(std::string& all, const std::string& text)
-{
-    if (!text.empty() && ("; " + all + "; ").find("; " + text + "; ") == std::string::npos)
-        all += (all.empty() ? "" : "; ") + text;
-}
-
-}  // namespace
-
-std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& intakes, bool worked)
-{
-    constexpr auto exceptions = "exceptions";  // they never end
-    bool any = false;
-    std::string text;
-    for (const auto& intake : intakes) {
-        if (intake->spec().output == exceptions)
-            continue;
-        if ((!intake->ended() && !intake->given_up()) || (worked && !intake->all_worked()))
-            return std::nullopt;
-        any = any || intake->ended();
-        add_text(text, intake->ended().value_or(""));
+    switch (problem_->code()) {
+    case Errc::unreachable:
+    case Errc::connection_lost:
+    case Errc::timeout:
+    case Errc::stopped:
+    case Errc::io: return std::nullopt;
+    default: return problem_;
     }
-    return any ? std::optional(text) : std::nullopt;
 }
+
+bool Intake::given_up() const { return !connected_ && Clock::now() - lost_at_ >= lost_for_good; }
 
 }  // namespace hive::event

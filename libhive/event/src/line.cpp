@@ -35,7 +35,7 @@ Line::Item Line::next()
     return item;
 }
 
-void Line::offer(const EmissionPtr& event, Decisions& decisions)
+void Line::offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
 {
     lossless_ = must_stay(event);
     if (kept() && !*lossless_)
@@ -47,19 +47,25 @@ void Line::offer(const EmissionPtr& event, Decisions& decisions)
         waiting_.pop_back();
         ledger_->went(Fate::skipped);
     }
+    if (waiting_.empty())
+        behind_since_ = now;
     wait({event}, false);
     do
         pump(decisions);
-    while (credit_.streaming() && drop_oldest());  // what was too large for the lane held up what is not
+    while (credit_.streaming() && drop_oldest(now));  // what was too large for the lane held up what is not
 }
 
-bool Line::drop_oldest()
+bool Line::overfull(Clock::time_point now) const
+{
+    const bool too_slow = now - behind_since_ >= most_behind;
+    return waiting_.size() > most_queued_events || (waiting_.size() > 1 && waiting_bytes_ > most_queued_bytes)
+           || (too_slow && waiting_.size() > 2 && waiting_bytes_ > Credit::lane_bytes);
+}
+
+bool Line::drop_oldest(Clock::time_point now)
 {
     bool dropped = false;
-    const auto over = [&] {
-        return waiting_.size() > most_queued_events || (waiting_.size() > 1 && waiting_bytes_ > most_queued_bytes);
-    };
-    while (over() && !must_stay(waiting_.front().event)) {
+    while (overfull(now) && !must_stay(waiting_.front().event)) {
         next();
         ledger_->went(Fate::dropped);
         dropped = true;

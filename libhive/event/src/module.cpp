@@ -66,6 +66,8 @@ void Module::close_links()
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
     for (const auto& link : std::set(links_))
         link->close(Error(Errc::stopped, options_.self.name + " is ending"));
+    if (options_.most_dialing > 0)
+        std::erase_if(dialing_, [this](const auto& row) { return !under_way_.contains(row.first); });
     if (links_.empty() && dialing_.empty())
         return;
     // What is left are closings and dials under way: a peer that does not answer is not waited for.
@@ -105,6 +107,19 @@ void Module::halt(bool halted)
         for (const auto& intake : intakes_)
             intake->flush();
     });
+}
+
+void Module::settle()
+{
+    loop_.serve();
+    loop_.wait(Clock::now() + patience_at_end,
+               [this] { return std::ranges::none_of(intakes_, [](const auto& intake) { return intake->owes(); }); });
+}
+
+void Module::hand_over()
+{
+    for (const auto& intake : std::exchange(intakes_, {}))
+        intake->hand_over();
 }
 
 Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
@@ -332,6 +347,7 @@ void Module::tick()
         expire_asked(*link, now);
     }
     expire_dialing(now);
+    dial_next();
     for (auto& outlet : outlets_)
         if (outlet.timed())
             outlet.tick();

@@ -10,6 +10,13 @@ namespace hive::event {
 
 using protocol::PacketType;
 
+namespace {
+
+/// Nearly all of the work of a dial that succeeds is done by then.
+constexpr auto busy_dialing = std::chrono::milliseconds(250);
+
+}  // namespace
+
 LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection, Link::End end)
 {
     if (!connection->credentials().key.empty())
@@ -25,8 +32,9 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
     link->start({.opened =
                      [this, ready, told](Link& opened) {
                          *told = true;
-                         end_earlier_run(opened);
-                         ready(opened.shared_from_this(), Error(Errc::failed, ""));
+                         const auto keep = opened.shared_from_this();
+                         end_earlier_run(keep);
+                         ready(keep, Error(Errc::failed, ""));
                      },
                  .packet = [this](Link& from, const protocol::Packet& packet) { on_packet(from, packet); },
                  .closed =
@@ -48,6 +56,35 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
     arm();
     if (waiting.size() > 1)
         return;
+    if (options_.most_dialing == 0)
+        return dial(address, key, deadline);
+    to_dial_.push_back(address);
+    dial_next();
+}
+
+/// Few at a time: a peer does not wait long for the hello of whoever has connected. One that takes long costs nothing
+/// meanwhile, and who cannot be reached must not keep others from being asked.
+void Module::dial_next()
+{
+    const auto now = Clock::now();
+    auto busy = static_cast<std::size_t>(
+        std::ranges::count_if(under_way_, [now](const auto& row) { return now - row.second < busy_dialing; }));
+    while (!to_dial_.empty() && busy < options_.most_dialing) {
+        const auto address = to_dial_.front();
+        to_dial_.pop_front();
+        const auto key = to_text(address);
+        const auto row = dialing_.find(key);
+        if (row == dialing_.end() || !under_way_.try_emplace(key, now).second)
+            continue;  // nobody waits any more, or a dial for somebody who gave up is still under way
+        ++busy;
+        dial(address, key, row->second.front().deadline);
+    }
+}
+
+void Module::dial(const transport::Address& address, const std::string& key, Clock::time_point deadline)
+{
+    if (options_.most_dialed > 0 && dialed_.size() + std::max<std::size_t>(under_way_.size(), 1) > options_.most_dialed)
+        let_one_go();
     const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()),
                                    std::chrono::milliseconds(1));
     transport::dial(
@@ -67,14 +104,30 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
         options_.timing, security());
 }
 
+/// Whoever asks many drones in turn, again and again, asks the one that was asked last as the last one again.
+void Module::let_one_go()
+{
+    auto latest = dialed_.end();
+    for (auto it = dialed_.begin(); it != dialed_.end(); ++it)
+        if (it->second->idle() && (latest == dialed_.end() || it->second->used() > latest->second->used()))
+            latest = it;
+    if (latest == dialed_.end())
+        return;
+    const auto link = latest->second;
+    dialed_.erase(latest);  // at once, so that nobody asks on it any more
+    link->close(Error(Errc::stopped, options_.self.name + " has nothing to ask at present"));
+}
+
 void Module::dialed(const std::string& key, const LinkPtr& link, const Error& error)
 {
+    under_way_.erase(key);
     auto node = dialing_.extract(key);
     if (link)
         dialed_[key] = link;
     if (!node.empty())
         for (const auto& waiting : node.mapped())
             waiting.on_link(link, error);
+    dial_next();
     last_one_gone();
 }
 
@@ -100,14 +153,21 @@ void Module::request(const transport::Address& address, PacketType type, Json he
 
 /// A drone that is met again with a larger epoch was started again: what is left of its earlier run is dead. Names of
 /// applications are nobody's own, and what a viewer calls itself means nothing.
-void Module::end_earlier_run(const Link& link)
+void Module::end_earlier_run(const LinkPtr& link)
 {
-    if (link.peer().kind == "application" || link.credentials().role == Role::viewer)
+    const auto& peer = link->peer();
+    if (peer.kind == "application")
         return;
-    for (const auto& other : std::set(links_))
-        if (other.get() != &link && other->open() && other->peer().name == link.peer().name
-            && other->peer().kind == link.peer().kind && other->peer().epoch < link.peer().epoch)
-            other->close(Error(Errc::connection_lost, link.peer().name + " was started again"));
+    std::vector<LinkPtr> earlier;
+    const auto [begin, end] = of_drones_.equal_range(peer.name);
+    for (auto row = begin; row != end; ++row)
+        if (const auto& other = row->second;
+            other->open() && other->peer().kind == peer.kind && other->peer().epoch < peer.epoch)
+            earlier.push_back(other);
+    of_drones_.emplace(peer.name, link);
+    if (link->credentials().role != Role::viewer)
+        for (const auto& other : earlier)
+            other->close(Error(Errc::connection_lost, peer.name + " was started again"));
 }
 
 namespace {
@@ -165,6 +225,10 @@ void Module::on_closed(Link& link, const Error& reason)
         || reason.code() == Errc::io || reason.code() == Errc::not_permitted)
         log_about(link.connection().peer(), "closed " + link.connection().peer() + ": " + reason.what());
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
+    const auto [begin, end] = of_drones_.equal_range(link.peer().name);
+    if (const auto row = std::find_if(begin, end, [&](const auto& each) { return each.second.get() == &link; });
+        row != end)
+        of_drones_.erase(row);
     links_.erase(link.shared_from_this());
     last_one_gone();
     const auto fate = fate_by(link, reason);

@@ -20,8 +20,8 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
     if (const auto before = standing(newcomer))
         displace(*before, newcomer, now, decisions);
     Account& account = accounts_.open(newcomer.receiver, newcomer.epoch, newcomer.options);
-    const auto welcome =
-        newcomer.options.group.empty() ? seat(newcomer, account, decisions) : join(newcomer, account, now, decisions);
+    const auto welcome = newcomer.options.group.empty() ? seat(newcomer, account, now, decisions)
+                                                        : join(newcomer, account, now, decisions);
     if (newcomer.options.delivery == Delivery::data && !newcomer.guest && !held_.empty())
         offer_held(newcomer, now, decisions);
     if (ended_)
@@ -49,9 +49,12 @@ void ReceiverTable::displace(Id before, const Newcomer& newcomer, Clock::time_po
     if (seat == seats_.end() || !seat->second.line.takes_bodies() || !newcomer.options.group.empty()
         || newcomer.options.delivery != Delivery::data)
         return lose(before, Fate::lost_connection, false, now, decisions);
-    kept_.emplace(seat->second.place, std::move(seat->second.line));
+    const auto place = kept_.emplace(seat->second.place, std::move(seat->second.line)).first;
     seats_.erase(seat);
     close_account({newcomer.receiver, ""}, false);
+    // The newcomer may come back to another place of its name: nobody is in this one then, and it expires as any other.
+    if (kept_for(newcomer) != place && !place->second.lose(Fate::lost_connection, true, now))
+        kept_.erase(place);
 }
 
 std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
@@ -63,7 +66,7 @@ std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& n
         kept_, [&](const auto& row) { return newcomer.unique && row.second.receiver() == newcomer.receiver; });
 }
 
-Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decisions& decisions)
+Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions)
 {
     const auto& [id, receiver, epoch, options, place, taken, unique, guest] = newcomer;
     if (const auto kept = guest ? kept_.end() : kept_for(newcomer);
@@ -78,7 +81,7 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Decision
     Line& line =
         seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger, guest), fresh}).first->second.line;
     if (options.first_frame && held_.empty() && newest_ && newest_->serves(options.delivery))
-        line.offer(newest_, decisions);
+        line.offer(newest_, now, decisions);
     return {.place = fresh};
 }
 
@@ -104,7 +107,7 @@ void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, 
         if (const auto group = members_.find(newcomer.id); group != members_.end())
             groups_.at(group->second).offer(event, now, decisions);
         else
-            seats_.at(newcomer.id).line.offer(event, decisions);
+            seats_.at(newcomer.id).line.offer(event, now, decisions);
 }
 
 void ReceiverTable::tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
@@ -219,12 +222,12 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     ended_ = false;
     for (auto& [id, seat] : seats_)
         if (event->serves(seat.line.options().delivery)) {
-            seat.line.offer(seat.line.awaited() ? event : kept, decisions);
+            seat.line.offer(seat.line.awaited() ? event : kept, now, decisions);
             received = true;
         }
     for (auto it = kept_.begin(); whole && it != kept_.end();) {
         const auto place = it++;
-        place->second.offer(event, decisions);
+        place->second.offer(event, now, decisions);
         if (!place->second.worth_keeping())
             expire(place);
     }

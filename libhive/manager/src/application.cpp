@@ -1,11 +1,11 @@
 // The calls of an application: finding, configuring, control.
 #include "application_core.hpp"
 #include "joint_set.hpp"
+#include "swarm/failed_drones.hpp"
 
 #include <hive/name.hpp>
 
 #include <algorithm>
-#include <thread>
 
 namespace hive {
 
@@ -18,14 +18,26 @@ Application::Application(Options options) : core_(std::make_unique<Core>(std::mo
 Application::~Application() = default;
 
 const std::string& Application::name() const { return core_->module.self().name; }
+const std::filesystem::path& Application::home() const { return core_->directory.home().directory(); }
 void Application::timeout(std::chrono::milliseconds timeout) { core_->timeout = timeout; }
 
 std::vector<std::string> Application::drones() { return core_->directory.names(); }
 Place Application::place(const std::string& drone) { return core_->place(drone); }
 std::vector<Place> Application::listed_places() { return core_->directory.list().places(); }
 void Application::add_place(const Place& place) { core_->directory.list().add(place); }
+void Application::replace_places(const std::vector<Place>& places) { core_->directory.list().replace(places); }
 bool Application::forget_place(const Place& place) { return core_->directory.list().forget(place); }
 std::vector<std::string> Application::remembered() { return core_->remembered(); }
+
+std::vector<FailedDrone> Application::failed()
+{
+    const swarm::FailedDrones remembered(home());
+    auto all = remembered.all();
+    std::erase_if(all, [&](const FailedDrone& failed) {
+        return core_->directory.home().alive(failed.drone) && remembered.forget(failed.drone);
+    });
+    return all;
+}
 
 std::vector<std::string> Application::find(const std::string& pattern)
 {
@@ -43,9 +55,13 @@ std::vector<std::string> Application::find(const std::string& pattern)
 Endpoint Application::endpoint(const std::string& text)
 {
     const auto dot = text.rfind('.');
-    if (dot == std::string::npos || core_->directory.find(text))
+    if (dot == std::string::npos)
         return {text, ""};
-    return {text.substr(0, dot), text.substr(dot + 1)};
+    const Endpoint with_port{text.substr(0, dot), text.substr(dot + 1)};
+    auto& directory = core_->directory;
+    if (directory.find_known(text) || (!directory.find_known(with_port.drone) && directory.find(text)))
+        return {text, ""};  // the network is asked only if nobody nearer is meant
+    return with_port;
 }
 
 Interface Application::describe(const std::string& drone)
@@ -92,10 +108,11 @@ Json Application::set(const std::string& drone, const Json& parameters)
 SetResult Application::set(const std::vector<std::string>& drones, const Json& parameters,
                            const std::function<bool()>& cancelled)
 {
-    JointSet::Terms terms{
-        .drones = {}, .parameters = parameters, .deadline = core_->deadline(), .cancelled = cancelled};
-    for (const auto& drone : drones)
-        terms.drones.emplace_back(drone, core_->place_or_error(drone));
+    const auto either = [&] { return cancelled() || (core_->cancelled && core_->cancelled()); };
+    JointSet::Terms terms{.drones = {}, .parameters = parameters, .deadline = core_->deadline(), .cancelled = either};
+    auto places = core_->places_or_errors(drones);
+    for (std::size_t i = 0; i < drones.size(); ++i)
+        terms.drones.emplace_back(drones[i], std::move(places[i]));
     return JointSet(core_->module, std::move(terms)).run();
 }
 
@@ -132,23 +149,46 @@ void Application::exception_policy(const std::string& drone, ExceptionPolicy pol
 
 void Application::stop(const std::string& drone)
 {
-    if (core_->remembers(drone))
-        return core_->directory.home().forget_state(drone);
+    if (const auto answer = stop(std::vector{drone}).at(0); answer.error)
+        throw *answer.error;
+}
+
+namespace {
+
+/// A drone that is stopped may be gone before its answer is.
+void forgive_haste(std::vector<Answer>& answers)
+{
+    for (auto& answer : answers)
+        if (answer.error && answer.error->code() == Errc::connection_lost)
+            answer.error.reset();
+}
+
+}  // namespace
+
+std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
+{
     const auto until = core_->deadline();
-    const auto place = core_->place(drone);
-    try {
-        core_->ask(drone, PacketType::stop);
-    } catch (const Error& error) {
-        if (error.code() != Errc::connection_lost)
-            throw;  // it may be gone before its answer is
+    std::vector<std::string> running;
+    const swarm::FailedDrones failed(home());
+    for (const auto& drone : drones) {
+        const bool given_up = failed.forget(drone);
+        if (core_->remembers(drone))
+            core_->directory.home().forget_state(drone);
+        else if (!given_up)
+            running.push_back(drone);
     }
-    while (core_->answers(place)) {
-        if (event::Clock::now() >= until)
-            throw Error(Errc::timeout, drone + " was told to stop and still runs");
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    const auto places = core_->places_or_errors(running);
+    auto stopped = core_->ask_all(running, PacketType::stop, Json::object());
+    forgive_haste(stopped);
+    std::vector<Answer> answers;
+    for (std::size_t asked = 0; const auto& drone : drones) {
+        const bool ran = asked < running.size() && running[asked] == drone;
+        answers.push_back(ran ? std::move(stopped[asked]) : Answer{drone, {}, {}});
+        if (const auto* place = ran ? std::get_if<Place>(&places[asked]) : nullptr; place && !answers.back().error)
+            answers.back().error = core_->wait_until_gone(*place, until);
+        asked += ran ? 1 : 0;
     }
-    if (!is_here(place))
-        core_->directory.list().forget(place);
+    return answers;
 }
 
 }  // namespace hive

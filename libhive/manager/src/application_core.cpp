@@ -5,11 +5,22 @@
 
 #include <algorithm>
 #include <atomic>
+#include <thread>
 
 #include <unistd.h>
 
 namespace hive {
 namespace {
+
+/// With those that are connected for longer, less than the 1,024 descriptors that a process has by default.
+constexpr std::size_t most_dialed = 768, asked_at_once = 256, most_dialing = 128;
+constexpr std::size_t most_typed = 16;  ///< names that somebody may have written by hand
+
+bool changes_nothing(protocol::PacketType type)
+{
+    using enum protocol::PacketType;
+    return type == get || type == describe || type == status;
+}
 
 /// Drones keep one account for each name, so no two applications have the same one, not even in one process.
 std::string name_of(const Application::Options& options)
@@ -41,17 +52,21 @@ std::optional<Error> met_another(const Place& place, const event::Link& link)
     if (is_here(place) || link.peer().name == place.drone)
         return std::nullopt;
     return Error(Errc::unreachable, "at " + place.address + " is " + link.peer().name + ", and not " + place.drone,
-                 "strike it off the list: hivectl place remove " + place.drone);
+                 place.announced ? "" : "strike it off the list: hivectl place remove " + place.drone);
 }
 
 Application::Core::Core(Application::Options options)
     : timeout(options.timeout),
       advice_if_missing(std::move(options.advice_if_missing)),
-      directory(options.home.empty() ? default_home() : options.home),
+      cancelled(std::move(options.cancelled)),
+      directory(options.home.empty() ? default_home() : options.home,
+                options.key.empty() ? default_key_file() : options.key),
       module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
               .limits = {},
               .timing = {},
-              .keys = keys_of(options)})
+              .keys = keys_of(options),
+              .most_dialed = most_dialed,
+              .most_dialing = most_dialing})
 {
     module.start();
 }
@@ -89,36 +104,95 @@ try {
     return error;
 }
 
+std::vector<std::variant<Place, Error>>
+Application::Core::places_or_errors(const std::vector<std::string>& drones) const
+{
+    std::vector<std::variant<Place, Error>> places;
+    for (const auto& drone : drones)
+        if (drones.size() <= most_typed)
+            places.push_back(place_or_error(drone));
+        else
+            try {
+                const auto found = directory.find(drone);
+                places.push_back(found ? std::variant<Place, Error>(*found)
+                                       : Error(Errc::not_found, drone + " is not running"));
+            } catch (const Error& error) {
+                places.emplace_back(error);
+            }
+    return places;
+}
+
 Error Application::Core::not_running(const std::string& drone) const
 {
     return no_such(drone + " is not running", drone, directory.names(),
                    advice_if_missing ? advice_if_missing(drone) : "");
 }
 
+/// What is asked of one drone.
+struct Application::Core::Asking {
+    Place place;
+    protocol::PacketType type;
+    Json header;
+    Body body;
+    event::Clock::time_point until;
+    bool again;  ///< once more, should the connection end before the answer
+    std::shared_ptr<std::optional<event::Outcome>> reply = std::make_shared<std::optional<event::Outcome>>();
+};
+
 Application::Core::Reply Application::Core::send(const Place& place, protocol::PacketType type, const Json& header,
                                                  const Body& body)
 {
-    auto reply = std::make_shared<std::optional<event::Outcome>>();
-    const auto ask = [this, place, type, header, body, until = deadline(), reply](const event::LinkPtr& link,
-                                                                                  const Error& error) {
-        if (!link) {
-            *reply = error;
-        } else if (auto wrong = met_another(place, *link)) {
-            *reply = *std::move(wrong);
-        } else {
-            link->request(type, header, body, until, [reply](const event::Outcome& outcome) { *reply = outcome; });
-            module.arm();
-        }
-    };
-    module.loop().perform([this, address = transport::parse_address(place.address), until = deadline(), ask] {
-        module.with_link(address, until, ask);
-    });
-    return reply;
+    const Asking asking{place, type, header, body, deadline(), changes_nothing(type)};
+    module.loop().perform([this, asking] { begin(asking); });
+    return asking.reply;
+}
+
+/// A process from which another one takes over ends its connections. Who has asked it something then asks that one.
+void Application::Core::begin(const Asking& asking)
+{
+    module.with_link(transport::parse_address(asking.place.address), asking.until,
+                     [this, asking](const event::LinkPtr& link, const Error& error) {
+                         if (!link) {
+                             *asking.reply = error;
+                         } else if (auto wrong = met_another(asking.place, *link)) {
+                             *asking.reply = *std::move(wrong);
+                         } else {
+                             link->request(asking.type, asking.header, asking.body, asking.until,
+                                           [this, asking](const event::Outcome& outcome) {
+                                               const auto* lost = std::get_if<Error>(&outcome);
+                                               if (!asking.again || !lost || lost->code() != Errc::connection_lost) {
+                                                   *asking.reply = outcome;
+                                                   return;
+                                               }
+                                               auto last = asking;
+                                               last.again = false;
+                                               module.post([this, last] { begin(last); });
+                                           });
+                             module.arm();
+                         }
+                     });
+}
+
+void Application::Core::require_not_cancelled() const
+{
+    if (cancelled && cancelled())
+        throw Error(Errc::stopped, "cancelled while it waited for an answer; whether it has had its effect is unknown");
+}
+
+void Application::Core::wait(event::Clock::time_point deadline, const std::function<bool()>& done)
+{
+    constexpr std::chrono::milliseconds look_period(50);
+    for (bool is_done = false; !is_done && event::Clock::now() < deadline;) {
+        const auto until = cancelled ? std::min(deadline, event::Clock::now() + look_period) : deadline;
+        module.loop().wait(until, [&] { return is_done = done(); });
+        if (!is_done)
+            require_not_cancelled();
+    }
 }
 
 const event::Outcome& Application::Core::wait_for(const Reply& reply)
 {
-    module.loop().wait(event::Clock::time_point::max(), [&] { return reply->has_value(); });
+    wait(event::Clock::time_point::max(), [&] { return reply->has_value(); });
     return reply->value();
 }
 
@@ -130,19 +204,33 @@ bool Application::Core::answers(const Place& place)
     return !std::holds_alternative<Error>(wait_for(reply));
 }
 
+std::optional<Error> Application::Core::wait_until_gone(const Place& place, event::Clock::time_point until)
+{
+    while (answers(place)) {
+        if (event::Clock::now() >= until)
+            return Error(Errc::timeout, place.drone + " was told to stop and still runs");
+        require_not_cancelled();
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    if (!is_here(place))
+        directory.list().forget(place);
+    return std::nullopt;
+}
+
 std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
                                                const std::vector<Json>& headers)
 {
+    const auto places = places_or_errors(drones);
     std::vector<Reply> replies;
-    for (std::size_t i = 0; i < drones.size(); ++i) {
-        const auto found = place_or_error(drones[i]);
-        if (const auto* place = std::get_if<Place>(&found))
-            replies.push_back(send(*place, type, headers[i], {}));
-        else
-            replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(found)));
-    }
     std::vector<Answer> answers;
     for (std::size_t i = 0; i < drones.size(); ++i) {
+        while (replies.size() < std::min(drones.size(), i + asked_at_once)) {
+            const auto next = replies.size();
+            if (const auto* place = std::get_if<Place>(&places[next]))
+                replies.push_back(send(*place, type, headers[next], {}));
+            else
+                replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(places[next])));
+        }
         const auto& outcome = wait_for(replies[i]);
         if (const auto* error = std::get_if<Error>(&outcome))
             answers.push_back({drones[i], {}, named(drones[i], *error)});

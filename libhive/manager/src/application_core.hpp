@@ -24,7 +24,7 @@ public:
     /// Asks one drone and waits; throws what it answers.
     Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(),
              const Body& body = {});
-    /// Asks several at once, each its own header, and waits for all.
+    /// Asks several, as many at once as descriptors allow, each its own header, and waits for all.
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
                                 const std::vector<Json>& headers);
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
@@ -33,6 +33,9 @@ public:
     Place place(const std::string& drone) const;
     /// The same, but what was said is kept as the error of an answer.
     [[nodiscard]] std::variant<Place, Error> place_or_error(const std::string& drone) const;
+    /// The same for several. Among many, nobody has mistyped one: what is missing is not compared with all there are.
+    [[nodiscard]] std::vector<std::variant<Place, Error>>
+    places_or_errors(const std::vector<std::string>& drones) const;
     /// The error when there is none.
     [[nodiscard]] Error not_running(const std::string& drone) const;
     /// The receiver is gone; its sender is to wait for it no longer.
@@ -43,22 +46,30 @@ public:
     void note_answers(const std::vector<StatusAnswer>& answers);
     /// Does a drone live there, as far as it can be told from here?
     [[nodiscard]] bool answers(const Place& place);
+    /// Strikes its place off the list when it is; otherwise the error is Errc::timeout.
+    [[nodiscard]] std::optional<Error> wait_until_gone(const Place& place, event::Clock::time_point until);
     /// Has what this drone was told outlived it?
     [[nodiscard]] bool remembers(const std::string& drone) const;
     [[nodiscard]] std::vector<std::string> remembered() const;
     /// With the output's name, when the drone has only one.
     Endpoint with_output(const Endpoint& end);
     [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }
+    /// Until `done`, which is asked with the turn, or the deadline. Throws Errc::stopped when the caller has cancelled.
+    void wait(event::Clock::time_point deadline, const std::function<bool()>& done);
+    void require_not_cancelled() const;
 
     std::chrono::milliseconds timeout;
     std::function<std::string(const std::string&)> advice_if_missing;
+    std::function<bool()> cancelled;  ///< may be empty
     Directory directory;
     event::Module module;
 
 private:
     using Reply =
         std::shared_ptr<const std::optional<event::Outcome>>;  ///< comes by the deadline: the module sees to it
+    struct Asking;
     Reply send(const Place& place, protocol::PacketType type, const Json& header, const Body& body);
+    void begin(const Asking& asking);
     const event::Outcome& wait_for(const Reply& reply);
 };
 

@@ -40,10 +40,10 @@ void Application::Core::note_answers(const std::vector<StatusAnswer>& answers)
 std::vector<StatusAnswer> Application::status(const std::vector<std::string>& drones)
 {
     std::vector<StatusAnswer> answers;
-    for (const auto& drone : drones) {
-        const auto found = core_->place_or_error(drone);
-        const auto* place = std::get_if<Place>(&found);
-        answers.push_back({.drone = drone, .status = {}, .error = {}, .place = place ? *place : Place{}});
+    const auto places = core_->places_or_errors(drones);
+    for (std::size_t i = 0; i < drones.size(); ++i) {
+        const auto* place = std::get_if<Place>(&places[i]);
+        answers.push_back({.drone = drones[i], .status = {}, .error = {}, .place = place ? *place : Place{}});
     }
     std::vector<StatusAnswer*> unfinished;
     std::ranges::transform(answers, std::back_inserter(unfinished), [](StatusAnswer& answer) { return &answer; });

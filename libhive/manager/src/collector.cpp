@@ -50,8 +50,9 @@ public:
 
     /// Registers at one output; throws what the drone answers.
     /// @param drone  as it is called here
+    /// @param wait  until a condition, which is asked with the turn, or the deadline
     void receive(const std::string& drone, const Place& place, const std::string& output,
-                 const ConnectionOptions& connection, event::Clock::time_point deadline);
+                 const ConnectionOptions& connection, const std::function<void(const std::function<bool()>&)>& wait);
     /// Of the drones of this name, from now on, once; failures to register are retried in the background.
     void hear_exceptions(const std::string& drone);
 
@@ -115,14 +116,15 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
 }
 
 void MailboxCollector::receive(const std::string& drone, const Place& place, const std::string& output,
-                               const ConnectionOptions& connection, event::Clock::time_point deadline)
+                               const ConnectionOptions& connection,
+                               const std::function<void(const std::function<bool()>&)>& wait)
 {
     const auto reply = std::make_shared<std::optional<event::Outcome>>();
     module_.call([&] {
         add(drone, place, output, connection)->start([reply](const event::Outcome& outcome) { *reply = outcome; });
     });
     std::optional<event::Outcome> outcome;
-    module_.loop().wait(deadline, [&] { return (outcome = *reply).has_value(); });
+    wait([&] { return (outcome = *reply).has_value(); });
     if (!outcome)
         throw Error(Errc::timeout, drone + "." + output + ": no answer in time");
     if (const auto* error = std::get_if<Error>(&*outcome))
@@ -274,7 +276,8 @@ std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& out
         const auto [drone, port] = core_->with_output(output);
         if (options.ordered)
             collector->hear_exceptions(drone_of(drone));
-        collector->receive(drone, core_->place(drone), port, options.connection, until);
+        collector->receive(drone, core_->place(drone), port, options.connection,
+                           [&](const auto& done) { core_->wait(until, done); });
         drones.push_back(drone);
     }
     if (options.ordered)
@@ -288,7 +291,8 @@ std::unique_ptr<Collector> Application::exceptions(const std::vector<std::string
     auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, CollectOptions{});
     for (const auto& drone : drones)
         collector->receive(drone, core_->place(drone), exceptions_output,
-                           {.transfer = Transfer::streaming, .group = {}, .lease = {}}, core_->deadline());
+                           {.transfer = Transfer::streaming, .group = {}, .lease = {}},
+                           [until = core_->deadline(), this](const auto& done) { core_->wait(until, done); });
     return collector;
 }
 

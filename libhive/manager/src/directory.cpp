@@ -39,14 +39,76 @@ public:
     [[nodiscard]] std::vector<Place> places() const override { return list_.places(); }
     [[nodiscard]] std::vector<Place> places_of(const std::string& drone) const override
     {
-        std::vector<Place> found;
-        std::ranges::copy_if(list_.places(), std::back_inserter(found),
-                             [&](const Place& place) { return place.drone == drone; });
-        return found;
+        const auto& all = list_.places();
+        return {std::ranges::lower_bound(all, drone, {}, &Place::drone),
+                std::ranges::upper_bound(all, drone, {}, &Place::drone)};
     }
 
 private:
     const PlaceList& list_;
+};
+
+/// Those that announce themselves on the local network, but for those that the home or the list has.
+class AnnouncedPlaces final : public PlaceProvider {
+public:
+    AnnouncedPlaces(const event::Home& home, const PlaceList& list, const std::filesystem::path& key)
+        : home_(home), list_(list), browser_(key, home.directory() / ".announced")
+    {
+    }
+
+    [[nodiscard]] std::vector<Place> places() const override
+    {
+        std::vector<Place> found;
+        for (const auto& drone : browser_.found())
+            if (!(drone.same_machine && lives_here(drone)) && !is_listed(drone))
+                found.push_back(
+                    {.drone = drone.said.drone, .host = drone.host, .address = drone.address, .announced = true});
+        return found;
+    }
+    [[nodiscard]] std::vector<Place> places_of(const std::string& drone) const override
+    {
+        auto found = places();
+        std::erase_if(found, [&](const Place& place) { return place.drone != drone; });
+        return found;
+    }
+
+private:
+    /// Another home of this machine may have a drone of the same name, but not at the same port.
+    [[nodiscard]] bool lives_here(const discovery::Neighbour& drone) const
+    try {
+        if (!home_.alive(drone.said.drone))
+            return false;
+        const auto state = home_.read_state(drone.said.drone).value_or(Json::object());
+        const auto port = ":" + std::to_string(drone.port);
+        for (const auto* key : {"listen", "advertise"})
+            for (const auto& address : state.value(key, Json::array()))
+                if (address.is_string() && address.get_ref<const std::string&>().ends_with(port))
+                    return true;
+        return false;
+    } catch (const std::exception&) {
+        return true;  // its state cannot be read, and the name says enough
+    }
+    [[nodiscard]] bool is_listed(const discovery::Neighbour& drone) const
+    {
+        const auto port = ":" + std::to_string(drone.port);
+        return std::ranges::any_of(list_.places(), [&](const Place& place) {
+            return place.drone == drone.said.drone && place.address.ends_with(port)
+                   && (place.address == drone.address || label(host_in(place)) == label(drone.host)
+                       || place.host == drone.host);
+        });
+    }
+    /// "cam1" of tcp://cam1:7700.
+    static std::string host_in(const Place& place) { return transport::parse_address(place.address).host; }
+    /// "cam1" of "cam1.example.org"; numbers stay as they are.
+    static std::string label(const std::string& host)
+    {
+        const bool number = host.find_first_not_of("0123456789.") == std::string::npos;
+        return number ? host : host.substr(0, host.find('.'));
+    }
+
+    const event::Home& home_;
+    const PlaceList& list_;
+    mutable discovery::Browser browser_;
 };
 
 /// "cam1:7700" of tcp://cam1:7700: tells apart what one host has twice.
@@ -82,16 +144,17 @@ std::string references_to(const std::vector<Place>& places)
 
 std::string drone_of(const std::string& reference) { return reference.substr(0, reference.find('@')); }
 
-Directory::Directory(std::filesystem::path home) : home_(std::move(home)), list_(home_.directory())
+Directory::Directory(std::filesystem::path home, const std::filesystem::path& key)
+    : home_(std::move(home)), list_(home_.directory()), network_(std::make_unique<AnnouncedPlaces>(home_, list_, key))
 {
-    providers_.push_back(std::make_unique<HomePlaces>(home_));
-    providers_.push_back(std::make_unique<ListedPlaces>(list_));
+    known_.push_back(std::make_unique<HomePlaces>(home_));
+    known_.push_back(std::make_unique<ListedPlaces>(list_));
 }
 
 std::vector<Place> Directory::places() const
 {
-    std::vector<Place> all;
-    for (const auto& provider : providers_)
+    auto all = network_->places();
+    for (const auto& provider : known_)
         std::ranges::move(provider->places(), std::back_inserter(all));
     std::ranges::stable_sort(all, {}, &Place::drone);
     return all;
@@ -111,27 +174,56 @@ std::vector<std::string> Directory::names() const
     return names;
 }
 
-std::vector<Place> Directory::all_of(const std::string& drone) const
+namespace {
+
+std::vector<Place> of_all(const std::vector<std::unique_ptr<PlaceProvider>>& providers, const std::string& drone)
 {
     std::vector<Place> found;
-    for (const auto& provider : providers_)
+    for (const auto& provider : providers)
         std::ranges::move(provider->places_of(drone), std::back_inserter(found));
     return found;
 }
 
-std::optional<Place> Directory::find(const std::string& reference) const
+/// "cam1" of "camera@cam1"; nothing when no host is named.
+std::optional<std::string> host_named(const std::string& reference)
 {
-    const auto drone = drone_of(reference);
-    const bool with_host = drone.size() < reference.size();
-    const auto host = with_host ? reference.substr(drone.size() + 1) : "";
-    auto found = all_of(drone);
-    if (with_host)
-        std::erase_if(found, [&](const Place& place) { return host.empty() || !is_at(place, host); });
+    const auto at = reference.find('@');
+    return at == std::string::npos ? std::nullopt : std::optional(reference.substr(at + 1));
+}
+
+/// The one of these that a reference to their drone means.
+std::optional<Place> meant(std::vector<Place> found, const std::string& reference)
+{
+    if (const auto host = host_named(reference))
+        std::erase_if(found, [&](const Place& place) { return host->empty() || !is_at(place, *host); });
     if (found.empty())
         return std::nullopt;
     if (found.size() > 1)
-        throw Error(Errc::invalid_argument, "several drones are called " + drone, "say which: " + references_to(found));
+        throw Error(Errc::invalid_argument, "several drones are called " + drone_of(reference),
+                    "say which: " + references_to(found));
     return found.front();
+}
+
+}  // namespace
+
+std::vector<Place> Directory::all_of(const std::string& drone) const
+{
+    auto found = of_all(known_, drone);
+    return found.empty() && is_name(drone) ? network_->places_of(drone) : found;
+}
+
+std::optional<Place> Directory::find_known(const std::string& reference) const
+{
+    return meant(of_all(known_, drone_of(reference)), reference);
+}
+
+std::optional<Place> Directory::find(const std::string& reference) const
+{
+    if (auto known = find_known(reference); known || host_named(reference) == Place::here)
+        return known;
+    if (!is_name(drone_of(reference)))
+        return std::nullopt;
+    return meant(network_->places_of(drone_of(reference)), reference);
 }
 
 }  // namespace hive

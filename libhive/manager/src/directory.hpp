@@ -3,6 +3,7 @@
 
 #include "place_list.hpp"
 
+#include <hive/discovery/browser.hpp>
 #include <hive/event/home.hpp>
 
 #include <functional>
@@ -21,10 +22,12 @@ public:
     [[nodiscard]] virtual std::vector<Place> places_of(const std::string& drone) const = 0;
 };
 
-/// For one thread. A drone is meant by its name, or by NAME@HOST; by NAME@HOST:PORT if that is not enough.
+/// For one thread. What the home and the list know is used at once; the network is asked for what they do not, and for
+/// all places. A drone is meant by its name, or by NAME@HOST; by NAME@HOST:PORT if that is not enough.
 class Directory {
 public:
-    explicit Directory(std::filesystem::path home);
+    /// @param key  the swarm's key file: drones of the local network count that have it; empty: none do
+    explicit Directory(std::filesystem::path home, const std::filesystem::path& key = {});
     Directory(const Directory&) = delete;  // the providers know its parts
     Directory& operator=(const Directory&) = delete;
 
@@ -36,13 +39,16 @@ public:
     [[nodiscard]] std::vector<std::string> names() const;
     /// Nothing when there is none. Throws Errc::invalid_argument when several are meant.
     [[nodiscard]] std::optional<Place> find(const std::string& reference) const;
-    /// All drones of one name.
+    /// The same in the home and the list alone, without waiting for a network.
+    [[nodiscard]] std::optional<Place> find_known(const std::string& reference) const;
+    /// All drones of one name; of the network only if the others know none.
     [[nodiscard]] std::vector<Place> all_of(const std::string& drone) const;
 
 private:
     event::Home home_;
     PlaceList list_;
-    std::vector<std::unique_ptr<PlaceProvider>> providers_;  ///< the nearest first
+    std::vector<std::unique_ptr<PlaceProvider>> known_;  ///< the nearest first
+    std::unique_ptr<PlaceProvider> network_;             ///< what these do not know
 };
 
 /// "camera" of "camera" and of "camera@cam1".

@@ -32,6 +32,13 @@ std::int64_t deadline_ms_before(Clock::time_point deadline)
     return std::max<std::int64_t>(left - std::min<std::int64_t>(left / 16, 100), 1);
 }
 
+void JointSet::Part::let_go()
+{
+    over = true;
+    if (link)
+        link->held = false;
+}
+
 JointSet::JointSet(event::Module& module, Terms terms) : module_(module), terms_(std::move(terms)) {}
 
 SetResult JointSet::run()
@@ -82,6 +89,7 @@ void JointSet::prepare(const PartPtr& part, const Place& place)
 void JointSet::ask_to_prepare(const PartPtr& part, const event::LinkPtr& link)
 {
     part->link = link;
+    link->held = true;
     const Json header{
         {"parameters", terms_.parameters}, {"prepare", token_}, {"deadline_ms", deadline_ms_before(terms_.deadline)}};
     link->request(PacketType::set, header, {}, terms_.deadline, [part](const event::Outcome& outcome) {
@@ -115,7 +123,7 @@ void JointSet::abort()
             if (part->link && may_hold(*part))
                 tell(part, "abort", Clock::now() + patience_after_abort);
             else
-                part->over = true;
+                part->let_go();
     });
     wait(Clock::time_point::max(), &JointSet::all_decided, [] { return false; });
 }
@@ -129,7 +137,7 @@ bool JointSet::may_hold(const Part& part)
 
 void JointSet::tell(const PartPtr& part, const char* decision, Clock::time_point until)
 {
-    part->over = true;
+    part->let_go();
     if (!part->link->open()) {
         part->decided = Error(Errc::connection_lost, "the connection has ended");
         return;

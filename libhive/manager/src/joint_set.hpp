@@ -28,6 +28,7 @@ private:
     /// One drone in one attempt. The network side writes the outcomes.
     struct Part {
         explicit Part(std::string name) : drone(std::move(name)) {}
+        void let_go();
 
         std::string drone;
         event::LinkPtr link;  ///< which was asked to prepare; the decision is for no other

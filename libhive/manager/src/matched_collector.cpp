@@ -44,6 +44,7 @@ public:
 
     [[nodiscard]] MatchCounts counts() const override { return matcher_.counts(); }
     [[nodiscard]] CollectCounts received() const override { return collector_->counts(); }
+    [[nodiscard]] std::vector<InputStatus> inputs() const override { return collector_->inputs(); }
 
 private:
     std::unique_ptr<Collector> collector_;

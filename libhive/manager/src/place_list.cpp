@@ -11,6 +11,8 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <map>
+#include <string_view>
 #include <thread>
 #include <tuple>
 #include <unistd.h>
@@ -144,6 +146,23 @@ void PlaceList::add(const Place& place)
     change([&](std::vector<Place>& places) {
         std::erase_if(places, [&](const Place& other) { return same_place(other, place); });
         places.push_back(place);
+        return true;
+    });
+}
+
+void PlaceList::replace(const std::vector<Place>& places)
+{
+    std::map<std::pair<std::string_view, std::string_view>, const Place*> fresh;
+    for (const auto& place : places) {
+        require_possible(place);
+        fresh[{place.drone, place.host}] = &place;
+    }
+    if (fresh.empty())
+        return;
+    change([&](std::vector<Place>& known) {
+        std::erase_if(known, [&](const Place& other) { return fresh.contains({other.drone, other.host}); });
+        for (const auto& [key, place] : fresh)
+            known.push_back(*place);
         return true;
     });
 }

@@ -19,6 +19,8 @@ public:
     [[nodiscard]] const std::vector<Place>& places() const;
     /// Adds a place; one of the same drone at the same host and port is replaced. Throws Errc::invalid_argument.
     void add(const Place& place);
+    /// Adds places; whatever else the list says of the same drones at the same hosts is out of date and goes.
+    void replace(const std::vector<Place>& places);
     /// False: it was not there.
     bool forget(const Place& place);
     /// These have answered now. What cannot be written is left out: nobody has asked for it.

@@ -1,5 +1,6 @@
-// Connecting: which ports fit, and telling the receiver.
+// Connecting: telling the receiver which output it is to register at, and where that is.
 #include "application_core.hpp"
+#include "fitting_ports.hpp"
 
 #include <hive/name.hpp>
 #include <hive/protocol/requests.hpp>
@@ -10,71 +11,13 @@ namespace hive {
 
 using protocol::PacketType;
 
-namespace {
-
-using Pair = std::pair<const Port*, const Port*>;
-
-std::vector<const Port*> candidates(const std::vector<Port>& ports, const Endpoint& end, const char* what)
-{
-    if (!end.port.empty())
-        return {&port_named(ports, end.drone, what, end.port)};
-    if (ports.empty())
-        throw Error(Errc::not_found, end.drone + " has no " + what, "see its ports: hivectl describe " + end.drone);
-    std::vector<const Port*> all;
-    for (const auto& port : ports)
-        all.push_back(&port);
-    return all;
-}
-
-std::string listed(const Endpoint& sender, const Endpoint& receiver, const std::vector<Pair>& pairs)
-{
-    std::string text;
-    for (const auto& [output, input] : pairs)
-        text += (text.empty() ? "" : ", or ") + sender.drone + "." + output->name + " " + receiver.drone + "."
-                + input->name;
-    return text;
-}
-
-std::string types_of(const std::vector<const Port*>& ports)
-{
-    std::string text;
-    for (const auto* port : ports)
-        text += (text.empty() ? "" : ", ") + port->name + ": " + port->type;
-    return text;
-}
-
-/// The one pair of ports that fits.
-Pair fitting_pair(const Endpoint& sender, const Interface& from, const Endpoint& receiver, const Interface& to)
-{
-    const auto outputs = candidates(from.outputs, sender, "output"), inputs = candidates(to.inputs, receiver, "input");
-    std::vector<Pair> pairs;
-    for (const auto* output : outputs)
-        for (const auto* input : inputs)
-            if (types_fit(output->type, input->type))
-                pairs.emplace_back(output, input);
-    if (pairs.size() == 1)
-        return pairs.front();
-    if (pairs.size() > 1)
-        throw Error(Errc::invalid_argument,
-                    "several outputs of " + sender.drone + " and inputs of " + receiver.drone + " fit",
-                    "say which: " + listed(sender, receiver, pairs));
-    if (outputs.size() == 1 && inputs.size() == 1)
-        throw Error(Errc::type_mismatch, sender.drone + "." + outputs[0]->name + " is " + outputs[0]->type + ", but "
-                                             + receiver.drone + "." + inputs[0]->name + " takes " + inputs[0]->type);
-    throw Error(Errc::type_mismatch, "no output of " + sender.drone + " (" + types_of(outputs) + ") fits an input of "
-                                         + receiver.drone + " (" + types_of(inputs) + ")");
-}
-
-}  // namespace
-
 std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver,
                                                    const ConnectionOptions& options)
 {
     const auto from = describe(sender.drone), to = describe(receiver.drone);
-    const auto [output, input] = fitting_pair(sender, from, receiver, to);
+    const auto [output, input] = fitting_ports(sender, from, receiver, to);
     if (to.stateful && !options.group.empty())
-        throw Error(Errc::refused,
-                    receiver.drone + " keeps state between events, so it must see every one: it cannot share");
+        throw sharing_refused(receiver.drone);
     const auto place = core_->place(sender.drone);
     protocol::Connect request{.drone = place.drone, .output = output->name, .input = input->name, .options = options};
     const auto ways = core_->ways(sender.drone, receiver.drone);

@@ -51,8 +51,9 @@ void start_log(const std::string& name, const std::string& level)
 
 /// The words of the command line that are checked later.
 struct Words {
-    std::vector<std::string> assignments;
+    std::vector<std::string> assignments, connections;
     std::string policy, level = "info";
+    double take_over_s = 0;
 };
 
 void declare_listening(CLI::App& app, DroneSettings& settings)
@@ -65,6 +66,9 @@ void declare_listening(CLI::App& app, DroneSettings& settings)
                    "where other machines find it, if that is not where it listens: tcp://HOST or tcp://HOST:PORT")
         ->type_name("ADDRESS");
     app.add_flag("--insecure", settings.listen.insecure, "let --listen take peers without a key");
+    app.add_flag(
+        "--no-announce", settings.listen.no_announce,
+        "do not announce it on the local network (by DNS-SD, where there is an Avahi daemon) when it listens there");
     app.add_option("--key", settings.listen.key,
                    "the swarm's key file; without it $HIVE_KEY, or ~/.config/hive/swarm.key")
         ->type_name("FILE");
@@ -78,12 +82,24 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
     app.add_option("--set", words.assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
         ->type_name("NAME=VALUE");
+    app.add_option("--connect", words.connections,
+                   "receive from there as soon as the sender is there, and again after each loss; may be repeated. "
+                   "INPUT may be left out where there is only one. OPTIONs: at=tcp://HOST:PORT (where the sender "
+                   "listens, if it is not met in this home), stream, notify, window=N, first_frame, share, group=NAME, "
+                   "lease=SECONDS, encoding=NAME")
+        ->type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
+        ->allow_extra_args(false);
     declare_listening(app, settings);
     app.add_option("--on-exception", words.policy,
                    "when the drone's code throws: skip the input, or halt until resumed")
         ->check(CLI::IsMember({"skip", "halt"}))
         ->default_str("skip");
     app.add_flag("--halted", settings.halted, "halt at once: nothing is done before `hivectl resume`");
+    app.add_option("--take-over", words.take_over_s,
+                   "take name, parameters and connections over from the running drone of this name, once this one is "
+                   "ready; end if that takes longer than so many seconds (see `hivectl replace`)")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.001, 86400.0));
     app.add_option("--log-level", words.level, "what is written to stderr")
         ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
         ->capture_default_str();
@@ -96,6 +112,11 @@ void check(DroneSettings& settings, const Words& words)
     require_name(settings.name, "drone");
     require_advertisable(settings.listen);
     settings.parameters = parameters_from(words.assignments);
+    settings.connections = service::connections_from(words.connections);
+    if (words.take_over_s > 0)
+        settings.take_over =
+            event::Clock::now()
+            + std::chrono::duration_cast<event::Clock::duration>(std::chrono::duration<double>(words.take_over_s));
     if (!words.policy.empty())
         settings.policy = from_token<ExceptionPolicy>(words.policy, "policy");
     start_log(settings.name, words.level);

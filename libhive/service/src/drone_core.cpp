@@ -2,6 +2,9 @@
 #include "drone_core.hpp"
 
 #include "requests.hpp"
+#include "succession.hpp"
+
+#include <hive/event/answer_filter.hpp>
 
 #include <iostream>
 #include <unistd.h>
@@ -18,9 +21,12 @@ struct DroneCore::Running {
     /// Whoever still waits for an answer gets one, the network side ends, and the name is free.
     void end();
 
+    /// Claims the name, unless it is to be taken over, and then reads what was told to a drone of this name.
+    Json first_state(const DroneCore& core);
+
     event::Home home{event::default_home()};
     std::optional<event::NameClaim> claim;  ///< until the end, which this object may outlive for long
-    Json left;                              ///< by a drone of this name that crashed
+    Json left;                              ///< by a drone of this name that crashed, or is to be replaced
     service::ListenWish wish;
     event::Module module;
     service::Listening listening;
@@ -30,8 +36,7 @@ struct DroneCore::Running {
 };
 
 DroneCore::Running::Running(DroneCore& core)
-    : claim(std::in_place, home, core.self_.name),
-      left(service::left_state(home, core.self_, core.reporter_)),
+    : left(first_state(core)),
       wish(service::wished(core.settings_.listen, left)),
       module({.self = core.self_,
               .limits = {},
@@ -57,8 +62,16 @@ DroneCore::Running::Running(DroneCore& core)
                 .halting = halting,
                 .worker = worker,
                 .end = [&core] { core.end(); },
+                .hand_over = [&core] { core.hand_over(); },
                 .remote_operator = core.settings_.remote_operator})
 {
+}
+
+Json DroneCore::Running::first_state(const DroneCore& core)
+{
+    if (!core.settings_.take_over)
+        claim.emplace(home, core.self_.name);
+    return core.left_state(home);
 }
 
 void DroneCore::Running::end()
@@ -66,6 +79,7 @@ void DroneCore::Running::end()
     if (module.loop().started())
         module.call([this] { requests.end(); });
     module.end();
+    listening.end();
     claim.reset();
 }
 
@@ -108,6 +122,7 @@ void DroneCore::start()
     if (running_)
         throw Error(Errc::invalid_argument, "a drone runs once");
     declaration_.interface = interface();
+    service::settle(settings_.connections, declaration_.interface, self_.name);
     prepare();
 }
 
@@ -130,6 +145,14 @@ void DroneCore::finish()
 void DroneCore::ended()
 {
     last_status_ = status();
+    if (board_.handing_over()) {
+        running_->module.settle();
+        running_->module.call([this] {
+            board_.handed_over();
+            running_->module.hand_over();
+        });
+        reporter_.log("another process takes over");
+    }
     mailbox_.discard([](const Event&) { return true; });
     running_->end();  // not reset(): what still runs on the network side uses it
     reporter_.log("ended");
@@ -154,7 +177,18 @@ void DroneCore::prepare()
     module.on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {
         reporter_.report(problem, &event->event());
     };
-    take_values(running_->left);
+    begin_work();
+}
+
+void DroneCore::begin_work()
+{
+    take_values(running_->left, settings_.take_over.has_value());
+    declaration_.on_start();
+    declaration_.on_change();
+    declaration_.parameters.read_back();
+    running_->module.start();
+    if (settings_.take_over)
+        take_over();
     board_.idle();
     if (settings_.halted)
         running_->halting.halt();
@@ -162,41 +196,75 @@ void DroneCore::prepare()
     serve();
 }
 
+/// All that costs time is done. What the drone was told meanwhile holds as well.
+void DroneCore::take_over()
+{
+    auto& running = *running_;
+    if (service::take_over(running.module, running.home, running.claim, *settings_.take_over))
+        settings_.halted = true;
+    auto left = left_state(running.home);
+    if (left == running.left)
+        return;
+    running.left = std::move(left);
+    running.wish = service::wished(settings_.listen, running.left);
+    take_values(running.left, false);
+    declaration_.on_change();
+    declaration_.parameters.read_back();
+}
+
 /// What the drone was told before a crash holds, unless it is told otherwise now.
-void DroneCore::take_values(const Json& state)
+/// @param all  throws when the drone does not take one of the values, instead of leaving it out
+void DroneCore::take_values(const Json& state, bool all)
 {
     auto& parameters = declaration_.parameters;
     board_.policy(settings_.policy ? *settings_.policy
                                    : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy"));
-    Json values = service::still_taken(state.value("parameters", Json::object()), parameters, reporter_);
+    Json saved = state.value("parameters", Json::object());
+    for (const auto& [name, value] : settings_.parameters.items())
+        saved.erase(name);
+    Json values = all ? parameters.checked(saved) : service::still_taken(saved, parameters, reporter_);
     values.update(parameters.checked(settings_.parameters));
     parameters.assign(values);
-    declaration_.on_start();
-    declaration_.on_change();
-    parameters.read_back();
 }
 
 void DroneCore::serve()
 {
     auto& module = running_->module;
-    module.start();
     module.call([&] {
         if (settings_.signals)
             module.on_signal([this](int) { end(); });
         running_->listening.begin(running_->wish, running_->left);
-        running_->requests.restore(running_->left);
+        running_->requests.restore(running_->left, settings_.connections);
     });
 }
 
 /// On the network side.
 void DroneCore::end()
 {
-    running_->home.forget_state(self_.name);
     if (!board_.stop())
         return;
+    running_->home.forget_state(self_.name);
     mailbox_.nudge();
     if (settings_.ends_process)
         last_grace_.begin(running_->home.path(self_.name, ".sock"));
+}
+
+/// On the network side. As in a halt nothing more is asked for, and shared work that was not begun goes back.
+void DroneCore::hand_over()
+{
+    if (!board_.hand_over())
+        return;
+    running_->module.halt(true);
+    mailbox_.discard(event::given_by_group);
+    mailbox_.nudge();
+    if (settings_.ends_process)
+        last_grace_.begin(running_->home.path(self_.name, ".sock"), service::LastGrace::length_to_hand_over);
+}
+
+Json DroneCore::left_state(const event::Home& home) const
+{
+    return service::left_state(
+        home, self_, settings_.take_over ? service::OtherKind::take : service::OtherKind::leave_out, reporter_);
 }
 
 std::optional<Json> DroneCore::given(const std::string& parameter) const
@@ -205,8 +273,7 @@ std::optional<Json> DroneCore::given(const std::string& parameter) const
         return settings_.parameters[parameter];
     if (settings_.describe)
         return std::nullopt;  // without a home
-    const Json told =
-        service::left_state(event::Home(event::default_home()), self_, reporter_).value("parameters", Json::object());
+    const Json told = left_state(event::Home(event::default_home())).value("parameters", Json::object());
     return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
 }
 

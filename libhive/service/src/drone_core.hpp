@@ -6,6 +6,7 @@
 #include "listening.hpp"
 #include "reporter.hpp"
 #include "status_board.hpp"
+#include "wished_connections.hpp"
 
 #include <chrono>
 #include <functional>
@@ -18,9 +19,12 @@ namespace hive {
 struct DroneSettings {
     std::string name;
     service::ListenWish listen;
-    Json parameters = Json::object();       ///< --set
-    std::optional<ExceptionPolicy> policy;  ///< empty: as before the crash, or skip
-    bool halted = false;                    ///< from the start
+    Json parameters = Json::object();            ///< --set
+    std::vector<protocol::Connect> connections;  ///< --connect
+    std::optional<ExceptionPolicy> policy;       ///< empty: as before the crash, or skip
+    bool halted = false;                         ///< from the start
+    /// To take over from the running drone of this name, if it is ready by then.
+    std::optional<std::chrono::steady_clock::time_point> take_over = {};
     bool describe = false;
     bool remote_operator = false;                 ///< members may set what is the operator's
     bool signals = true;                          ///< SIGINT and SIGTERM end the drone
@@ -50,6 +54,7 @@ public:
     [[nodiscard]] service::Emitter& emitter() noexcept { return emitter_; }
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
     [[nodiscard]] bool remembered(const std::string& parameter) const;
+    [[nodiscard]] Json left_state(const event::Home& home) const;
     [[nodiscard]] Status status();
 
     // --- for Drone, from any thread ---
@@ -64,9 +69,12 @@ private:
     struct Running;  ///< what there is between run() and the end
 
     void prepare();
-    void take_values(const Json& state);
+    void take_values(const Json& state, bool all);
+    void begin_work();
+    void take_over();
     void serve();
     void end();
+    void hand_over();
     void ended();
 
     service::LastGrace last_grace_;

@@ -13,11 +13,13 @@ DroneSettings settings_of(const DroneProgram& program, EmbeddedOptions options)
 {
     DroneSettings settings;
     settings.name = require_name(options.name.empty() ? program.kind : options.name, "drone");
-    settings.listen = {std::move(options.listen), std::move(options.advertise), options.insecure, options.key.string()};
+    settings.listen = {std::move(options.listen), std::move(options.advertise), options.insecure, options.key.string(),
+                       options.no_announce};
     service::require_sound(settings.listen);
     settings.halted = options.halted;
     settings.remote_operator = options.remote_operator;
     settings.parameters = std::move(options.parameters);
+    settings.connections = service::connections_from(options.connect);
     settings.policy = options.policy;
     settings.signals = options.signals;
     settings.ends_process = options.ends_process;

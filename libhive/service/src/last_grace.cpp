@@ -7,12 +7,12 @@
 
 namespace hive::service {
 
-void LastGrace::begin(const std::filesystem::path& socket)
+void LastGrace::begin(const std::filesystem::path& socket, std::chrono::seconds grace)
 {
-    thread_ = std::jthread([socket](const std::stop_token& ended) {
+    thread_ = std::jthread([socket, grace](const std::stop_token& ended) {
         std::mutex mutex;
         std::unique_lock lock(mutex);
-        std::condition_variable_any().wait_for(lock, ended, length, [] { return false; });
+        std::condition_variable_any().wait_for(lock, ended, grace, [] { return false; });
         if (ended.stop_requested())
             return;
         std::error_code ignored;

@@ -57,21 +57,14 @@ try {
 
 }  // namespace
 
-Address listen_address(const std::string& text)
-{
-    const auto colon = text.rfind(':'), bracket = text.rfind(']');
-    const bool without_port =
-        text.starts_with("tcp://") && (colon == 3 || (bracket != std::string::npos && colon < bracket));
-    return transport::parse_address(without_port ? text + ":0" : text);
-}
-
 ListenWish wished(ListenWish told, const Json& state)
 {
     const auto before = saved_texts(state, "listen");
     if (!told.listen.empty() || before.empty())
         return told;
     return {before, saved_texts(state, "advertise"), told.insecure || state.value("insecure", false),
-            told.key.empty() ? state.value("key", "") : told.key};
+            told.key.empty() ? state.value("key", "") : told.key,
+            told.no_announce || state.value("no_announce", false)};
 }
 
 std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish)
@@ -91,7 +84,7 @@ std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish)
 void Listening::begin(const ListenWish& wish, const Json& state)
 {
     const auto before = saved_texts(state, "listen");
-    held_ = {{}, {}, wish.insecure, wish.key};
+    held_ = {{}, {}, wish.insecure, wish.key, wish.no_announce};
     places_ = {to_text(module_.listen(home_.address(module_.self().name)))};
     for (const auto& text : wish.listen) {
         held_.listen.push_back(to_text(listen(listen_address(text), before)));
@@ -100,6 +93,23 @@ void Listening::begin(const ListenWish& wish, const Json& state)
     for (const auto& text : wish.advertise)
         held_.advertise.push_back(advertised(text, held_.listen));
     std::ranges::copy(held_.advertise.empty() ? held_.listen : held_.advertise, std::back_inserter(places_));
+    announce();
+}
+
+/// Where strangers may come in there is no key by which friends would know it.
+void Listening::announce()
+{
+    const auto spot = discovery::announced_spot(held_.listen, held_.advertise);
+    if (!spot || held_.insecure || held_.no_announce)
+        return;
+    const auto& self = module_.self();
+    announcer_ = std::make_unique<discovery::Announcer>(
+        discovery::Announcer::Plan{.drone = self.name,
+                                   .kind = self.kind,
+                                   .epoch = self.epoch,
+                                   .spot = *spot,
+                                   .key = held_.key.empty() ? default_key_file() : std::filesystem::path(held_.key),
+                                   .log = [this](const std::string& text) { reporter_.log(text); }});
 }
 
 Address Listening::listen(const Address& wanted, const std::vector<std::string>& before)
@@ -120,7 +130,11 @@ Address Listening::listen(const Address& wanted, const std::vector<std::string>&
 
 Json Listening::saved() const
 {
-    return {{"listen", held_.listen}, {"advertise", held_.advertise}, {"insecure", held_.insecure}, {"key", held_.key}};
+    return {{"listen", held_.listen},
+            {"advertise", held_.advertise},
+            {"insecure", held_.insecure},
+            {"key", held_.key},
+            {"no_announce", held_.no_announce}};
 }
 
 }  // namespace hive::service

@@ -44,8 +44,9 @@ void Requests::add_handlers()
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 
-void Requests::restore(const Json& state)
+void Requests::restore(const Json& state, const std::vector<protocol::Connect>& wished)
 {
+    wiring_.begin(wished);
     wiring_.restore(state.value("connections", Json::array()));
     state_file_.remember();
 }
@@ -125,8 +126,15 @@ void Requests::on_resume(const Incoming& incoming)
 
 void Requests::on_stop(const Incoming& incoming)
 {
-    incoming.answer(Json::object());
-    parts_.end();
+    const Fields fields(incoming.header, "stop");
+    if (!fields.flag_or("successor", false)) {
+        incoming.answer(Json::object());
+        return parts_.end();
+    }
+    if (const auto& name = parts_.module.self().name; !parts_.home.succession(name))
+        throw Error(Errc::refused, "no process waits to take over " + name);
+    incoming.answer(Json{{"halted", parts_.board.halted()}});
+    parts_.hand_over();
 }
 
 }  // namespace hive::service

@@ -20,14 +20,15 @@ public:
         event::Mailbox& mailbox;
         event::Module& module;
         Halting& halting;
-        Worker& worker;             ///< for commands alone
-        std::function<void()> end;  ///< ends the drone
-        bool remote_operator;       ///< members may set what is the operator's
+        Worker& worker;                   ///< for commands alone
+        std::function<void()> end;        ///< ends the drone
+        std::function<void()> hand_over;  ///< ends it in favour of a successor
+        bool remote_operator;             ///< members may set what is the operator's
     };
     explicit Requests(Parts parts);
 
-    /// Connects again what was connected before a crash.
-    void restore(const Json& state);
+    /// Connects what the command line says, and again what was connected before a crash.
+    void restore(const Json& state, const std::vector<protocol::Connect>& wished);
     /// Answers whoever still waits: the drone ends.
     void end() { parameters_.end(); }
     [[nodiscard]] Status status() const { return status_.now(); }

@@ -17,12 +17,12 @@ Json connection_json(const event::IntakeSpec& spec)
 
 }  // namespace
 
-Json left_state(const event::Home& home, const protocol::Hello& self, const Reporter& reporter)
+Json left_state(const event::Home& home, const protocol::Hello& self, OtherKind other, const Reporter& reporter)
 try {
     const auto state = home.read_state(self.name);
     if (!state)
         return Json::object();
-    if (const auto kind = Fields(*state, "state").text("kind"); kind != self.kind) {
+    if (const auto kind = Fields(*state, "state").text("kind"); kind != self.kind && other == OtherKind::leave_out) {
         reporter.log("what was told to a drone of this name and of the kind " + in_quotes(kind) + " is left out");
         return Json::object();
     }
@@ -46,7 +46,7 @@ Json still_taken(const Json& saved, const ParameterSet& parameters, const Report
 
 void StateFile::remember()
 {
-    if (board_.stopping())
+    if (board_.stopping() && !board_.handing_over())
         return;
     try {
         home_.write_state(module_.self().name, state());

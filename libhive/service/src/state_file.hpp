@@ -5,8 +5,13 @@
 
 namespace hive::service {
 
-/// What a crashed drone of this name and kind was told; an empty object when there is nothing of use. Any thread.
-[[nodiscard]] Json left_state(const event::Home& home, const protocol::Hello& self, const Reporter& reporter);
+/// What holds for a drone of this name and another kind.
+enum class OtherKind { leave_out, take };
+
+/// What a drone of this name was told that crashed, or that is to be replaced; an empty object when there is nothing of
+/// use. Any thread.
+[[nodiscard]] Json left_state(const event::Home& home, const protocol::Hello& self, OtherKind other,
+                              const Reporter& reporter);
 /// The saved values that the drone still takes. The user thread, before the start.
 [[nodiscard]] Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter);
 

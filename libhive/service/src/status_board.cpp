@@ -34,6 +34,14 @@ void StatusBoard::resume()
 
 bool StatusBoard::stop() { return !stopping_.exchange(true); }
 
+bool StatusBoard::hand_over()
+{
+    if (stopping_)
+        return false;
+    handing_over_ = true;  // before the user thread can see that it is to stop
+    return stop();
+}
+
 void StatusBoard::ended()
 {
     const std::lock_guard lock(mutex_);

@@ -38,6 +38,10 @@ public:
     void resume();
     /// @return  whether this was the first call
     bool stop();
+    /// As stop(), for a process that takes over: what the drone is told is kept until handed_over().
+    bool hand_over();
+    [[nodiscard]] bool handing_over() const noexcept { return handing_over_; }
+    void handed_over() { handing_over_ = false; }
     /// The loop has ended.
     void ended();
 
@@ -55,7 +59,7 @@ public:
     void policy(ExceptionPolicy policy);
 
 private:
-    std::atomic<bool> halted_ = false, stopping_ = false;
+    std::atomic<bool> halted_ = false, stopping_ = false, handing_over_ = false;
     mutable std::mutex mutex_;
     Values values_;
 };

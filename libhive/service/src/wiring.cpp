@@ -16,6 +16,9 @@ bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
     return one.sender == other.sender && one.output == other.output && one.input == other.input;
 }
 
+/// "image from camera.image"
+std::string ends_of(const IntakeSpec& spec) { return spec.input + " from " + spec.sender + "." + spec.output; }
+
 /// The host of "192.0.2.7:50012" or "[2001:db8::7]:50012"; empty: who is there is on this machine.
 std::string host_of(const std::string& peer_place)
 {
@@ -74,11 +77,32 @@ void Wiring::on_disconnect(const event::Incoming& incoming)
     incoming.answer(Json{{"removed", removed}});
 }
 
+void Wiring::begin(const std::vector<protocol::Connect>& connections)
+{
+    for (const auto& connect : connections)
+        begin(intake_spec(connect));
+}
+
+/// Nobody waits for the answer, so the log has it.
+void Wiring::begin(IntakeSpec spec)
+{
+    const auto intake = add_intake(std::move(spec));
+    intake->start([this, ends = ends_of(intake->spec()), weak = std::weak_ptr(intake)](const Outcome& outcome) {
+        const auto* error = std::get_if<Error>(&outcome);
+        const auto waiting = weak.lock();
+        if (error && waiting && !waiting->refusal() && error->code() != Errc::stopped)
+            reporter_.log(ends + ": waits for the sender: " + error->what());
+    });
+}
+
 void Wiring::restore(const Json& connections)
 {
     for (const auto& saved : connections)
         try {
-            add_intake(intake_spec(protocol::connect_from_json(saved)))->start({});
+            auto spec = intake_spec(protocol::connect_from_json(saved));
+            const auto same = [&](const auto& intake) { return same_ends(intake->spec(), spec); };
+            if (std::ranges::none_of(module_.intakes(), same))
+                begin(std::move(spec));
         } catch (const Error& error) {
             reporter_.log(std::string("a saved connection is left out: ") + error.what());
         }
@@ -105,10 +129,30 @@ IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
 
 std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 {
+    const auto own = std::make_shared<std::weak_ptr<Intake>>();
+    const auto changed = [this, own, said = std::make_shared<std::string>()] {
+        if (const auto intake = own->lock())
+            say(*intake, *said);
+        inputs_end_.look();
+    };
     const auto intake = module_.add_intake(
-        std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); }, [this] { inputs_end_.look(); });
+        std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); }, changed);
+    *own = intake;
     inputs_end_.look();  // while this one is not known to have ended, neither have all
     return intake;
+}
+
+/// Each once, until something else is to be said. What is refused is tried again and again, since the sender may be
+/// started anew as another one.
+void Wiring::say(const Intake& intake, std::string& said) const
+{
+    const auto refusal = intake.refusal();
+    const auto text = intake.connected() ? "connected"
+                      : refusal          ? std::string("the sender refuses the connection: ") + refusal->what()
+                                         : said;
+    if (text != said)
+        reporter_.log(ends_of(intake.spec()) + ": " + text);
+    said = text;
 }
 
 void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)

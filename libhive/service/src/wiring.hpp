@@ -26,6 +26,9 @@ public:
 
     void on_connect(const event::Incoming& incoming);
     void on_disconnect(const event::Incoming& incoming);
+    /// Connections that are made when their senders are there, and again whenever they are there again.
+    void begin(const std::vector<protocol::Connect>& connections);
+    /// The same with those of before a crash, but for those that there are already.
     /// @param connections  as the state file has them
     void restore(const Json& connections);
 
@@ -33,6 +36,8 @@ private:
     [[nodiscard]] event::IntakeSpec intake_spec(const protocol::Connect& connect) const;
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
+    void begin(event::IntakeSpec spec);
+    void say(const event::Intake& intake, std::string& said) const;
     [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
     void replace_earlier(const std::shared_ptr<event::Intake>& intake);
 

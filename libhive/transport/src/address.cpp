@@ -1,6 +1,6 @@
 // Addresses as text.
 #include <hive/error.hpp>
-#include <hive/transport/address.hpp>
+#include <hive/transport/listen_address.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -65,6 +65,14 @@ Address parse_address(std::string_view text)
     if (text.starts_with("in-process:"))
         return parse_name(text, Address::Scheme::in_process, after("in-process:"));
     fail(text, "unix:/path, tcp://HOST:PORT or in-process:NAME is expected");
+}
+
+Address listen_address(const std::string& text)
+{
+    const auto colon = text.rfind(':'), bracket = text.rfind(']');
+    const bool without_port =
+        text.starts_with("tcp://") && (colon == 3 || (bracket != std::string::npos && colon < bracket));
+    return parse_address(without_port ? text + ":0" : text);
 }
 
 std::string to_text(const Address& address)

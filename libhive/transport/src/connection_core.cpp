@@ -81,7 +81,7 @@ Carriage ConnectionCore::lend(protocol::Packet& packet)
     if (!reference)
         return Carriage::fallback;
     if (const auto offer = lending_->offer(*reference))
-        writer_.push(protocol::make_packet(protocol::PacketType::segment, to_text(to_json(offer->first))), {},
+        writer_.push(protocol::make_packet(protocol::PacketType::segment, hive::to_text(to_json(offer->first))), {},
                      offer->second);
     packet.type = protocol::PacketType::reference;
     packet.body = to_body(*reference);

@@ -4,6 +4,7 @@
 #include <asio/post.hpp>
 #include <asio/thread_pool.hpp>
 
+#include <cstdlib>
 #include <mutex>
 #include <netdb.h>
 #include <sys/socket.h>
@@ -70,10 +71,15 @@ NameLookup::NameLookup(asio::io_context& context, const std::string& host, std::
 {
     question_->context = &context;
     question_->handler = std::move(handler);
-    asio::post(lookup_threads(), [question = question_, host, port] {
+    const auto look = [question = question_, host, port] {
         auto [endpoints, error] = look_up(host, port);
         question->answer(std::move(endpoints), std::move(error));
-    });
+    };
+    static const bool at_once = std::getenv("HIVE_TEST_NO_LOOKUP_THREADS") != nullptr;
+    if (at_once)
+        look();
+    else
+        asio::post(lookup_threads(), look);
 }
 
 NameLookup::~NameLookup()

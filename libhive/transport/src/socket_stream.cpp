@@ -1,6 +1,8 @@
 // Sockets as streams.
 #include "socket_stream.hpp"
 
+#include "unsent_limit.hpp"
+
 #include <algorithm>
 #include <array>
 #include <sys/socket.h>
@@ -33,6 +35,8 @@ public:
     }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
+        if (!local_)  // it was tried before, and the kernel took nothing
+            unsent_.fit(socket_.native_handle());
         socket_.async_write_some(from, std::move(handler));
     }
     void close() noexcept override
@@ -48,6 +52,7 @@ private:
     Socket socket_;
     std::string peer_;
     bool local_;
+    UnsentLimit unsent_;
 };
 
 }  // namespace

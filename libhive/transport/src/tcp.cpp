@@ -2,8 +2,10 @@
 #include "accept_loop.hpp"
 #include "dial_attempt.hpp"
 #include "name_lookup.hpp"
+#include "port_holder.hpp"
 #include "schemes.hpp"
 #include "tls_handshake.hpp"
+#include "unsent_limit.hpp"
 
 #include <asio/ip/tcp.hpp>
 
@@ -33,10 +35,9 @@ void tune(int descriptor, const Endpoint& peer)
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, 1);  // seconds
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPCNT, 3);
     // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across
-    // a network the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded: 1
-    // ms of gigabit Ethernet.
+    // a network the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded.
     if (!is_loopback(peer))
-        return set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, 128 * 1024);
+        return set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, UnsentLimit::most);
     set_option(descriptor, SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
     set_option(descriptor, SOL_SOCKET, SO_RCVBUF, local_socket_buffer);
 }
@@ -117,8 +118,11 @@ Endpoint listening_endpoint(asio::io_context& context, const Address& address)
 Error listen_failure(const Address& address, int error)
 {
     const auto text = "cannot listen on " + to_text(address) + ": ";
-    if (error == EADDRINUSE)
-        return {Errc::name_taken, text + "port " + std::to_string(address.port) + " is taken"};
+    if (error == EADDRINUSE) {
+        const auto holder = holder_of_port(address.port);
+        return {Errc::name_taken,
+                text + "port " + std::to_string(address.port) + " is taken" + (holder.empty() ? "" : " by " + holder)};
+    }
     return {error == EACCES ? Errc::not_permitted : Errc::io, text + os_text(error)};
 }
 

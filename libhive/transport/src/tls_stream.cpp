@@ -239,6 +239,8 @@ void TlsStream::flush(std::size_t bytes, Handler handler)
     const auto error = send();
     if (error || outgoing_.empty())
         return post(std::move(handler), error, error ? 0 : bytes);
+    if (!local_)
+        unsent_.fit(socket_.native_handle());
     socket_.async_wait(Socket::wait_write, [this, bytes, handler = std::move(handler)](std::error_code failed) mutable {
         if (failed || !socket_.is_open())
             return handler(asio::error::operation_aborted, 0);

@@ -3,6 +3,7 @@
 
 #include "socket_stream.hpp"
 #include "tls_session.hpp"
+#include "unsent_limit.hpp"
 
 #include <vector>
 
@@ -57,6 +58,7 @@ private:
     bool local_;
     std::vector<unsigned char> outgoing_, staged_;
     std::size_t sent_ = 0;  ///< of outgoing_
+    UnsentLimit unsent_;
     SslPtr session_;
     int reason_ = 0;
     bool plain_peer_ = false;

@@ -29,7 +29,7 @@ bool try_row(const Row& row, const Column& column)
     run.rate = 200;
     run.seconds = 0.01;
     const auto outcome = execute(run).value_or(Json::object());
-    const bool good = outcome.value("ok", false) && outcome.value("received", 0) > 0;
+    const bool good = outcome.value("whole", false) && outcome.value("received", 0) > 0;
     std::cout << (good ? "ok      " : "FAILED  ") << row << ' ' << column.name << ": " << outcome.value("received", 0)
               << " received, " << outcome.value("lost", -1) << " lost, " << outcome.value("bad", -1) << " bad\n";
     return good;

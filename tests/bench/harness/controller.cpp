@@ -2,6 +2,7 @@
 #include "outcome.hpp"
 #include "roles.hpp"
 
+#include "free_port.hpp"
 #include "process.hpp"
 
 #include <csignal>
@@ -96,7 +97,7 @@ Json control(const Transport& transport, Run run)
 {
     const Board& board = make_board();
     run.place = "hive-bench-" + std::to_string(::getpid());
-    run.port = free_port();
+    run.port = test::free_port();
     if (run.size > 1'000'000)
         warm_free_memory();
     transport.prepare(run);

@@ -59,7 +59,9 @@ Json outcome_of(const Run& run, const Board& board, bool complete)
         add(sum, board.received[static_cast<std::size_t>(i)], board.sent, round_trips);
     Json json = identity(run);
     const bool any = sum.least > 0 && !sum.touched.empty();
-    json["ok"] = complete && board.finished && any && sum.bad == 0 && sum.lost == 0 && board.stalls == 0;
+    const bool whole = complete && board.finished && any && sum.bad == 0 && sum.lost == 0;
+    json["whole"] = whole;
+    json["ok"] = whole && board.stalls == 0;
     json.update({{"sent", board.sent},
                  {"received", sum.frames},
                  {"lost", sum.lost},

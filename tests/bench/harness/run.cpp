@@ -4,10 +4,7 @@
 #include <array>
 #include <functional>
 #include <map>
-#include <netinet/in.h>
 #include <stdexcept>
-#include <sys/socket.h>
-#include <unistd.h>
 
 namespace hive::bench {
 namespace {
@@ -88,21 +85,6 @@ std::vector<std::string> words_of(const Run& run)
             "index=" + std::to_string(run.index),
             "place=" + run.place,
             "port=" + std::to_string(run.port)};
-}
-
-std::uint16_t free_port()
-{
-    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    auto* const any = reinterpret_cast<sockaddr*>(&address);
-    const bool known = ::bind(socket, any, size) == 0 && ::getsockname(socket, any, &size) == 0;
-    ::close(socket);
-    if (!known)
-        throw std::runtime_error("no free TCP port on 127.0.0.1");
-    return ntohs(address.sin_port);
 }
 
 }  // namespace hive::bench

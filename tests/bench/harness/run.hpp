@@ -43,7 +43,5 @@ std::string to_text(Test test);
 Run read_run(const std::string& program, const std::vector<std::string>& words);
 /// What read_run reads.
 std::vector<std::string> words_of(const Run& run);
-/// A TCP port of 127.0.0.1 that nobody listens at.
-std::uint16_t free_port();
 
 }  // namespace hive::bench

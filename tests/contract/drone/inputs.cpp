@@ -113,3 +113,22 @@ TEST_CASE("drone: no input takes an output of the drone itself, and one that has
         CHECK(raw::error_of(peer.ask(raw::put, {{"input", input.at("name")}, {"type", "image/jpeg"}}, 0, "x"))
               == "halted");
 }
+
+TEST_CASE("drone: what --connect names is waited for, is told in the status, and is remembered after a crash")
+{
+    for (const auto& input : subject::description().at("inputs")) {
+        const auto name = input.at("name").get<std::string>();
+        const subject::Home home;
+        auto process = home.start({"--connect", name + "=nobody.image,window=3"});
+        const auto rows = [&] { return home.meet().ask(raw::status).at("result").at("inputs"); };
+        REQUIRE(rows().size() == 1);
+        CHECK(rows()[0].at("input") == name);
+        CHECK(rows()[0].at("from") == "nobody.image");
+        CHECK_FALSE(rows()[0].contains("connected"));
+        CHECK(rows()[0].at("why") == "dialing");
+        process.kill();
+        process = home.start();
+        REQUIRE(rows().size() == 1);
+        CHECK(rows()[0].at("options").at("window") == 3);
+    }
+}

@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <unistd.h>
+
 #include <fstream>
 #include <map>
 
@@ -112,8 +115,8 @@ TEST_CASE("drone: --help and --version answer and end well; unknown flags and ba
 {
     const auto help = subject::run_offline({"--help"});
     CHECK(help.exit_code == 0);
-    for (const char* flag :
-         {"--name", "--listen", "--set", "--describe", "--on-exception", "--halted", "--log-level", "--version"})
+    for (const char* flag : {"--name", "--listen", "--set", "--connect", "--describe", "--on-exception", "--halted",
+                             "--log-level", "--version"})
         CHECK_MESSAGE(help.output.find(flag) != std::string::npos, flag);
     const auto version = subject::run_offline({"--version"});
     CHECK(version.exit_code == 0);
@@ -121,6 +124,22 @@ TEST_CASE("drone: --help and --version answer and end well; unknown flags and ba
     CHECK(subject::run_offline({"--no-such-flag"}).exit_code != 0);
     CHECK(subject::run_offline({"--name", "../subject"}).exit_code != 0);
     CHECK(subject::run_offline({"--set", "no-equals-sign"}).exit_code != 0);
+}
+
+TEST_CASE("drone: --connect with a mistake of form, or to an input that it has not, is refused in a sentence")
+{
+    for (const char* word : {"nonsense", "camera.image,widow=2", "camera.image,lease=2", "camera.image,at=nowhere"}) {
+        const auto ended = subject::run_offline({"--connect", word});
+        CHECK(ended.exit_code == 2);
+        CHECK_MESSAGE(ended.output.find("--connect") != std::string::npos, ended.output);
+    }
+    // Which inputs there are is known when the drone has declared them; some look into the home before that.
+    const auto home = std::filesystem::temp_directory_path() / ("hv-refused-" + std::to_string(::getpid()));
+    const auto unknown =
+        subject::run({subject::program(), "--connect", "no-such-input=camera.image"}, {"HIVE_HOME=" + home.string()});
+    std::filesystem::remove_all(home);
+    CHECK(unknown.exit_code == 3);
+    CHECK_MESSAGE(unknown.output.find("--connect no-such-input=camera.image") != std::string::npos, unknown.output);
 }
 
 TEST_CASE("drone: the page lists exactly the parameters, with type, default, range, unit and help")

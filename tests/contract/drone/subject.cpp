@@ -54,7 +54,7 @@ public:
 
 fs::path program() { return told("HIVE_CONTRACT_PROGRAM"); }
 fs::path folder() { return told("HIVE_CONTRACT_FOLDER"); }
-Milliseconds within(int milliseconds) { return Milliseconds(milliseconds * (hive::test::sanitized() ? 3 : 1)); }
+Milliseconds within(int milliseconds) { return Milliseconds(3 * milliseconds); }
 
 Ended run(const std::vector<std::string>& words, const std::vector<std::string>& environment)
 {

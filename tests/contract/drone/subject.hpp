@@ -17,7 +17,7 @@ using raw::Json;
 /// HIVE_CONTRACT_PROGRAM: the binary. HIVE_CONTRACT_FOLDER: its source folder, with README.md.
 std::filesystem::path program();
 std::filesystem::path folder();
-/// A deadline, three times as long under a sanitizer.
+/// A deadline that only guards against hanging: three times as long, for a slow machine.
 Milliseconds within(int milliseconds);
 
 struct Ended {

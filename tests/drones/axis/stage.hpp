@@ -12,8 +12,6 @@ namespace stage {
 
 using namespace hive::test;
 
-inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 class EmulatedCamera {
 public:
     explicit EmulatedCamera(const Swarm& swarm, std::vector<std::string> words = {});

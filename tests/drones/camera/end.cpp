@@ -1,15 +1,12 @@
 // The end of a folder of pictures, behind two face drones that share the work, as each verb of hivectl sees it.
+#include "free_port.hpp"
 #include "media.hpp"
 #include "status_sums.hpp"
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
 
-#include <arpa/inet.h>
 #include <csignal>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -24,19 +21,6 @@ std::string folder_of_pictures(const std::filesystem::path& folder)
         media::write(folder / (std::to_string(100 + i) + ".jpg"),
                      media::encoded(".jpg", media::sample({64, 48}, CV_8UC3, i)));
     return folder.string();
-}
-
-std::string free_port()
-{
-    const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    REQUIRE(::bind(descriptor, reinterpret_cast<sockaddr*>(&address), size) == 0);
-    ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size);
-    ::close(descriptor);
-    return std::to_string(ntohs(address.sin_port));
 }
 
 std::ptrdiff_t lines(const std::string& text) { return std::ranges::count(text, '\n'); }
@@ -80,7 +64,7 @@ TEST_CASE("end: behind workers that share, results, collect, record, save, view 
         {"collect", {"collect", "face-1.faces", "face-1.annotated"}},
         {"record", {"record", "face-1.faces", "face-2.faces", "-o", file("run.hive")}},
         {"save", {"save", "face-1.annotated", file("out.mp4")}},
-        {"view", {"view", "face-1.annotated", "--http", free_port()}},
+        {"view", {"view", "face-1.annotated", "--http", std::to_string(free_port())}},
         {"snap", {"snap", "face-1.annotated", file("one.jpg"), "--timeout", "30"}}};
     std::vector<Process> running;
     for (const auto& [name, words] : verbs)
@@ -111,7 +95,8 @@ TEST_CASE("end: with --stay, results, collect, record and view go on behind work
         staying.insert(staying.end(), {"--stay", "--timeout", "0.5"});
         CHECK_MESSAGE(swarm.hivectl(staying).exit_code == 124, words[0]);
     }
-    auto view = swarm.hivectl_running({"view", "face-1.annotated", "--http", free_port(), "--stay"}, "view");
+    auto view =
+        swarm.hivectl_running({"view", "face-1.annotated", "--http", std::to_string(free_port()), "--stay"}, "view");
     REQUIRE(eventually([&] { return swarm.hivectl({"ps"}).out.find("viewer") != std::string::npos; }, 10'000ms));
     REQUIRE(eventually([&] { return sharing.ended("viewer"); }, 10'000ms));
     CHECK_FALSE(view.wait(1500ms));  // it would look twice a second whether everything has been shown

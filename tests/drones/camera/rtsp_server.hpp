@@ -10,8 +10,8 @@
 
 namespace hive::test {
 
-/// Each test has ports of its own, since they may run at once.
-inline std::string rtsp_port(int number) { return std::to_string(20'000 + ::getpid() % 4'000 * 10 + number); }
+/// Each test has ports of its own, since they may run at once; below those that the system gives to whoever asks.
+inline std::string rtsp_port(int number) { return std::to_string(20'000 + ::getpid() % 1'200 * 10 + number); }
 
 /// Ended with this.
 class RtspServer {

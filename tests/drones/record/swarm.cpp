@@ -1,5 +1,6 @@
 // Recording and replaying with real drones: nothing is changed, nothing is lost in silence, whatever ends the recorder.
 #include "measure.hpp"
+#include "recorded.hpp"
 #include "status_sums.hpp"
 
 #include <hive/event_text.hpp>
@@ -20,8 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr hive::ConnectionOptions wide{.window = 64, .group = {}, .lease = {}};
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Everything that an event is, as bytes; by whom it was shared on its way is no part of it.
 std::string bytes_of(hive::Event event)
@@ -244,7 +243,7 @@ TEST_CASE("recording: a recorder that was killed and is started again goes on in
     {
         auto recorder = swarm.drone("record", "record", {"file=" + file.string(), "overwrite=on"});
         application.connect({"source", ""}, {"record", ""}, {.window = 8, .group = {}, .lease = {}});
-        REQUIRE(eventually([&] { return Reader(file).summary().events() > 20; }));
+        REQUIRE(eventually([&] { return recorded_in(file) > 20; }));
         recorder.signal(SIGKILL);
         recorder.wait(2000ms);
     }
@@ -253,7 +252,7 @@ TEST_CASE("recording: a recorder that was killed and is started again goes on in
         CAPTURE(name);
         auto again = swarm.drone("record", "record");
         CHECK(application.get("record", {"file"}).at("file") == (swarm.home() / name).string());
-        CHECK(eventually([&] { return Reader(swarm.home() / name).summary().events() > 20; }));
+        CHECK(eventually([&] { return recorded_in(swarm.home() / name) > 20; }));
         again.signal(SIGKILL);
         again.wait(2000ms);
     }
@@ -343,7 +342,7 @@ TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are repla
     auto application = swarm.application();
     const auto somebody = application.collect({{"source", "tick"}});  // bodies that nobody receives are not made
     auto running = swarm.hivectl_running({"record", "source", "-o", file.string(), "--notify"}, "recording");
-    REQUIRE(eventually([&] { return fs::exists(file) && Reader(file).summary().events() > 10; }));
+    REQUIRE(eventually([&] { return recorded_in(file) > 10; }));
     running.signal(SIGINT);
     REQUIRE(running.wait(patient(3000ms)) == 0);
     const Reader reader(file);

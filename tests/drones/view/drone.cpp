@@ -1,4 +1,5 @@
 // The view drone and the verb view in a swarm, seen by a browser.
+#include "free_port.hpp"
 #include "http.hpp"
 
 #include <swarm.hpp>
@@ -49,7 +50,7 @@ std::string jpeg_file(const std::filesystem::path& path)
 TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera");
     const auto view = viewer(swarm, port);
     auto application = swarm.application();
@@ -76,7 +77,7 @@ TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
 TEST_CASE("view: a JPEG goes to the browser byte for byte, unless it is to be written on")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto file = jpeg_file(swarm.home() / "one.jpg");
     const auto camera = swarm.drone("camera", "camera", {"source=" + (swarm.home() / "one.jpg").string()});
     const auto view = viewer(swarm, port, {"overlay=off"});
@@ -92,7 +93,7 @@ TEST_CASE("view: a JPEG goes to the browser byte for byte, unless it is to be wr
 TEST_CASE("view: a picture that turns out damaged when it is looked at is an exception and a notice; the next is shown")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto view = viewer(swarm, port);
     auto application = swarm.application();
     const auto exceptions = application.exceptions({"view"});
@@ -117,7 +118,7 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
 TEST_CASE("view: the text on a picture that stays is written anew, for the snapshot and the stream")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera", {"width=320", "height=240"});
     const auto view = viewer(swarm, port);
     auto application = swarm.application();
@@ -150,7 +151,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
 TEST_CASE("view: with hold the next picture of a source on demand waits; a set lets it go")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera", {"pace=demand", "width=64", "height=64"});
     const auto view = viewer(swarm, port, {"hold=60000"});
     auto application = swarm.application();
@@ -165,7 +166,7 @@ TEST_CASE("view: with hold the next picture of a source on demand waits; a set l
 TEST_CASE("view: a port that is taken refuses the set with the reason, and the old page stays")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto view = viewer(swarm, port);
     auto application = swarm.application();
     const auto other = swarm.drone("view", "other", {}, {}, no_display);
@@ -182,7 +183,7 @@ TEST_CASE("view: a port that is taken refuses the set with the reason, and the o
 TEST_CASE("hivectl view: prints the address, shows the one output, and leaves nothing when it is interrupted")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera");
     auto process =
         swarm.hivectl_running({"view", "camera", "--http", std::to_string(port), "--encoding", "jpeg:60"}, "seen");
@@ -211,7 +212,7 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
           "nothing running either")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera");
     const auto drones = [&] { return swarm.application().drones(); };
     for (int round = 0; round < 6; ++round) {
@@ -236,7 +237,7 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
 TEST_CASE("hivectl view: the drone ends with the command, even if that is killed, and has forgotten what it was told")
 {
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera");
     auto process = swarm.hivectl_running({"view", "camera", "--http", std::to_string(port)}, "seen");
     REQUIRE(eventually([&] { return swarm.log("seen").find("http://") != std::string::npos; }, Milliseconds(15'000)));
@@ -252,7 +253,7 @@ TEST_CASE("hivectl view: several that begin at once show each in a drone of its 
     const auto camera = swarm.drone("camera", "camera");
     std::vector<Process> views;
     for (const char* name : {"a", "b", "c"})
-        views.push_back(swarm.hivectl_running({"view", "camera", "--http", std::to_string(http::free_port())}, name));
+        views.push_back(swarm.hivectl_running({"view", "camera", "--http", std::to_string(free_port())}, name));
     for (const char* name : {"a", "b", "c"})
         REQUIRE_MESSAGE(
             eventually([&] { return swarm.log(name).find("http://") != std::string::npos; }, Milliseconds(15'000)),
@@ -276,6 +277,6 @@ TEST_CASE("hivectl view: without a display it names --http; a drone that sends n
     CHECK(refused.exit_code == 5);
     CHECK(refused.err.find("--http PORT") != std::string::npos);
     CHECK(swarm.hivectl({"view", "nobody", "--http", "8080"}).exit_code == 3);
-    CHECK(swarm.hivectl({"view", "ticker", "--http", std::to_string(http::free_port())}).exit_code == 6);
+    CHECK(swarm.hivectl({"view", "ticker", "--http", std::to_string(free_port())}).exit_code == 6);
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera", "ticker"});
 }

@@ -57,7 +57,5 @@ std::string cookie(int port, const std::string& said = token);
 /// One request that a browser might send.
 Reply get(int port, const std::string& path, const std::string& said = token);
 cv::Mat decoded(const std::string& jpeg);
-/// A port that nobody listens at, at this time.
-int free_port();
 
 }  // namespace http

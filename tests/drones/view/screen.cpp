@@ -1,4 +1,5 @@
 // The window and the page as somebody sees them: only where Xvfb and chromium are installed.
+#include "free_port.hpp"
 #include "http.hpp"
 
 #include <swarm.hpp>
@@ -196,7 +197,7 @@ TEST_CASE("view page: a browser shows the picture and the numbers")
     if (!installed("chromium"))
         return;
     const Swarm swarm;
-    const int port = http::free_port();
+    const int port = free_port();
     const auto camera = swarm.drone("camera", "camera");
     const auto view =
         swarm.drone("view", "view", {"http=" + std::to_string(port), "token=" + http::token}, {}, {"DISPLAY="});

@@ -128,7 +128,7 @@ TEST_CASE(
 
 TEST_CASE("view server: one that stops reading for long is forgotten, and so is one that has gone")
 {
-    Stage stage({.stalled = std::chrono::seconds(1), .repeat = Milliseconds(100)});
+    Stage stage({.stalled = std::chrono::seconds(3), .repeat = Milliseconds(100)});
     {
         Client stopped(stage.port(), 16 * 1024);
         stopped.ask("/stream.mjpg");

@@ -22,6 +22,43 @@ hive_drone* quiet_drone(const char* kind)
 
 }  // namespace
 
+TEST_CASE("c: a call that waits ends when its thread is asked and no longer wants to")
+{
+    const Home home;
+    auto* drone = new_drone("busy");
+    int variable = 1;
+    REQUIRE(hive_drone_integer(drone, "n", &variable, nullptr, "") == HIVE_OK);
+    REQUIRE(hive_drone_start(drone) == HIVE_OK);  // and nobody lets it work, so a set is not answered
+    hive_application* application = nullptr;
+    REQUIRE(hive_application_new(R"({"timeout_ms": 600000})", &application) == HIVE_OK);
+    Text place;
+    CHECK(hive_default_home(nullptr) == HIVE_INVALID_ARGUMENT);
+    REQUIRE(hive_default_home(place.place()) == HIVE_OK);
+    CHECK(place.text() == home.path);
+    static int asked;
+    asked = 0;
+    const auto third_time = [](void* user) -> hive_code {
+        return ++*static_cast<int*>(user) == 3 ? hive_fail(HIVE_FAILED, "no") : HIVE_OK;
+    };
+    REQUIRE(hive_on_wait(third_time, &asked) == HIVE_OK);
+    CHECK(hive_application_set(application, "busy", R"({"n": 2})", nullptr) == HIVE_STOPPED);
+    CHECK(error().find("cancelled") != std::string::npos);
+    CHECK(asked == 3);
+    asked = 0;
+    CHECK(hive_application_wait(application, "busy", "halted", 600'000) == HIVE_STOPPED);
+    asked = 0;
+    Text result;
+    CHECK(hive_application_set_all(application, R"(["busy"])", R"({"n": 3})", nullptr, nullptr, result.place())
+          == HIVE_OK);
+    CHECK(result.json().at("changed") == "none");
+    REQUIRE(hive_on_wait(nullptr, nullptr) == HIVE_OK);
+    CHECK(hive_application_timeout(application, 1) == HIVE_OK);
+    CHECK(hive_application_set(application, "busy", R"({"n": 2})", nullptr) == HIVE_TIMEOUT);
+    CHECK(variable == 1);
+    hive_release(application);
+    hive_release(drone);
+}
+
 TEST_CASE("c: drones are found, described and awaited; what is wrong has a code, a text and an advice")
 {
     const Home home;

@@ -174,6 +174,12 @@ TEST_CASE("c: every event of a source on demand is worked on once; what a callba
         Text counts;
         REQUIRE(hive_collector_counts(results, counts.place(), nullptr) == HIVE_OK);
         CHECK(counts.json().at("received") == 4);
+        Text inputs;
+        REQUIRE(hive_collector_inputs(results, inputs.place(), nullptr) == HIVE_OK);
+        REQUIRE(inputs.json().size() == 1);
+        CHECK(inputs.json().at(0).at("from") == "worker.result");
+        CHECK(inputs.json().at(0).at("received") == 4);
+        CHECK(inputs.json().at(0).at("options").at("window") == 64);
         hive_release(results);
         hive_release(exceptions);
     }
@@ -286,12 +292,71 @@ TEST_CASE("c: events are brought together, and an application gets the sets")
         }
         hive_event* event = nullptr;
         CHECK(hive_collector_next(collector, 0, &event) == HIVE_INVALID_ARGUMENT);
+        Text here;
+        REQUIRE(hive_collector_inputs(collector, here.place(), nullptr) == HIVE_OK);
+        REQUIRE(here.json().size() == 2);
+        CHECK(here.json().at(0).at("from") == "a.out");
+        CHECK(here.json().at(1).at("received") == 5);
         hive_release(collector);
         hive_release(application);
     }
     for (auto* output : {left.output, joined.output})
         hive_release(output);
     hive_release(matching);
+}
+
+TEST_CASE("c: a body is made only for somebody, and what making it fails with is what emitting fails with")
+{
+    const Home home;
+    struct Making {
+        int made = 0;
+        hive_code result = HIVE_OK;
+        bool give = true;
+    } making;
+    bool wanted = false;
+    const auto make = [](void* user, hive_body** body) -> hive_code {
+        auto& self = *static_cast<Making*>(user);
+        ++self.made;
+        if (self.result != HIVE_OK)
+            return hive_fail(self.result, "no film left");
+        return self.give ? hive_body_new("abc", 3, body) : HIVE_OK;
+    };
+    auto* drone = new_drone("probe");
+    hive_output* output = nullptr;
+    REQUIRE(hive_drone_output(drone, "out", "a/b", "", &output) == HIVE_OK);
+    REQUIRE(hive_drone_start(drone) == HIVE_OK);
+    CHECK(hive_output_emit_made(output, nullptr, 0, make, &making, nullptr) == HIVE_OK);
+    CHECK(hive_output_emit_captured_made(output, 1, false, nullptr, 0, make, &making, nullptr) == HIVE_OK);
+    CHECK(making.made == 0);
+    CHECK(hive_output_emit_made(output, nullptr, 0, nullptr, &making, nullptr) == HIVE_INVALID_ARGUMENT);
+
+    auto* application = new_application();
+    hive_collector* collector = nullptr;
+    REQUIRE(
+        hive_application_collect(application, R"(["probe"])", R"({"connection": {"transfer": "stream"}})", &collector)
+        == HIVE_OK);
+    REQUIRE(eventually([&] { return hive_output_wanted(output, &wanted) == HIVE_OK && wanted; }));
+    making.result = HIVE_IO;
+    CHECK(hive_output_emit_made(output, nullptr, 0, make, &making, nullptr) == HIVE_IO);
+    CHECK(error() == "no film left");
+    making = {.made = 0, .result = HIVE_OK, .give = false};
+    CHECK(hive_output_emit_made(output, nullptr, 0, make, &making, nullptr) == HIVE_INVALID_ARGUMENT);
+    making.give = true;
+    CHECK(hive_output_emit_captured_made(output, 1'700'000'000'000'000, true, nullptr, 0, make, &making, nullptr)
+          == HIVE_OK);
+    CHECK(hive_output_emit_made(output, "{}", 2, make, &making, nullptr) == HIVE_OK);
+    CHECK(making.made == 3);
+    for (const auto captured : {std::int64_t{1'700'000'000'000'000}, std::int64_t{0}}) {
+        auto* event = next(collector);
+        CHECK(info_of(event).at("size") == 3);
+        if (captured)
+            CHECK(info_of(event).at("captured_us") == captured);
+        hive_release(event);
+    }
+    hive_release(collector);
+    hive_release(application);
+    hive_release(output);
+    hive_release(drone);
 }
 
 TEST_CASE("c: emitting on another thread than the one that runs the drone is refused")

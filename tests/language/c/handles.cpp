@@ -1,6 +1,8 @@
 // Handles that are null, released, invented, or of another kind: each function that takes one refuses it.
 #include "world.hpp"
 
+#include <hive_swarm.h>
+
 #include <fstream>
 #include <functional>
 #include <map>
@@ -27,6 +29,7 @@ struct Places {
     hive_loan* loan = nullptr;
     hive_collector* collector = nullptr;
     hive_event* event = nullptr;
+    hive_swarm* swarm = nullptr;
 };
 
 using Call = std::function<hive_code(void*)>;
@@ -35,6 +38,8 @@ hive_code nothing(void*) { return HIVE_OK; }
 hive_code no_event(void*, const hive_event*) { return HIVE_OK; }
 hive_code no_set(void*, const hive_event* const*, std::size_t) { return HIVE_OK; }
 hive_code no_end(void*, const char*) { return HIVE_OK; }
+hive_code no_body(void*, hive_body**) { return HIVE_OK; }
+hive_code no_encoding(void*, const hive_event*, const char*, hive_encoded*) { return HIVE_OK; }
 hive_code no_main(void*, std::int64_t*) { return HIVE_OK; }
 void no_log(void*, const char*) {}
 
@@ -55,6 +60,7 @@ std::map<std::string, Call> calls_of_events(Places& p)
             ON(hive_loan, hive_loan_bytes, &p.memory, &p.size),
             ON(hive_loan, hive_loan_body, 1, &p.body),
             ON(hive_matching, hive_matching_rule, nullptr),
+            ON(hive_encoded, hive_encoded_give, nullptr, 0, nullptr),
             ON(hive_output, hive_output_wanted, &p.flag),
             ON(hive_output, hive_output_received, &p.flag),
             ON(hive_output, hive_output_asked, &p.flag),
@@ -62,6 +68,8 @@ std::map<std::string, Call> calls_of_events(Places& p)
             ON(hive_output, hive_output_emit, nullptr, 0, nullptr, 0, nullptr),
             ON(hive_output, hive_output_emit_body, nullptr, 0, nullptr, nullptr),
             ON(hive_output, hive_output_emit_captured, 0, false, nullptr, 0, nullptr, nullptr),
+            ON(hive_output, hive_output_emit_made, nullptr, 0, no_body, nullptr, nullptr),
+            ON(hive_output, hive_output_emit_captured_made, 0, false, nullptr, 0, no_body, nullptr, nullptr),
             ON(hive_output, hive_output_fail, 0, false, HIVE_IO, "text"),
             ON(hive_output, hive_output_repeat, nullptr),
             ON(hive_output, hive_output_end, nullptr),
@@ -69,6 +77,7 @@ std::map<std::string, Call> calls_of_events(Places& p)
             ON(hive_collector, hive_collector_next, 0, &p.event),
             ON(hive_collector, hive_collector_next_set, 0, &p.event, 1, &p.size),
             ON(hive_collector, hive_collector_counts, &p.text, &p.size),
+            ON(hive_collector, hive_collector_inputs, &p.text, &p.size),
             ON(hive_collector, hive_collector_ended, &p.flag, &p.text),
             ON(hive_collector, hive_collector_close)};
 }
@@ -86,6 +95,8 @@ std::map<std::string, Call> calls_of_drones(Places& p)
             ON(hive_drone, hive_drone_values, &p.text, &p.size),
             ON(hive_drone, hive_drone_assign, "{}"),
             ON(hive_drone, hive_drone_output, "o", "a/b", "", &p.output),
+            ON(hive_drone, hive_drone_encoded_output, "p", "a/b", "", R"([{"word": "z", "type": "a/z"}])", no_encoding,
+               nullptr, &p.output),
             ON(hive_drone, hive_drone_on_event, "e", "a/b", "", no_event, nullptr),
             ON(hive_drone, hive_drone_on_matched, "[]", nullptr, no_set, nullptr, nullptr, &p.matching),
             ON(hive_drone, hive_drone_on_change, nothing, nullptr),
@@ -136,7 +147,21 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_halt, "x"),
             ON(hive_application, hive_application_resume, "x"),
             ON(hive_application, hive_application_stop, "x"),
-            ON(hive_application, hive_application_exception_policy, "x", "skip")};
+            ON(hive_application, hive_application_exception_policy, "x", "skip"),
+            ON(hive_application, hive_application_replace, "x", nullptr, no_log, nullptr, &p.text),
+            ON(hive_application, hive_swarm_open, "{}", R"({"form_only": true})", &p.swarm),
+            ON(hive_application, hive_swarm_remembered, &p.text, &p.size),
+            ON(hive_application, hive_swarm_running, nullptr, nullptr, &p.text, &p.size)};
+}
+
+std::map<std::string, Call> calls_of_swarms(Places& p)
+{
+    return {ON(hive_swarm, hive_swarm_close),
+            ON(hive_swarm, hive_swarm_export, "shell", nullptr, &p.text, &p.size),
+            ON(hive_swarm, hive_swarm_differences, &p.text, &p.size),
+            ON(hive_swarm, hive_swarm_up, 1000, nullptr, nullptr, &p.text, &p.size),
+            ON(hive_swarm, hive_swarm_down, 1000, nullptr, nullptr, &p.text, &p.size),
+            ON(hive_swarm, hive_swarm_stay, no_end, nullptr)};
 }
 
 #undef ON
@@ -146,19 +171,39 @@ std::map<std::string, Call> all_calls(Places& places)
     auto all = calls_of_events(places);
     all.merge(calls_of_drones(places));
     all.merge(calls_of_applications(places));
+    all.merge(calls_of_swarms(places));
     return all;
 }
 
-/// The functions whose first argument is a handle, as the header declares them.
+std::string text_of_headers()
+{
+    std::string text;
+    for (const char* name : {"hive.h", "hive_swarm.h"}) {
+        std::ifstream file(std::string(HIVE_SOURCE_DIR) + "/libhive/language/c/include/" + name);
+        text.append(std::istreambuf_iterator<char>(file), {});
+    }
+    return text;
+}
+
+/// The functions whose first argument is a handle, as the headers declare them.
 std::set<std::string> declared_with_handles()
 {
-    std::ifstream file(std::string(HIVE_SOURCE_DIR) + "/libhive/language/c/include/hive.h");
-    const std::string header{std::istreambuf_iterator<char>(file), {}};
+    const auto header = text_of_headers();
     const std::regex pattern(R"((hive_[a-z_]+)\((const )?hive_[a-z]+\* [a-z]+[,)])");
     std::set<std::string> names;
     for (std::sregex_iterator found(header.begin(), header.end(), pattern), end; found != end; ++found)
         names.insert((*found)[1]);
     return names;
+}
+
+/// Each but those that have nothing to do any more.
+void check_stopped(const std::map<std::string, Call>& calls, void* handle)
+{
+    for (const auto& [name, call] : calls) {
+        CAPTURE(name);
+        if (!name.ends_with("_close") && name != "hive_application_name")
+            CHECK(call(handle) == HIVE_STOPPED);
+    }
 }
 
 }  // namespace
@@ -239,13 +284,18 @@ TEST_CASE("c: an application that is closed says so, and so do its collectors; a
         await(application, "source");
         hive_collector* collector = nullptr;
         REQUIRE(hive_application_collect(application, R"(["source.out"])", nullptr, &collector) == HIVE_OK);
+        hive_swarm *swarm = nullptr, *closed = nullptr;
+        const char* const file = R"({"swarm": "one", "drones": {"source": {"kind": "source"}}})";
+        for (auto* place : {&swarm, &closed})
+            REQUIRE(hive_swarm_open(application, file, R"({"form_only": true})", place) == HIVE_OK);
+        CHECK(hive_swarm_close(closed) == HIVE_OK);
+        check_stopped(calls_of_swarms(places), closed);
         CHECK(hive_application_close(application) == HIVE_OK);
+        check_stopped(calls_of_swarms(places), swarm);
+        hive_release(swarm);
+        hive_release(closed);
         CHECK(hive_application_close(application) == HIVE_OK);
-        for (auto& [name, call] : calls_of_applications(places)) {
-            CAPTURE(name);
-            if (name != "hive_application_close" && name != "hive_application_name")
-                CHECK(call(application) == HIVE_STOPPED);
-        }
+        check_stopped(calls_of_applications(places), application);
         hive_event* event = nullptr;
         CHECK(hive_collector_next(collector, 0, &event) == HIVE_STOPPED);
         CHECK(hive_collector_close(collector) == HIVE_OK);

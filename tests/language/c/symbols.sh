@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The library exports what is listed, the header declares it, and nothing else is visible. Usage: symbols.sh LIBRARY HEADER LIST NM
+# The library exports what is listed, the headers declare it, and nothing else is visible. Usage: symbols.sh LIBRARY HEADERS LIST NM
 set -euo pipefail
-library=$1 header=$2 list=$3 nm=$4
+library=$1 headers=$2 list=$3 nm=$4
 
 exported=$("$nm" -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | LC_ALL=C sort)
-declared=$(tr '\n' ' ' < "$header" | grep -oE 'HIVE_API [^;(]*\(' | grep -oE 'hive_[a-z_]+ ?\($' | tr -d ' (' | LC_ALL=C sort)
+declared=$(cat "$headers"/*.h | tr '\n' ' ' | grep -oE 'HIVE_API [^;(]*\(' | grep -oE 'hive_[a-z_]+ ?\($' | tr -d ' (' | LC_ALL=C sort)
 difference() {
     diff "$list" <(printf '%s\n' "$1") > /tmp/hive-symbols.$$ && { rm -f /tmp/hive-symbols.$$; return; }
     echo "symbols: $2 differs from $list (< listed, > there):" >&2
@@ -13,5 +13,5 @@ difference() {
     exit 1
 }
 difference "$exported" "what the library exports"
-difference "$declared" "what the header declares"
+difference "$declared" "what the headers declare"
 echo "symbols: $(wc -l < "$list") functions, and nothing else"

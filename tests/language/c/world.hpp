@@ -55,6 +55,7 @@ public:
         return &text_;
     }
     [[nodiscard]] bool empty() const { return !text_; }
+    [[nodiscard]] std::string text() const { return text_; }
     [[nodiscard]] Json json() const { return Json::parse(text_); }
 
 private:

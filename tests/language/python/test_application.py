@@ -1,6 +1,5 @@
 """Applications in Python, against the drones that the C++ tests have too."""
 
-import asyncio
 import os
 import signal
 import subprocess
@@ -33,6 +32,7 @@ class Applications(World):
         self.assertEqual((described["kind"], described["outputs"][0]["name"]), ("ticker", "tick"))
         self.assertEqual(self.swarm.status("source")["name"], "source")
         self.assertTrue(self.swarm.name.startswith("app-"))
+        self.assertEqual(hive.default_home(), self.home)
 
     def test_connect_infers_the_ports_and_says_what_does_not_fit(self):
         self.drone("ticker", "source")
@@ -51,7 +51,8 @@ class Applications(World):
         self.assertEqual(self.swarm.set("worker-1", work_ms=5), {"work_ms": 5})
         self.assertEqual(self.swarm.set("worker-1", {"work_ms": "6"}), {"work_ms": 6})
         self.assertEqual(self.swarm.get("worker-1", "work_ms"), {"work_ms": 6})
-        self.assertEqual(self.swarm.set("worker-*", work_ms=7), {"worker-1": {"work_ms": 7}, "worker-2": {"work_ms": 7}})
+        both = {"worker-1": {"work_ms": 7}, "worker-2": {"work_ms": 7}}
+        self.assertEqual(self.swarm.set("worker-*", work_ms=7), both)
         self.swarm.set("worker-2", most_ms=10)
         with self.assertRaises(hive.SetError) as caught:
             self.swarm.set(["worker-1", "worker-2"], work_ms=20)
@@ -71,6 +72,8 @@ class Applications(World):
             self.assertIsNone(collector.next())
             self.assertEqual(collector.ended, "")
             self.assertEqual(collector.counts()["received"], 40)
+            (end,) = collector.inputs()
+            self.assertEqual((end["from"], end["connected"], end["received"]), ("source.tick", True, 40))
         self.refused("stopped", collector.next, 0)
 
     def test_an_event_is_done_when_the_next_is_asked_for_unless_it_is_held(self):
@@ -149,29 +152,6 @@ class Applications(World):
         self.assertIn("index", event.header)
         self.assertIn("source.tick", repr(event))
 
-    def test_asyncio_waits_beside_other_work_and_a_cancelled_wait_loses_nothing(self):
-        self.drone("ticker", "source", "pace=demand", "count=30")
-        self.swarm.halt("source")
-        collector = self.swarm.collect("source", window=4)
-        turns = []
-
-        async def other():
-            while True:
-                turns.append(time.monotonic())
-                await asyncio.sleep(0.001)
-
-        async def collect():
-            beside = asyncio.ensure_future(other())
-            with self.assertRaises(asyncio.TimeoutError):
-                await asyncio.wait_for(collector.__anext__(), 0.15)
-            self.swarm.resume("source")
-            numbers = [event.sequence async for event in collector]
-            beside.cancel()
-            return numbers
-
-        self.assertEqual(asyncio.run(asyncio.wait_for(collect(), PATIENCE)), list(range(1, 31)))
-        self.assertGreater(len(turns), 20)
-
     def test_waiting_leaves_the_interpreter_to_other_threads(self):
         self.drone("ticker", "source", "fps=0.1", "pace=demand", "count=0")
         self.swarm.halt("source")
@@ -206,6 +186,82 @@ class Applications(World):
         self.assertEqual(process.stdout.readline(), "interrupted\n")
         self.assertEqual(process.wait(PATIENCE), 0)
 
+    def interrupted(self, call):
+        """It must wait until Ctrl-C comes, and no longer."""
+        ctrl_c = threading.Timer(0.1, os.kill, [os.getpid(), signal.SIGINT])
+        failed, begun = None, time.monotonic()
+        try:
+            ctrl_c.start()
+            try:
+                call()
+            except hive.Error as error:
+                failed = error
+            time.sleep(600)
+        except KeyboardInterrupt:
+            pass
+        ctrl_c.join()
+        self.assertIsNone(failed)
+        self.assertLess(time.monotonic() - begun, 60)
+
+    def test_ctrl_c_ends_every_call_that_waits_for_a_drone(self):
+        self.drone("ticker", "source", "pace=demand")
+        self.swarm.halt("source")
+        worker = self.drone("sleeper", "worker")
+        collector = self.swarm.collect("source")
+        worker.send_signal(signal.SIGSTOP)
+        self.addCleanup(worker.send_signal, signal.SIGCONT)
+        calls = {
+            "describe": lambda swarm: swarm.describe("worker"),
+            "status": lambda swarm: swarm.status("worker"),
+            "status of many": lambda swarm: swarm.status(["worker", "source"]),
+            "set": lambda swarm: swarm.set("worker", work_ms=1),
+            "set on many": lambda swarm: swarm.set(["worker"], work_ms=1),
+            "get": lambda swarm: swarm.get("worker"),
+            "get of many": lambda swarm: swarm.get(["worker"]),
+            "connect": lambda swarm: swarm.connect("source.tick", "worker.image"),
+            "disconnect": lambda swarm: swarm.disconnect("source.tick", "worker.image"),
+            "collect": lambda swarm: swarm.collect("worker.result"),
+            "exceptions": lambda swarm: swarm.exceptions("worker"),
+            "put": lambda swarm: swarm.put("worker.image", b"x"),
+            "halt": lambda swarm: swarm.halt("worker"),
+            "resume": lambda swarm: swarm.resume("worker"),
+            "policy": lambda swarm: swarm.exception_policy("worker", "skip"),
+            "wait": lambda swarm: swarm.wait("worker", "halted", timeout=600),
+            "stop": lambda swarm: swarm.stop("worker"),
+            "next": lambda _: collector.next(600),
+        }
+        for name, call in calls.items():  # each with a connection of its own: who does not say hello has 2 s
+            with self.subTest(name), hive.Application(timeout=600) as swarm:
+                self.interrupted(lambda: call(swarm))
+                self.assertEqual(swarm.describe("source")["kind"], "ticker")
+        with hive.Application(timeout=600) as swarm:
+            other = threading.Thread(target=self.refused, args=("timeout", swarm.get, "worker"))
+            other.start()
+            time.sleep(0.05)  # it should be in by then; if not, this asks nothing of it
+            self.interrupted(swarm.drones)
+            other.join()
+
+    def test_what_a_handler_of_a_signal_raises_ends_a_call_and_one_that_returns_does_not(self):
+        worker = self.drone("sleeper", "worker")
+        worker.send_signal(signal.SIGSTOP)
+        self.addCleanup(worker.send_signal, signal.SIGCONT)
+        seen = []
+
+        def handler(number, frame):
+            seen.append(number)
+            if len(seen) == 1:
+                signal.setitimer(signal.ITIMER_REAL, 0.1)
+            else:
+                raise TimeoutError("ten minutes are too long")
+
+        before = signal.signal(signal.SIGALRM, handler)
+        self.addCleanup(signal.signal, signal.SIGALRM, before)
+        self.swarm.timeout(600)
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        with self.assertRaises(TimeoutError):
+            self.swarm.describe("worker")
+        self.assertEqual(len(seen), 2)
+
     def test_a_program_that_closes_nothing_ends_well(self):
         self.drone("ticker", "source", "fps=100")
         script = """
@@ -217,7 +273,8 @@ class Applications(World):
             drone = hive.Drone("inner", embedded=True)
             drone.start()
             """
-        done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], timeout=60, capture_output=True, text=True)
+        words = [sys.executable, "-c", textwrap.dedent(script)]
+        done = subprocess.run(words, timeout=60, capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertTrue(eventually(lambda: "inner" not in self.swarm.drones()))
 
@@ -233,6 +290,27 @@ class Applications(World):
         self.refused("stopped", collector.next)
         self.assertEqual(len(event.body), 1000)
         self.refused("invalid_argument", hive.Application, "../x")
+
+    def test_who_waits_while_it_is_closed_is_told(self):
+        self.drone("ticker", "source", "pace=demand")
+        self.swarm.halt("source")
+        collector, second = self.swarm.collect("source"), self.swarm.collect("source")
+        told = []
+
+        def wait(waiting):
+            try:
+                waiting.next()
+            except hive.Error as error:
+                told.append(str(error))
+
+        for waiting, close in ((collector, collector.close), (second, self.swarm.close)):
+            thread = threading.Thread(target=wait, args=(waiting,), daemon=True)
+            thread.start()
+            time.sleep(0.1)  # it should wait by then; if not, it is told all the same
+            close()
+            thread.join(PATIENCE)
+            self.assertFalse(thread.is_alive())
+        self.assertEqual(told, ["the collector is closed", "the application is closed"])
 
     def test_calls_of_several_threads_do_not_disturb_each_other(self):
         self.drone("ticker", "source", "fps=200")

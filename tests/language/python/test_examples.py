@@ -1,5 +1,6 @@
 """The examples of the pages, run as they stand there: each is a drone that answers or an application that prints."""
 
+import json
 import os
 import re
 import subprocess
@@ -10,6 +11,7 @@ from world import PATIENCE, PROGRAMS, World
 
 SOURCE = os.environ["HIVE_SOURCE_DIR"]
 PAGES = ("README.md", "libhive/language/README.md")
+SWARM_PAGE = "libhive/docs/swarm-file.md"
 FLAGS = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 
 
@@ -94,6 +96,27 @@ class Examples(World):
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertEqual(len(done.stdout.splitlines()), 5, done.stdout)
             self.assertEqual(self.swarm.get("face", "scale"), {"scale": 1.05})
+
+    def test_the_swarm_of_a_file_in_each_language(self):
+        (file,) = [text for text in blocks(SWARM_PAGE, "sh") if "<<'END'" in text]
+        self.write("doorway.json", file.partition("<<'END'\n")[2].partition("END\n")[0])
+        (c,) = blocks(SWARM_PAGE, "c")
+        python = [text for page in (SWARM_PAGE, "README.md") for text in blocks(page, "python")]
+        python = [text for text in python if "hive.Swarm(" in text]
+        self.assertEqual(len(python), 2)
+        scripts = [[sys.executable, self.write(f"swarm{i}.py", text)] for i, text in enumerate(python)]
+        self.addCleanup(self.stop_all)
+        environment = {**os.environ, "HIVE_DRONE_PATH": PROGRAMS}
+        for command in [[os.path.join(PROGRAMS, "swarm_of_page")], [self.built(c, "swarm")], *scripts]:
+            with self.subTest(command[-1]):
+                for steps in (5, 0):
+                    more = {"cwd": self.home, "env": environment, "timeout": 100}
+                    done = subprocess.run(command, capture_output=True, text=True, **more)
+                    self.assertEqual((done.returncode, done.stderr), (0, ""))
+                    told = json.loads(done.stdout)["steps"] if done.stdout.startswith("{") else done.stdout.splitlines()
+                    self.assertEqual(len(told), steps, done.stdout)
+                self.assertEqual(self.swarm.drones(), ["camera", "face-1", "face-2"])
+                self.swarm.swarms()[0].down(60)
 
     def test_they_are_as_short_as_was_promised(self):
         for _, text in drones_in("python", "hive.Application("):

@@ -1,9 +1,8 @@
-"""The package itself: what it declares, how long its import takes, what it says of itself."""
+"""The package itself: what it declares, what its import brings, what it says of itself."""
 
 import os
 import pickle
 import re
-import resource
 import subprocess
 import sys
 import unittest
@@ -11,13 +10,17 @@ import unittest
 import hive
 from hive import _library
 
-HEADER = os.path.join(os.environ["HIVE_SOURCE_DIR"], "libhive/language/c/include/hive.h")
+HEADERS = os.path.join(os.environ["HIVE_SOURCE_DIR"], "libhive/language/c/include")
+
+
+def header(name):
+    with open(os.path.join(HEADERS, name), encoding="utf-8") as file:
+        return file.read()
 
 
 def declared():
-    """The functions of hive.h, with how many arguments each has."""
-    with open(HEADER, encoding="utf-8") as file:
-        text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
+    """The functions of the headers, with how many arguments each has."""
+    text = re.sub(r"/\*.*?\*/", "", header("hive.h") + header("hive_swarm.h"), flags=re.S)
     functions = {}
     for name, arguments in re.findall(r"HIVE_API[^;]*?\bhive_([a-z_]+)\((.*?)\);", text, flags=re.S):
         flat = re.sub(r"\([^()]*\)", "", arguments)
@@ -35,23 +38,12 @@ class Package(unittest.TestCase):
         self.assertEqual(table, declared())
 
     def test_every_code_of_the_header_has_the_token_of_its_name(self):
-        with open(HEADER, encoding="utf-8") as file:
-            codes = dict(re.findall(r"HIVE_([A-Z_]+) = (\d+)", file.read()))
+        codes = dict(re.findall(r"HIVE_([A-Z_]+) = (\d+)", header("hive.h")))
         codes.pop("OK")
         self.assertEqual(_library.codes, {name.lower(): int(code) for name, code in codes.items()})
 
-    def test_its_import_takes_less_than_60_ms_of_processor_time(self):
-        def used(words):
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run([sys.executable, "-c", words], check=True)
-            after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-        best = min(used("import hive") for _ in range(5)) - min(used("pass") for _ in range(5))
-        self.assertLess(best, 0.060)
-
     def test_neither_numpy_nor_opencv_nor_asyncio_is_imported_with_it(self):
-        words = "import hive, sys; print([m for m in ('numpy', 'cv2', 'asyncio', 'logging') if m in sys.modules])"
+        words = "import hive, sys; print([m for m in ('numpy', 'cv2', 'asyncio', 'logging', 'traceback') if m in sys.modules])"
         out = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True).stdout
         self.assertEqual(out.strip(), "[]")
 
@@ -59,7 +51,9 @@ class Package(unittest.TestCase):
         for name in hive.__all__:
             thing = getattr(hive, name)
             self.assertTrue(thing.__doc__, name)
-            for inner, value in vars(thing).items() if isinstance(thing, type) else ():
+            parts = thing.__mro__ if isinstance(thing, type) else ()
+            own = [part for part in parts if part.__module__.startswith("hive")]
+            for inner, value in (item for part in own for item in vars(part).items()):
                 if not inner.startswith("_") and (callable(value) or isinstance(value, property)):
                     if name not in ("Hop", "Share") and inner not in ("resume",):
                         self.assertTrue(value.__doc__, f"{name}.{inner}")
@@ -69,10 +63,16 @@ class Package(unittest.TestCase):
         self.assertGreaterEqual(hive.protocol_version(), 1)
 
     def test_errors_travel_between_processes(self):
-        for error in (hive.Error("refused", "no", "ask again"), hive.SetError("refused", "no", "", "none", {"a": {}})):
+        for error in (
+            hive.Error("refused", "no", "ask again"),
+            hive.SetError("refused", "no", "", "none", {"a": {}}),
+            hive.SwarmFileError("invalid_argument", "no", "", [hive.Mistake(1, 2, "", "no", "")]),
+            hive.SwarmError("refused", "no", "", {"a": hive.Error("io", "no")}),
+        ):
             again = pickle.loads(pickle.dumps(error))
             self.assertEqual((again.code, str(again), again.advice), (error.code, str(error), error.advice))
             self.assertIs(type(again), type(error))
+            self.assertEqual(repr(vars(again)), repr(vars(error)))
 
     def test_what_json_cannot_hold_is_refused(self):
         for value in ({"x": float("nan")}, {"x": object()}, {"x": {1, 2}}):

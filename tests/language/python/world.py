@@ -96,3 +96,33 @@ class World(unittest.TestCase):
             function(*arguments, **more)
         self.assertEqual(caught.exception.code, code, caught.exception)
         return caught.exception
+
+
+class Embedded(World):
+    """Drones inside of the test."""
+
+    def source(self, emit, lossless=True):
+        """On demand: emit(output, number) is called for each event that is asked for."""
+        drone = hive.Drone("source", "For tests.", embedded=True)
+        output = drone.output("out", "application/octet-stream,image/raw", "events")
+        made = [0]
+
+        @drone.main
+        def step():
+            if not output.asked:
+                return 3600
+            made[0] += 1
+            emit(output, made[0])
+            return 0
+
+        return drone
+
+    def worker(self, work):
+        drone = hive.Drone("worker", "For tests.", embedded=True)
+        result = drone.output("result", "application/json", "results")
+
+        @drone.on_event("in", "*/*", "anything")
+        def deal(event):
+            work(result, event)
+
+        return drone

@@ -231,7 +231,7 @@ TEST_CASE("dispatch: what a receiver's line skips is never encoded")
             shop.dispatch.send(send, "loud");
     };
     for (std::int64_t sequence = 1; sequence <= 5; ++sequence)
-        carry_out([&](Decisions& to) { line.offer(emission(sequence), to); });
+        carry_out([&](Decisions& to) { line.offer(emission(sequence), {}, to); });
     shop.run_all();
     carry_out([&](Decisions& to) { line.written(10, to); });
     carry_out([&](Decisions& to) { line.request(epoch, {2, 1, 1}, to); });

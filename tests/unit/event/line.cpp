@@ -109,7 +109,7 @@ TEST_CASE("line: a stream whose transport stands still keeps the newest and coun
     const std::size_t picture = Line::most_queued_bytes;
     Decisions decisions;
     for (int i = 1; i <= 20; ++i)
-        line.offer(emission(i, false, picture), decisions);
+        line.offer(emission(i, false, picture), {}, decisions);
     CHECK(ledger.total() == 20);
     CHECK(ledger.in_flight() == 2);  // one with the transport, the newest behind it
     CHECK(ledger.of(Fate::dropped) == 18);
@@ -123,12 +123,39 @@ TEST_CASE("line: what waited behind an event that was dropped goes at once")
     Ledger ledger;
     Line line(1, "slow", epoch, streaming(), ledger);
     const auto offer = [&](std::int64_t sequence, std::size_t bytes) {
-        return sequences(decided([&](Decisions& to) { line.offer(emission(sequence, false, bytes), to); }));
+        return sequences(decided([&](Decisions& to) { line.offer(emission(sequence, false, bytes), {}, to); }));
     };
     CHECK(offer(1, 10) == Sequences{1});
     CHECK(offer(2, Line::most_queued_bytes).empty());
     CHECK(offer(3, 10) == Sequences{3});
     CHECK(ledger.of(Fate::dropped) == 1);
+}
+
+TEST_CASE(
+    "line: a stream may be behind for a while; then two events wait, or a few that are small, until it catches up")
+{
+    Ledger ledger;
+    Line line(1, "slow", epoch, streaming(), ledger);
+    constexpr std::size_t picture = 100'000;
+    Decisions decisions;
+    Clock::time_point now{};
+    const auto offer = [&](int count, std::size_t bytes) {
+        for (int i = 0; i < count; ++i)
+            line.offer(emission(1, false, bytes), now, decisions);
+    };
+    offer(9, picture);
+    CHECK(line.waiting() == 8);
+    now += Line::most_behind;
+    offer(1, picture);
+    CHECK(line.waiting() == 2);
+    CHECK(ledger.of(Fate::dropped) == 7);
+    offer(100, 100);
+    CHECK(line.waiting() == 100);  // the last pictures were dropped, what is small may wait
+    while (line.waiting() > 0)
+        line.written(picture, decisions);
+    offer(9, picture);
+    CHECK(line.waiting() > 2);  // another burst
+    CHECK(balanced(ledger));
 }
 
 TEST_CASE("line: a stream of small events queues a thousand, not more")
@@ -137,7 +164,7 @@ TEST_CASE("line: a stream of small events queues a thousand, not more")
     Line line(1, "slow", epoch, streaming(), ledger);
     Decisions decisions;
     for (int i = 1; i <= 3000; ++i)
-        line.offer(emission(i), decisions);
+        line.offer(emission(i), {}, decisions);
     CHECK(ledger.in_flight() == static_cast<std::int64_t>(Line::most_queued_events + Credit::most_lane_events));
     CHECK(balanced(ledger));
 }

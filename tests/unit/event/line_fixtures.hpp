@@ -10,7 +10,7 @@ struct OneLine {
 
     Sequences offer(std::int64_t sequence, bool lossless = false)
     {
-        return deliver(decided([&](Decisions& to) { line.offer(emission(sequence, lossless), to); }));
+        return deliver(decided([&](Decisions& to) { line.offer(emission(sequence, lossless), now, to); }));
     }
     Sequences ask(std::int64_t asked, std::int64_t done = 0) { return ask(Progress{asked, done, done}); }
     Sequences ask(const Progress& progress)
@@ -41,6 +41,7 @@ struct OneLine {
 
     ConnectionOptions options;
     Ledger ledger;
+    Clock::time_point now{};
     std::int64_t registration = epoch;
     Line line;
     std::int64_t behind = 0;                 ///< where its deliveries go on after resume()

@@ -60,6 +60,8 @@ private:
         const bool lossless = dice_.yes(60);
         const auto event = any_emission(dice_, ++sequence_, lossless);
         last_was_lossless_ = lossless;
+        if (!line_->kept())
+            now_ += std::chrono::milliseconds(dice_.between(0, 100));
         if (!line_->kept() || lossless) {
             books_.came();
             const bool replaces = options_.transfer == Transfer::synchronized && !lossless && !waiting_.empty()
@@ -68,9 +70,11 @@ private:
                 waiting_.pop_back();
                 books_.went(Fate::skipped);
             }
+            if (waiting_.empty())
+                behind_since_ = now_;
             waiting_.push_back({event});
         }
-        decide([&](Decisions& to) { line_->offer(event, to); });
+        decide([&](Decisions& to) { line_->offer(event, now_, to); });
         if (options_.transfer == Transfer::streaming)
             drop_oldest();
     }
@@ -82,7 +86,8 @@ private:
             bytes += item.event->size();
         const auto over = [&] {
             return waiting_.size() > Line::most_queued_events
-                   || (waiting_.size() > 1 && bytes > Line::most_queued_bytes);
+                   || (waiting_.size() > 1 && bytes > Line::most_queued_bytes)
+                   || (now_ - behind_since_ >= Line::most_behind && waiting_.size() > 2 && bytes > Credit::lane_bytes);
         };
         for (; over() && !waiting_.front().event->lossless(); waiting_.pop_front()) {
             bytes -= waiting_.front().event->size();
@@ -247,7 +252,7 @@ private:
     Ledger ledger_, books_;
     ConnectionOptions options_;
     std::optional<Line> line_;
-    Clock::time_point now_ = start;
+    Clock::time_point now_ = start, behind_since_{};
     std::int64_t registration_ = 100, sequence_ = 0, sent_ = 0;
     Progress known_;
     Lane lane_;

@@ -356,4 +356,24 @@ TEST_CASE("guest: no place is kept for it, and it takes nobody's")
           == Got{{3, {2}}});
 }
 
+TEST_CASE("receiver table: who is back at its own place leaves another one of its name, which expires as any other")
+{
+    World world;
+    world.add({.id = 1, .receiver = "results", .options = window(1)});
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    world.lose(1, Fate::lost_connection);
+    world.add({.id = 2, .receiver = "results", .options = window(1)});
+    world.offer(2, true);
+    CHECK(world.add({.id = 3, .receiver = "results", .options = window(1), .place = place, .unique = true})
+          == Got{{3, {1}}});
+    world.ask(3, {2, 1, 1});
+    world.ask(3, {3, 2, 2});
+    CHECK_FALSE(world.table.asked());  // for the other place
+    world.pass(Line::place_kept);
+    CHECK(world.table.asked());
+    for (const auto& row : world.rows())
+        CHECK(row.events.in_flight() == 0);
+}
+
 }  // namespace hive::event

@@ -81,6 +81,21 @@ TEST_CASE("connections: what both ends know is one row with the counts of both")
     CHECK(rows[0]["age_us"] == 40'000);
 }
 
+TEST_CASE("connections: each end has its host, also one that does not answer, and what is no drone known here has none")
+{
+    auto sender = camera(1, 0, 10, 4), receiver = face(0, 0, 4), lost = silent("face");
+    sender.place = {.drone = "camera", .host = "cam1", .address = "tcp://cam1:7700"};
+    receiver.place = {.drone = "face", .host = hive::Place::here, .address = "unix:/tmp/face.sock"};
+    lost.place = {.drone = "face", .host = "gpu1", .address = "tcp://gpu1:7700"};
+    const auto here = connection_rows({sender, receiver}).at(0);
+    CHECK(here["from_host"] == "cam1");
+    CHECK(here["to_host"] == hive::Place::here);
+    CHECK(connection_rows({sender, lost}).at(0)["to_host"] == "gpu1");
+    CHECK(connection_rows({sender}).at(0)["to_host"].is_null());
+    edge_of(sender).receiver = "app-1";
+    CHECK(connection_rows({sender}).at(0)["to_host"].is_null());
+}
+
 TEST_CASE("connections: every fate of the ledger has a key, and lost is their sum")
 {
     auto sender = camera(1, 0, 0, 0);

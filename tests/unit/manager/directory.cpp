@@ -72,6 +72,22 @@ TEST_CASE("place list: what one process writes another reads, and what is forgot
     CHECK(reader.places() == std::vector{place_of("face", "gpu1")});
 }
 
+TEST_CASE("place list: where a drone was started again, what was said of it at that host before is gone")
+{
+    const FreshHome home;
+    PlaceList list(home.path());
+    for (const auto& place : {place_of("camera", "cam1", 7700), place_of("camera", "cam1", 7701),
+                              place_of("camera", "cam2", 7700), place_of("face", "cam1", 7702)})
+        list.add(place);
+    list.replace({place_of("camera", "cam1", 7705), place_of("gesture", "cam1", 7701)});
+    CHECK(list.places()
+          == std::vector{place_of("camera", "cam1", 7705), place_of("camera", "cam2", 7700),
+                         place_of("face", "cam1", 7702), place_of("gesture", "cam1", 7701)});
+    CHECK_THROWS_AS(list.replace({place_of("camera", "cam1", 0)}), Error);
+    list.replace({});
+    CHECK(list.places().size() == 4);
+}
+
 TEST_CASE("place list: it remembers when a drone has answered, and only of those that it has")
 {
     const FreshHome home;

@@ -1,6 +1,7 @@
 // Printing: valid UTF-8 always, and nothing that a terminal obeys.
 #include <hive/error.hpp>
 #include <hive/json.hpp>
+#include <hive/json_places.hpp>
 #include <hive/printable.hpp>
 
 #include <doctest/doctest.h>
@@ -100,4 +101,69 @@ TEST_CASE("json: the error of a text does not repeat the text")
 {
     const std::string secret = "{\"password\":\"hunter2\",}";
     CHECK_THROWS_WITH_AS(parse_json(secret), "JSON with an error at byte 23", Error);
+}
+
+TEST_CASE("json places: where every key and value begins")
+{
+    const std::string text = R"({ "a" : [1, -2.5e3 ,true],"b\"}": {"c":"\\", "d":[ ]}, "e":null})";
+    const auto parsed = parse_placed_json(text);
+    CHECK_EQ(parsed.value, parse_json(text));
+    const auto at = [&](std::size_t place, std::string_view what) {
+        CHECK_EQ(std::string_view(text).substr(place, what.size()), what);
+    };
+    REQUIRE_EQ(parsed.place.members.size(), 3u);
+    const auto& a = *parsed.place.member("a");
+    at(a.key, "\"a\"");
+    at(a.value, "[1");
+    REQUIRE_EQ(a.items.size(), 3u);
+    at(a.items[0].value, "1,");
+    at(a.items[1].value, "-2.5e3 ");
+    at(a.items[2].value, "true]");
+    const auto& b = *parsed.place.member("b\"}");
+    at(b.key, "\"b\\\"");
+    at(b.member("c")->value, "\"\\\\\"");
+    at(b.member("d")->value, "[ ]");
+    at(parsed.place.member("e")->value, "null}");
+    CHECK_EQ(parsed.place.member("x"), nullptr);
+}
+
+TEST_CASE("json places: where a text breaks the rules or a limit")
+{
+    const auto place_of_mistake = [](const std::string& text, const JsonLimits& limits = {}) {
+        try {
+            parse_placed_json(text, limits);
+        } catch (const JsonMistake& mistake) {
+            return static_cast<int>(mistake.at());
+        }
+        return -1;
+    };
+    CHECK_EQ(place_of_mistake("[1,,2]"), 3);
+    CHECK_EQ(place_of_mistake("[1,2,]"), 5);
+    CHECK_EQ(place_of_mistake("[1, tru]"), 4);
+    CHECK_EQ(place_of_mistake("[\"abc"), 1);
+    CHECK_EQ(place_of_mistake("[1, 1e999]"), 4);
+    CHECK_EQ(place_of_mistake("[1, 99999999999999999999]"), 4);
+    CHECK_EQ(place_of_mistake("[1, \"\xff\"]"), 4);
+    CHECK_EQ(place_of_mistake("{\"a\": 1, \"a\": 2}"), 9);
+    CHECK_EQ(place_of_mistake("[1, [2]]", {.depth = 1}), 4);
+    CHECK_EQ(place_of_mistake("[1, 2, 3]", {.values = 3}), 7);
+    CHECK_EQ(place_of_mistake("[1, \"long\"]", {.string_bytes = 3}), 4);
+    CHECK_EQ(place_of_mistake("[1]"), -1);
+}
+
+TEST_CASE("text lines: lines and columns from 1, in characters")
+{
+    const std::string text = "one\n\xC3\xA4 two\r\n\nend";
+    const TextLines lines(text);
+    const auto at = [&](std::size_t byte) {
+        const auto spot = lines.at(byte);
+        return std::pair(spot.line, spot.column);
+    };
+    CHECK(at(0) == std::pair<std::size_t, std::size_t>(1, 1));
+    CHECK(at(3) == std::pair<std::size_t, std::size_t>(1, 4));
+    CHECK(at(4) == std::pair<std::size_t, std::size_t>(2, 1));
+    CHECK(at(7) == std::pair<std::size_t, std::size_t>(2, 3));
+    CHECK(at(12) == std::pair<std::size_t, std::size_t>(3, 1));
+    CHECK(at(text.size()) == std::pair<std::size_t, std::size_t>(4, 4));
+    CHECK(at(1000) == std::pair<std::size_t, std::size_t>(4, 4));
 }

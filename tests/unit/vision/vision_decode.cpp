@@ -15,7 +15,7 @@ namespace vision = hive::vision;
 
 namespace {
 
-Errc refusal(const media::Bytes& bytes, const std::string& type)
+Errc decode_refusal(const media::Bytes& bytes, const std::string& type)
 {
     try {
         vision::decode(Body(bytes), type);
@@ -93,12 +93,12 @@ TEST_CASE("decode: a JPEG is turned upright as its EXIF orientation says")
 TEST_CASE("decode: only the declared type is tried")
 {
     const cv::Mat picture = media::sample({20, 20}, CV_8UC3);
-    CHECK(refusal(media::encoded(".png", picture), "image/jpeg") == Errc::malformed);
-    CHECK(refusal(media::encoded(".jpg", picture), "image/png") == Errc::malformed);
-    CHECK(refusal(media::encoded(".bmp", picture), "image/png") == Errc::malformed);
-    CHECK(refusal(media::encoded(".bmp", picture), "image/bmp") == Errc::unsupported);
-    CHECK(refusal(media::encoded(".jpg", picture), "") == Errc::unsupported);
-    CHECK(refusal(media::encoded(".jpg", picture), "image/*") == Errc::unsupported);
+    CHECK(decode_refusal(media::encoded(".png", picture), "image/jpeg") == Errc::malformed);
+    CHECK(decode_refusal(media::encoded(".jpg", picture), "image/png") == Errc::malformed);
+    CHECK(decode_refusal(media::encoded(".bmp", picture), "image/png") == Errc::malformed);
+    CHECK(decode_refusal(media::encoded(".bmp", picture), "image/bmp") == Errc::unsupported);
+    CHECK(decode_refusal(media::encoded(".jpg", picture), "") == Errc::unsupported);
+    CHECK(decode_refusal(media::encoded(".jpg", picture), "image/*") == Errc::unsupported);
 }
 
 TEST_CASE("decode: bytes behind the end of a JPEG do not matter")

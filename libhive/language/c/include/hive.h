@@ -1,4 +1,5 @@
-/* Hive for C, and for every language that can call C: drones and applications, over libhive-c.so.
+/* Hive for C, and for every language that can call C: drones and applications, over libhive-c.so. Whole swarms are in
+   hive_swarm.h.
 
    Rules, the same for all functions:
    - What returns hive_code returns HIVE_OK or why it failed; hive_error_text() then says it in words, for this thread.
@@ -31,7 +32,7 @@ extern "C" {
 
 /* Grows when something is added, never for less: what is here stays as it is as long as the library is libhive-c.so.0.
  */
-#define HIVE_ABI_VERSION 1
+#define HIVE_ABI_VERSION 3
 
 /* --- errors --- */
 
@@ -76,6 +77,8 @@ HIVE_API int hive_code_exit_code(hive_code code);
 HIVE_API const char* hive_version(void);  /* of Hive: "0.1.0" */
 HIVE_API int hive_abi_version(void);      /* HIVE_ABI_VERSION of the library */
 HIVE_API int hive_protocol_version(void); /* of what travels between modules */
+/* Where drones of this machine meet: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID. */
+HIVE_API hive_code hive_default_home(char** path);
 
 /* --- handles and texts --- */
 
@@ -85,6 +88,7 @@ typedef struct hive_matching hive_matching;
 typedef struct hive_event hive_event;
 typedef struct hive_body hive_body;
 typedef struct hive_loan hive_loan;
+typedef struct hive_encoded hive_encoded;
 typedef struct hive_application hive_application;
 typedef struct hive_collector hive_collector;
 
@@ -137,10 +141,11 @@ typedef void (*hive_log_callback)(void* user, const char* line);
 /* A drone inside of a program that is more than a drone: it takes neither signals nor the process's end nor a log.
    `kind` says which program it is ("face"), `summary` what it does, in one sentence.
    Options: "name" in the swarm (default: the kind), "stateful" (keeps state between events, so its work cannot be
-   shared), "parameters" {name: value} to begin with, "on_exception" "skip" or "halt", "halted" (from the start, until
-   it is resumed), "listen" [addresses], "advertise" [addresses], "key" (the swarm's key file), "insecure",
-   "remote_operator" (as the options of the command line); and what it may take: "signals" (SIGINT and SIGTERM end it),
-   "ends_process" (when it was told to stop and its code does not return within 2 s). */
+   shared), "parameters" {name: value} to begin with, "connect" ["image=camera.image,window=2"] (what it receives, as
+   --connect of a program has it), "on_exception" "skip" or "halt", "halted" (from the start, until it is resumed),
+   "listen" [addresses], "advertise" [addresses], "key" (the swarm's key file), "insecure",
+   "no_announce", "remote_operator" (as the options of the command line); and what it may take: "signals" (SIGINT and
+   SIGTERM end it), "ends_process" (when it was told to stop and its code does not return within 2 s). */
 HIVE_API hive_code hive_drone_new(const char* kind, const char* summary, const char* options, hive_drone** drone);
 /* A program that is a drone: reads the command line that all drones share (--name, --set, --describe, ...), writes its
    log to stderr, and takes signals and the process's end. Options: "stateful". When the line was answered (--help) or
@@ -178,6 +183,20 @@ HIVE_API hive_code hive_drone_assign(hive_drone* drone, const char* json);
 /* `type`: one media type or several ("image/jpeg,image/png"); the first is what is emitted unless it is said. */
 HIVE_API hive_code hive_drone_output(hive_drone* drone, const char* name, const char* type, const char* help,
                                      hive_output** output);
+/* The same for an output that gives its events in other encodings too, to receivers that ask for one, take nothing
+   else, or are on another machine. `encodings`: [{"word": "jpeg", "type": "image/jpeg"}, ...], the preferred one first,
+   which is what travels to other machines; with "least" and "most" a whole number may stand behind the word
+   ("jpeg:80"). `type` lists the types of the encodings too. Emit the event as it is at hand. The callback gets it with
+   the encoding that is wanted ("jpeg:80"), and answers by hive_encoded_give(). It comes on a thread of its own, beside
+   those of the user thread, one at a time, once for all who want that encoding of an event. What it fails with is an
+   exception of the drone, and the event travels as it was emitted. */
+typedef hive_code (*hive_encode_callback)(void* user, const hive_event* event, const char* encoding,
+                                          hive_encoded* encoded);
+HIVE_API hive_code hive_drone_encoded_output(hive_drone* drone, const char* name, const char* type, const char* help,
+                                             const char* encodings, hive_encode_callback callback, void* user,
+                                             hive_output** output);
+/* The event in that encoding: its body, and its header, null for that of the event. */
+HIVE_API hive_code hive_encoded_give(hive_encoded* encoded, const char* header, size_t length, const hive_body* body);
 HIVE_API hive_code hive_drone_on_event(hive_drone* drone, const char* input, const char* type, const char* help,
                                        hive_event_callback callback, void* user);
 /* Inputs whose events belong together: [{"name", "type", "help"}, ...], two or more. `match`: null or {} for events of
@@ -237,14 +256,23 @@ HIVE_API hive_code hive_output_loan(const hive_output* output, size_t size, hive
    first. The bytes are copied. User thread, as all that follow. */
 HIVE_API hive_code hive_output_emit(hive_output* output, const char* header, size_t length, const void* bytes,
                                     size_t size, const char* type);
-/* The same with a body, which is not copied when it came of a loan. Null: nobody wants one, so none was made. */
+/* The same with a body, which is not copied when it came of a loan. Null: without. */
 HIVE_API hive_code hive_output_emit_body(hive_output* output, const char* header, size_t length, const hive_body* body,
                                          const char* type);
-/* Begins an identity captured at that time (microseconds since 1970). `lossless`: of a source on demand. When the body
-   is not wanted it need not be made: give null. */
+/* The same with a body that is made only if somebody is to have it: it is wanted, or it has to wait for the first
+   receiver of what comes of a source on demand. `make` puts the handle of a body into its place, which is taken over;
+   it is called before this returns, or not at all. What it fails with is what this fails with. */
+typedef hive_code (*hive_body_callback)(void* user, hive_body** body);
+HIVE_API hive_code hive_output_emit_made(hive_output* output, const char* header, size_t length,
+                                         hive_body_callback make, void* user, const char* type);
+/* Begins an identity captured at that time (microseconds since 1970). `lossless`: of a source on demand. A body
+   need not be made when it is not wanted: see hive_output_emit_made(). */
 HIVE_API hive_code hive_output_emit_captured(hive_output* output, int64_t captured_us, bool lossless,
                                              const char* header, size_t length, const hive_body* body,
                                              const char* type);
+HIVE_API hive_code hive_output_emit_captured_made(hive_output* output, int64_t captured_us, bool lossless,
+                                                  const char* header, size_t length, hive_body_callback make,
+                                                  void* user, const char* type);
 /* For main, about something that was taken and cannot be given, as a damaged file: it has its number all the same.
    Always fails, with that code; let main return it. */
 HIVE_API hive_code hive_output_fail(hive_output* output, int64_t captured_us, bool lossless, hive_code code,
@@ -342,6 +370,11 @@ HIVE_API hive_code hive_application_stop(hive_application* application, const ch
 HIVE_API hive_code hive_application_exception_policy(hive_application* application, const char* drone,
                                                      const char* policy);
 
+/* For this thread: asked again and again while a call of an application or a collector waits, on any of them. What
+   `callback` returns but HIVE_OK ends the call with HIVE_STOPPED; whether it has had its effect nobody knows then. It
+   must not call that application. Null: nobody is asked. */
+HIVE_API hive_code hive_on_wait(hive_callback callback, void* user);
+
 /* The next event; *event is null when none came within the time, and at once when everything has ended. */
 HIVE_API hive_code hive_collector_next(hive_collector* collector, int64_t timeout_ms, hive_event** event);
 /* Of a collector of sets: fills events[0] to events[*count - 1]; *count is 0 when none was complete within the time,
@@ -351,6 +384,9 @@ HIVE_API hive_code hive_collector_next_set(hive_collector* collector, int64_t ti
 /* {"received", "duplicates", "missing", "missing_turns", "failed", "dropped"}, and of sets "sets": {"sets", "waiting",
    "unmatched", "duplicates", "missing"}. */
 HIVE_API hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* length);
+/* This end of each connection, as a drone's status has it (SPEC.md, section 6.4): [{"input", "from" ("camera.image"),
+   "connected", "received", "queued", "last_age_us", "error", "why", ...}]; what is 0, false or empty is left out. */
+HIVE_API hive_code hive_collector_inputs(hive_collector* collector, char** json, size_t* length);
 /* Has all that it receives come to its end, and was everything taken? Then *text, if not null, is what is said about
    that, "" for a regular end. It is so no longer when something comes after all. */
 HIVE_API hive_code hive_collector_ended(hive_collector* collector, bool* ended, char** text);

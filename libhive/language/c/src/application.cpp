@@ -1,6 +1,7 @@
 // The calls of an application.
 #include "application_object.hpp"
 #include "texts.hpp"
+#include "waiting.hpp"
 
 #include <algorithm>
 
@@ -31,8 +32,6 @@ Json answer_json(const StatusAnswer& answer)
         object["status"] = to_json(answer.status);
     return object;
 }
-
-std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
 const char* changed_text(SetResult::Changed changed)
 {
@@ -65,6 +64,11 @@ void require_goal(const std::string& goal)
 
 }  // namespace
 
+hive_code hive_default_home(char** path)
+{
+    return guarded([&] { give_text(default_home().string(), path); });
+}
+
 hive_code hive_application_new(const char* options, hive_application** application)
 {
     return guarded([&] {
@@ -74,6 +78,7 @@ hive_code hive_application_new(const char* options, hive_application** applicati
         made.name = read.text("name");
         made.home = read.text("home");
         made.key = read.text("key");
+        made.cancelled = wait_is_cancelled;
         made.timeout = patience_of(read.integer("timeout_ms", 0, made.timeout.count()));
         *application = give(std::make_shared<ApplicationObject>(std::move(made)));
     });
@@ -154,6 +159,7 @@ hive_code hive_application_wait(hive_application* application, const char* drone
                 return;
             if (left <= 0ms)
                 throw Error(Errc::timeout, name + " did not become " + goal + " in time; it is " + found);
+            require_wait();
             std::this_thread::sleep_for(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
         }
     });

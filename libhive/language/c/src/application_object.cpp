@@ -2,30 +2,62 @@
 #include "application_object.hpp"
 
 #include "texts.hpp"
+#include "waiting.hpp"
 
 #include <algorithm>
 #include <array>
 
 namespace hive::c {
 
+/// With the mutex held.
+std::uint64_t Queue::ask()
+{
+    if (in_ == std::this_thread::get_id())
+        throw Error(Errc::invalid_argument, "this cannot be called from a callback of the same application");
+    return asked_++;
+}
+
+/// With the mutex held: lets the next one in that is still there.
+void Queue::pass_on()
+{
+    do
+        ++served_;
+    while (gone_.erase(served_) > 0);
+    left_.notify_all();
+}
+
 void Queue::enter()
 {
     std::unique_lock lock(mutex_);
-    if (in_ == std::this_thread::get_id())
-        throw Error(Errc::invalid_argument, "this cannot be called from a callback of the same application");
-    const auto mine = asked_++;
+    const auto mine = ask();
+    while (!left_.wait_for(lock, longest_turn, [&] { return mine == served_; })) {
+        lock.unlock();
+        const bool cancelled = wait_is_cancelled();
+        lock.lock();
+        if (!cancelled)
+            continue;
+        if (mine == served_)
+            pass_on();
+        else
+            gone_.insert(mine);
+        throw Error(Errc::stopped, "cancelled while it waited for a call of another thread");
+    }
+    in_ = std::this_thread::get_id();
+}
+
+void Queue::enter_in_any_case()
+{
+    std::unique_lock lock(mutex_);
+    const auto mine = ask();
     left_.wait(lock, [&] { return mine == served_; });
     in_ = std::this_thread::get_id();
 }
 
 void Queue::leave()
 {
-    {
-        const std::lock_guard lock(mutex_);
-        in_ = {};
-        ++served_;
-    }
-    left_.notify_all();
+    const std::lock_guard lock(mutex_);
+    in_ = {};
+    pass_on();
 }
 
 bool Queue::is_in() const
@@ -103,7 +135,7 @@ void ApplicationObject::close()
     }
     if (queue_.is_in())
         return;
-    queue_.enter();
+    queue_.enter_in_any_case();
     leave();
 }
 
@@ -115,11 +147,17 @@ void ApplicationObject::close(const std::shared_ptr<CollectorObject>& collector)
     }
     if (queue_.is_in())
         return;
-    queue_.enter();
+    queue_.enter_in_any_case();
     leave();
 }
 
 void ApplicationObject::released() { close(); }
+
+bool ApplicationObject::is_closing()
+{
+    const std::lock_guard lock(mutex_);
+    return all_doomed_;
+}
 
 std::shared_ptr<CollectorObject> ApplicationObject::new_collector()
 {
@@ -145,6 +183,8 @@ Json error_json(const Error& error)
             {"text", error.what()},
             {"advice", error.advice().empty() ? std::string(info(error.code()).advice) : error.advice()}};
 }
+
+std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
 Json place_json(const Place& place)
 {

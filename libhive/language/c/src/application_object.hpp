@@ -11,16 +11,23 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <vector>
 
 namespace hive::c {
 
+/// How long one thread waits for events before others are let in.
+constexpr std::chrono::milliseconds longest_turn(50);
+
 /// Lets threads in one after the other, first come, first served.
 class Queue {
 public:
-    /// Throws Errc::invalid_argument for the thread that is in already.
+    /// Throws Errc::invalid_argument for the thread that is in already, and Errc::stopped when the caller no longer
+    /// wants to wait.
     void enter();
+    /// The same for who must get in.
+    void enter_in_any_case();
     void leave();
     [[nodiscard]] bool is_in() const;
 
@@ -28,7 +35,11 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable left_;
     std::uint64_t asked_ = 0, served_ = 0;
+    std::set<std::uint64_t> gone_;  ///< of those that asked
     std::thread::id in_{};
+
+    std::uint64_t ask();
+    void pass_on();
 };
 
 class ApplicationObject;
@@ -66,6 +77,8 @@ public:
     void close(const std::shared_ptr<CollectorObject>& collector);
 
     [[nodiscard]] std::shared_ptr<CollectorObject> new_collector();
+    /// Does another thread wait to close it?
+    [[nodiscard]] bool is_closing();
     [[nodiscard]] const std::string& application_name() const noexcept { return name_; }
     [[nodiscard]] std::chrono::milliseconds timeout() const;
     void timeout(std::chrono::milliseconds timeout);
@@ -86,9 +99,6 @@ private:
     std::string name_;
 };
 
-/// How long one thread waits for events before others are let in.
-constexpr std::chrono::milliseconds longest_turn(50);
-
 /// Runs with the application of a handle, one thread at a time.
 template <class Function>
 hive_code with_application(hive_application* application, Function&& function)
@@ -98,6 +108,8 @@ hive_code with_application(hive_application* application, Function&& function)
 
 /// {"code", "text", "advice"}
 Json error_json(const Error& error);
+/// "camera.image"
+std::string end_text(const Endpoint& end);
 /// {"drone", "host", "address", "ssh", "answered_us"}
 Json place_json(const Place& place);
 ConnectionOptions connection_of(const Json& given, const ConnectionOptions& fallback = {});

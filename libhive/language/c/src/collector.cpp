@@ -2,6 +2,7 @@
 #include "application_object.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
+#include "waiting.hpp"
 
 #include <algorithm>
 
@@ -56,6 +57,7 @@ auto taken(CollectorObject& collector, int64_t timeout_ms, Take&& take)
         });
         if (found || over || Clock::now() >= end)
             return found;
+        require_wait();
     }
 }
 
@@ -152,6 +154,17 @@ hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* 
                               {"missing", sets.missing}};
         });
         give_json(counts, json, length);
+    });
+}
+
+hive_code hive_collector_inputs(hive_collector* collector, char** json, size_t* length)
+{
+    return guarded([&] {
+        const auto object = get<CollectorObject>(collector);
+        Status status;  // which tells them as a drone would
+        object->application->with(
+            *object, [&] { status.inputs = object->sets ? object->sets->inputs() : object->events->inputs(); });
+        give_json(to_json(status).at("inputs"), json, length);
     });
 }
 

@@ -24,9 +24,11 @@ EmbeddedOptions embedded_of(const Options& options)
     embedded.advertise = options.texts("advertise");
     embedded.insecure = options.flag("insecure");
     embedded.key = options.text("key");
+    embedded.no_announce = options.flag("no_announce");
     embedded.remote_operator = options.flag("remote_operator");
     embedded.halted = options.flag("halted");
     embedded.parameters = options.object("parameters");
+    embedded.connect = options.texts("connect");
     embedded.signals = options.flag("signals");
     embedded.ends_process = options.flag("ends_process");
     if (const auto policy = options.text("on_exception"); policy == "skip" || policy == "halt")
@@ -75,8 +77,9 @@ hive_code hive_drone_new(const char* kind, const char* summary, const char* opti
 {
     return guarded([&] {
         required(drone, "the place for the drone");
-        const Options read(options, {"name", "stateful", "parameters", "on_exception", "halted", "listen", "advertise",
-                                     "key", "insecure", "remote_operator", "signals", "ends_process"});
+        const Options read(options, {"name", "stateful", "parameters", "connect", "on_exception", "halted", "listen",
+                                     "advertise", "key", "insecure", "no_announce", "remote_operator", "signals",
+                                     "ends_process"});
         *drone = give(std::make_shared<DroneObject>(program_of(kind, summary, read), embedded_of(read)));
     });
 }

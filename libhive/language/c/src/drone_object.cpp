@@ -5,6 +5,19 @@
 
 namespace hive::c {
 
+namespace {
+
+/// The last reference may go on a thread that the drone waits for when it ends, as its encoder's.
+void end(EmbeddedDrone* drone)
+{
+    if (LibraryThread::is_this())
+        std::thread([drone] { delete drone; }).detach();
+    else
+        delete drone;
+}
+
+}  // namespace
+
 void LogSink::set(hive_log_callback callback, void* user)
 {
     const std::lock_guard lock(mutex_);
@@ -16,6 +29,7 @@ void LogSink::set(hive_log_callback callback, void* user)
 void LogSink::write(const std::string& line)
 {
     const std::lock_guard lock(mutex_);
+    const LibraryThread here;
     if (callback_)
         callback_(user_, line.c_str());
 }
@@ -58,11 +72,11 @@ void Variable::take() const
 DroneObject::DroneObject(DroneProgram program, EmbeddedOptions options)
 {
     options.log = [log = log_](const std::string& line) { log->write(line); };
-    drone_ = std::make_shared<EmbeddedDrone>(std::move(program), std::move(options));
+    drone_.reset(new EmbeddedDrone(std::move(program), std::move(options)), end);
     watch_changes();
 }
 
-DroneObject::DroneObject(std::unique_ptr<EmbeddedDrone> drone) : drone_(std::move(drone)) { watch_changes(); }
+DroneObject::DroneObject(std::unique_ptr<EmbeddedDrone> drone) : drone_(drone.release(), end) { watch_changes(); }
 
 /// The callbacks are called by the drone, which lives no longer than this object does: whoever runs it holds both.
 void DroneObject::watch_changes()

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "event.hpp"
+#include "library_thread.hpp"
 
 #include <hive/embedded_drone.hpp>
 

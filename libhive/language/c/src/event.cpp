@@ -1,6 +1,7 @@
 // What a caller asks of events, bodies and loans.
 #include "event.hpp"
 
+#include "library_thread.hpp"
 #include "texts.hpp"
 
 namespace hive::c {
@@ -170,6 +171,7 @@ hive_code hive_body_over(const void* bytes, size_t size, void (*free_bytes)(void
         // Armed only when nothing can fail any more: on failure the memory stays the caller's.
         const auto armed = std::make_shared<bool>(false);
         const std::shared_ptr<const void> owner(bytes, [=](const void*) {
+            const LibraryThread here;
             if (*armed)
                 free_bytes(user);
         });

@@ -32,6 +32,20 @@ OpenOutput for_user_thread(const hive_output* handle)
 
 Body body_of(const hive_body* body) { return body ? get<BodyObject>(body)->body : Body(); }
 
+/// A body that the caller's code makes when it is asked for; its reference is ours then.
+std::function<Body()> made_by(hive_body_callback make, void* user)
+{
+    required(make, "what makes the body");
+    return [make, user] {
+        hive_body* made = nullptr;
+        forget_error();
+        require_done(make(user, &made));
+        const Body body = get<BodyObject>(required(made, "the body"))->body;
+        hive_release(made);
+        return body;
+    };
+}
+
 std::chrono::system_clock::time_point time_of(int64_t captured_us)
 {
     return std::chrono::system_clock::time_point(std::chrono::microseconds(captured_us));
@@ -86,6 +100,13 @@ hive_code hive_output_emit_body(hive_output* output, const char* header, size_t 
     });
 }
 
+hive_code hive_output_emit_made(hive_output* output, const char* header, size_t length, hive_body_callback make,
+                                void* user, const char* type)
+{
+    return guarded(
+        [&] { for_user_thread(output)->emit(header_of(header, length), made_by(make, user), text_or_empty(type)); });
+}
+
 hive_code hive_output_emit_captured(hive_output* output, int64_t captured_us, bool lossless, const char* header,
                                     size_t length, const hive_body* body, const char* type)
 {
@@ -93,6 +114,15 @@ hive_code hive_output_emit_captured(hive_output* output, int64_t captured_us, bo
         const Body bytes = body_of(body);
         for_user_thread(output)->emit_captured(
             time_of(captured_us), lossless, header_of(header, length), [&] { return bytes; }, text_or_empty(type));
+    });
+}
+
+hive_code hive_output_emit_captured_made(hive_output* output, int64_t captured_us, bool lossless, const char* header,
+                                         size_t length, hive_body_callback make, void* user, const char* type)
+{
+    return guarded([&] {
+        for_user_thread(output)->emit_captured(time_of(captured_us), lossless, header_of(header, length),
+                                               made_by(make, user), text_or_empty(type));
     });
 }
 

@@ -23,29 +23,60 @@ An *application* connects drones into a swarm, sets their parameters and collect
         for event in swarm.results("face", count=5):
             print(event.sequence, event.header["faces"])
 
+A *swarm file* says which drones run where and how they are connected; a dict says it as well::
+
+    import hive
+    hive.Swarm("doorway.json").up()
+
 Times are seconds as ``float`` unless a name ends in ``_us`` (microseconds).  Whatever goes wrong is a
 :class:`hive.Error` with a ``code`` ("not_found", "timeout", ...).  Waiting never holds the interpreter's lock, and
 Ctrl-C ends it.  NumPy is needed for pictures alone, OpenCV nowhere.
 """
 
+from typing import TYPE_CHECKING as _TYPE_CHECKING, Any as _Any
+
 from ._errors import Error, SetError
-from ._library import protocol_version, version as __version__
-from .application import Application, Collector, MatchedCollector
-from .drone import Drone, Matching, Output, Parameter
+from ._library import default_home, protocol_version, version as __version__
+from .application import Application
+from .collector import Collector, MatchedCollector
+from .drone import Drone
+from .encoding import Encoding, pictures
 from .event import Event, Hop, Share
+from .output import Output
+from .parameter import Matching, Parameter
+
+if _TYPE_CHECKING:
+    from .swarm import ExportedFile, Mistake, Swarm, SwarmError, SwarmFileError
 
 __all__ = [
     "Application",
     "Collector",
     "Drone",
+    "Encoding",
     "Error",
     "Event",
+    "ExportedFile",
     "Hop",
     "MatchedCollector",
     "Matching",
+    "Mistake",
     "Output",
     "Parameter",
     "SetError",
     "Share",
+    "Swarm",
+    "SwarmError",
+    "SwarmFileError",
+    "default_home",
+    "pictures",
     "protocol_version",
 ]
+
+
+def __getattr__(name: str) -> _Any:
+    """What is about whole swarms is loaded when it is first asked for: most programs need none of it."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from . import swarm
+
+    return getattr(swarm, name)

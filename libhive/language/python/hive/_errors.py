@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Mapping
 
 
 class Error(RuntimeError):
@@ -43,3 +43,8 @@ class SetError(Error):
 
     def __reduce__(self) -> Any:
         return (type(self), (self.code, str(self), self.advice, self.changed, self.answers))
+
+
+def error_of(told: Mapping[str, str]) -> Error:
+    """Of {"code", "text", "advice"}."""
+    return Error(told["code"], told["text"], told["advice"])

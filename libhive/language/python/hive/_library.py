@@ -1,4 +1,4 @@
-"""The C library behind this package: found, loaded, and its functions declared (see hive.h)."""
+"""The C library behind this package: found, loaded, and its functions declared (see hive.h and hive_swarm.h)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import atexit
 import ctypes
 import json
 import os
+import threading
 import weakref
-from typing import Any, Optional
+from typing import Any, Generator, Optional
 
 from ._errors import Error
 
 SONAME = "libhive-c.so.0"
-_ABI = 1
+_ABI = 3
 
 
 def _load() -> ctypes.CDLL:
@@ -38,6 +39,14 @@ event_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void
 set_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p), ctypes.c_size_t)
 main_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64))
 end_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_char_p)
+body_callback = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.POINTER(ctypes.c_void_p))
+encode_callback = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p
+)
+progress_callback = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t, ctypes.c_char_p
+)
+told_callback = end_callback
 log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
 
 # One letter for each argument. Results: a code unless there is a second word.
@@ -61,28 +70,34 @@ _TYPES: dict[str, Any] = {
     "M": main_callback,
     "L": log_callback,
     "E": end_callback,
+    "G": body_callback,
+    "C": encode_callback,
+    "W": progress_callback,
 }
 _SIGNATURES = """
 error_code - c|error_text - s|error_advice - s|fail cs c|code_token c s|code_sentence c s|code_advice c s
-code_exit_code c i|version - s|abi_version - i|protocol_version - i|retain h|release h|handle_count - n|free h -
-event_info hPN|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
-body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP
-drone_new sssP|drone_from_arguments sssiAPI|drone_on_log hLh|drone_name hP|drone_given hsPB|drone_parameter hs
-drone_integer hsIss|drone_number hsDss|drone_flag hsBss|drone_text hsAss|drone_values hPN|drone_assign hs
-drone_output hsssP|drone_on_event hsssFh|drone_on_matched hssSFhP|matching_rule hs|drone_on_change hfh
-drone_on_start hfh|drone_on_end hEh|drone_main hMh|drone_describe hPN|drone_run h|drone_start h|drone_step hlB|drone_end h
-drone_wake h|drone_stop h|drone_condition hss|drone_source_events hl|drone_report hcs|drone_log hs|drone_stopping hB|drone_status hPN
-output_wanted hB|output_received hB|output_asked hB|output_loan hnP|output_emit hsnhns|output_emit_body hsnhs
-output_emit_captured hlbsnhs|output_fail hlbcs|output_repeat hh|output_end hs|output_begin_source h
+code_exit_code c i|version - s|abi_version - i|protocol_version - i|default_home P|retain h|release h|handle_count - n
+free h -|event_info hPN|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
+body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP|drone_new sssP|drone_from_arguments sssiAPI
+drone_on_log hLh|drone_name hP|drone_given hsPB|drone_parameter hs|drone_integer hsIss|drone_number hsDss
+drone_flag hsBss|drone_text hsAss|drone_values hPN|drone_assign hs|drone_output hsssP|drone_encoded_output hssssChP
+encoded_give hsnh|drone_on_event hsssFh|drone_on_matched hssSFhP|matching_rule hs|drone_on_change hfh
+drone_on_start hfh|drone_on_end hEh|drone_main hMh|drone_describe hPN|drone_run h|drone_start h|drone_step hlB
+drone_end h|drone_wake h|drone_stop h|drone_condition hss|drone_source_events hl|drone_report hcs|drone_log hs
+drone_stopping hB|drone_status hPN|output_wanted hB|output_received hB|output_asked hB|output_loan hnP
+output_emit hsnhns|output_emit_body hsnhs|output_emit_made hsnGhs|output_emit_captured hlbsnhs
+output_emit_captured_made hlbsnGhs|output_fail hlbcs|output_repeat hh|output_end hs|output_begin_source h
 application_new sP|application_close h|application_name hP|application_timeout hl|application_drones hPN
 application_remembered hPN|application_find hsPN|application_describe hsPN|application_status hsPN
 application_status_all hsPN|application_place hsPN|application_places hPN|application_add_place hs
-application_forget_place hs
-application_wait hssl|application_connect hsssP|application_disconnect hss|application_set hssP
-application_set_all hssfhP|application_get hssP|application_get_all hssP|application_collect hssP
+application_forget_place hs|application_wait hssl|application_connect hsssP|application_disconnect hss
+application_set hssP|application_set_all hssfhP|application_get hssP|application_get_all hssP|application_collect hssP
 application_collect_matched hsssP|application_exceptions hsP|application_put hssnhns|application_halt hs
-application_resume hs|application_stop hs|application_exception_policy hss
-collector_next hlP|collector_next_set hlPnN|collector_counts hPN|collector_ended hBP|collector_close h
+application_resume hs|application_stop hs|application_exception_policy hss|on_wait fh|collector_next hlP
+collector_next_set hlPnN|collector_counts hPN|collector_inputs hPN|collector_ended hBP|collector_close h
+swarm_check ssPN|swarm_schema PN|swarm_open hssP|swarm_close h|swarm_export hssPN|swarm_differences hPN
+swarm_up hlWhPN|swarm_down hlWhPN|swarm_stay hEh|swarm_remembered hPN|swarm_running hssPN
+application_replace hssLhP
 """
 
 
@@ -92,10 +107,21 @@ def _error() -> Error:
     return Error(token.decode(), text_of(_library.hive_error_text()), text_of(_library.hive_error_advice()))
 
 
+_raised: list[BaseException] = []  # by signal handlers, which run on the main thread
+
+
 def _check(code: int, _function: Any, _arguments: Any) -> int:
+    if _raised and threading.current_thread() is threading.main_thread():
+        raise _raised.pop()
     if code != 0:
         raise _error()
     return code
+
+
+def forget_raised() -> None:
+    """After a call that went on when a signal had come: of several signals, one is raised."""
+    if threading.current_thread() is threading.main_thread():
+        _raised.clear()
 
 
 def _declare(line: str) -> None:
@@ -111,14 +137,43 @@ def _declare(line: str) -> None:
         function.restype = _TYPES[result[0]]
 
 
+if _library.hive_abi_version() < _ABI:
+    raise ImportError(f"hive: {SONAME} is older than this package")
+
 for _line in _SIGNATURES.replace("\n", "|").split("|"):
     if _line:
         _declare(_line)
 
-if _library.hive_abi_version() < _ABI:
-    raise ImportError(f"hive: {SONAME} is older than this package")
-
 lib: Any = _library
+
+
+def _looks_at_signals() -> Generator[int, None, None]:
+    """Each look lets Python run the handlers of signals that have come.  What they raise is kept for the call that
+    waits, which is told to wait no longer.  A generator, because it is inside of its try whenever it goes on."""
+    answer = 0
+    while True:
+        try:
+            yield answer
+            answer = 0
+        except GeneratorExit:
+            return
+        except BaseException as raised:
+            trace = raised.__traceback__  # without this frame: who clears those of a traceback would end the looking
+            _raised.append(raised.with_traceback(trace and trace.tb_next))
+            del trace
+            answer = 1
+
+
+def _see_signals() -> Any:
+    """Has calls of this thread look while they wait."""
+    looks = _looks_at_signals()
+    next(looks)
+    look = callback(looks.send)
+    lib.hive_on_wait(look, None)
+    return look
+
+
+_look = _see_signals() if threading.current_thread() is threading.main_thread() else None
 
 
 def text_of(text: Optional[bytes]) -> str:
@@ -219,6 +274,11 @@ version: str = text_of(lib.hive_version())
 def protocol_version() -> int:
     """Of what travels between modules; two that speak different ones refuse each other."""
     return int(lib.hive_protocol_version())
+
+
+def default_home() -> str:
+    """Where drones of this machine meet: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID."""
+    return ask_text(lib.hive_default_home) or ""
 
 
 _living: weakref.WeakSet[Any] = weakref.WeakSet()

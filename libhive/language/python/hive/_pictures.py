@@ -129,6 +129,31 @@ def _decode_by_pillow(kind: str, data: bytes, numpy: Any) -> numpy.ndarray:
         raise _malformed(f"{kind}: {error}") from None
 
 
+def encode(kind: str, picture: numpy.ndarray, quality: int) -> bytes:
+    """A grey or BGR picture as image/jpeg or image/png, by OpenCV or, where that is missing, Pillow."""
+    try:
+        import cv2
+    except ImportError:
+        return _encode_by_pillow(kind, picture, quality)
+    if kind == "image/png":
+        return cv2.imencode(".png", picture)[1].tobytes()
+    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+
+
+def _encode_by_pillow(kind: str, picture: numpy.ndarray, quality: int) -> bytes:
+    import io
+
+    try:
+        from PIL import Image
+    except ImportError:
+        if kind == "image/png":
+            return as_png(picture)
+        raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil") from None
+    file = io.BytesIO()
+    Image.fromarray(picture if picture.ndim == 2 else picture[:, :, ::-1]).save(file, kind[6:].upper(), quality=quality)
+    return file.getvalue()
+
+
 def as_png(picture: numpy.ndarray) -> bytes:
     """A PNG of a grey or BGR picture, for notebooks."""
     height, width = picture.shape[:2]

@@ -1,29 +1,20 @@
-"""Applications: find drones, connect, configure, collect."""
+"""Applications: find drones, connect, configure, begin to collect."""
 
 from __future__ import annotations
 
 import ctypes
 import os
-import time
-from typing import Any, AsyncIterator, Iterator, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence, Union
 
 from . import _library
 from ._errors import Error, SetError
+from ._finding import Finding, Names, answer_of, is_many
 from ._library import as_json, ask, ask_handle, ask_text, encoded, lib, release
+from .collector import Collector, MatchedCollector, Seconds, milliseconds
 from .event import Event
 
-Names = Union[str, Sequence[str]]
-Seconds = float
-_SLICE = 0.1  # how soon Ctrl-C is seen while nothing comes
-_MOST_IN_SET = 64
-
-
-def _milliseconds(seconds: float) -> int:
-    return max(0, min(int(seconds * 1000 + 0.999), 24 * 3600 * 1000))
-
-
-def _is_many(drone: Names) -> bool:
-    return not isinstance(drone, str) or "*" in drone or "?" in drone
+if TYPE_CHECKING:
+    from .swarm import Source, Swarm
 
 
 def _connection(
@@ -47,162 +38,13 @@ def _connection(
     if first_frame:
         options["first_frame"] = True
     if lease is not None:
-        options["lease_ms"] = _milliseconds(lease)
+        options["lease_ms"] = milliseconds(lease)
     if encoding:
         options["encoding"] = encoding
     return options
 
 
-class _Collecting:
-    """What both kinds of collectors have: waiting in slices, so that Ctrl-C is seen, and asyncio."""
-
-    def __init__(self, handle: ctypes.c_void_p) -> None:
-        self._handle: Optional[ctypes.c_void_p] = handle
-        self._executor: Any = None
-        self._pending: Any = None  # of an asyncio wait that was cancelled
-        self._last: Sequence[Event] = ()
-
-    def __del__(self) -> None:
-        release(self._handle)
-
-    def _take(self, seconds: float) -> Any:
-        raise NotImplementedError
-
-    def _hand_out(self, taken: Any) -> Any:
-        self._last = () if taken is None else (taken,) if isinstance(taken, Event) else taken
-        return taken
-
-    def _go_on(self) -> None:
-        """Whoever asks for the next one is done with the last."""
-        for event in self._last:
-            event._left()
-        self._last = ()
-
-    def _next(self, timeout: Optional[Seconds]) -> Any:
-        self._go_on()
-        end = None if timeout is None else time.monotonic() + timeout
-        while True:
-            left = _SLICE if end is None else min(_SLICE, max(0.0, end - time.monotonic()))
-            taken = self._take(left)
-            if taken is not None or (end is not None and time.monotonic() >= end) or self.ended is not None:
-                return self._hand_out(taken)
-
-    async def _next_async(self) -> Any:
-        import asyncio
-        from concurrent.futures import ThreadPoolExecutor
-
-        self._go_on()
-        if self._executor is None:
-            self._executor = ThreadPoolExecutor(1, "hive-collector")
-        loop = asyncio.get_running_loop()
-        while True:
-            if self._pending is None:
-                self._pending = loop.run_in_executor(self._executor, self._take, _SLICE)
-            taken = await asyncio.shield(self._pending)
-            self._pending = None
-            if taken is not None or self.ended is not None:
-                return self._hand_out(taken)
-
-    @property
-    def ended(self) -> Optional[str]:
-        """When all that it receives has come to its end and everything was taken: what is said about that, "" for a
-        regular end.  None as long as something may come; so it is again when something comes after all."""
-        over, text = ctypes.c_bool(), ctypes.c_void_p()
-        lib.hive_collector_ended(self._handle, ctypes.byref(over), ctypes.byref(text))
-        return _library.take_text(text) if over.value else None
-
-    def counts(self) -> dict[str, Any]:
-        """What has been counted so far: "received", "duplicates" (second answers, refused), "missing", "failed",
-        "dropped" (not taken in time); of sets also "sets": {"sets", "waiting", "unmatched", "missing"}."""
-        return ask(lib.hive_collector_counts, self._handle)
-
-    def close(self) -> None:
-        """Ends receiving.  Once more: nothing."""
-        self._go_on()
-        lib.hive_collector_close(self._handle)
-        if self._executor is not None:
-            self._executor.shutdown(wait=False)
-
-    def __exit__(self, *_: Any) -> None:
-        self.close()
-
-
-class Collector(_Collecting):
-    """Receives events; connections that end are made again by themselves.  Iterate, with ``for`` or ``async for``:
-    the event of one round is done when the next one is asked for (see :meth:`Event.hold`)."""
-
-    def __enter__(self) -> Collector:
-        return self
-
-    def next(self, timeout: Optional[Seconds] = None) -> Optional[Event]:
-        """The next event; None when none came within ``timeout`` (None: waits for ever), or all has ended."""
-        event: Optional[Event] = self._next(timeout)
-        return event
-
-    def __iter__(self) -> Iterator[Event]:
-        return self
-
-    def __next__(self) -> Event:
-        event: Optional[Event] = self._next(None)
-        if event is None:
-            raise StopIteration
-        return event
-
-    def __aiter__(self) -> AsyncIterator[Event]:
-        return self
-
-    async def __anext__(self) -> Event:
-        event: Optional[Event] = await self._next_async()
-        if event is None:
-            raise StopAsyncIteration
-        return event
-
-    def _take(self, seconds: float) -> Optional[Event]:
-        place = ctypes.c_void_p()
-        lib.hive_collector_next(self._handle, _milliseconds(seconds), ctypes.byref(place))
-        return Event(place) if place.value else None
-
-
-class MatchedCollector(_Collecting):
-    """Receives sets of events that belong together: tuples of one event of each output, in their order."""
-
-    def __enter__(self) -> MatchedCollector:
-        return self
-
-    def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
-        """The next set; None when none was complete within ``timeout`` (None: waits for ever), or all has ended."""
-        events: Optional[tuple[Event, ...]] = self._next(timeout)
-        return events
-
-    def __iter__(self) -> Iterator[tuple[Event, ...]]:
-        return self
-
-    def __next__(self) -> tuple[Event, ...]:
-        events: Optional[tuple[Event, ...]] = self._next(None)
-        if events is None:
-            raise StopIteration
-        return events
-
-    def __aiter__(self) -> AsyncIterator[tuple[Event, ...]]:
-        return self
-
-    async def __anext__(self) -> tuple[Event, ...]:
-        events: Optional[tuple[Event, ...]] = await self._next_async()
-        if events is None:
-            raise StopAsyncIteration
-        return events
-
-    def _take(self, seconds: float) -> Optional[tuple[Event, ...]]:
-        places = (ctypes.c_void_p * _MOST_IN_SET)()
-        count = ctypes.c_size_t()
-        lib.hive_collector_next_set(
-            self._handle, _milliseconds(seconds), places, _MOST_IN_SET, ctypes.byref(count)
-        )
-        events = tuple(Event(ctypes.c_void_p(places[i])) for i in range(count.value))
-        return events or None
-
-
-class Application:
+class Application(Finding):
     """An application in the swarm.  Calls return when they are confirmed; after ``timeout`` seconds they raise
     :class:`hive.Error` "timeout".  A drone and its port are written "camera.image", or "camera" where only one port
     fits.  From any thread; a closed application raises "stopped".
@@ -221,8 +63,8 @@ class Application:
         timeout: Seconds = 5.0,
         key: Union[str, os.PathLike[str], None] = None,
     ) -> None:
-        self._handle: Optional[ctypes.c_void_p] = None
-        options = {"name": name, "timeout_ms": _milliseconds(timeout)}
+        super().__init__()
+        options = {"name": name, "timeout_ms": milliseconds(timeout)}
         if home is not None:
             options["home"] = os.fspath(home)
         if key is not None:
@@ -260,73 +102,7 @@ class Application:
 
     def timeout(self, seconds: Seconds) -> None:
         """Changes the deadline of the calls that follow."""
-        lib.hive_application_timeout(self._handle, _milliseconds(seconds))
-
-    # --- find ---
-
-    def drones(self) -> list[str]:
-        """The drones that run on this machine, and those on other machines that are known; sorted."""
-        return ask(lib.hive_application_drones, self._handle)
-
-    def remembered(self) -> list[str]:
-        """Drones that crashed, and get back what they were told when they are started again."""
-        return ask(lib.hive_application_remembered, self._handle)
-
-    def find(self, pattern: str) -> list[str]:
-        """The drones that a glob or a name means.  :raises hive.Error: "not_found" when there is none"""
-        return ask(lib.hive_application_find, self._handle, encoded(pattern))
-
-    def describe(self, drone: str) -> dict[str, Any]:
-        """Its interface: "kind", "summary", "version", "stateful", "inputs", "outputs", "parameters"."""
-        return ask(lib.hive_application_describe, self._handle, encoded(drone))
-
-    def status(self, drone: Names) -> dict[str, Any]:
-        """What it is doing: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4).  With a glob or several
-        drones: that by drone, where one that does not answer has an :class:`Error` instead."""
-        if not _is_many(drone):
-            return ask(lib.hive_application_status, self._handle, encoded(str(drone)))
-        answers = ask(lib.hive_application_status_all, self._handle, as_json(self._named(drone)))
-        return {answer["drone"]: _answer(answer, "status") for answer in answers}
-
-    def place(self, drone: str) -> dict[str, Any]:
-        """Where it is met: "drone", "host" ("local": this machine), "address", "ssh", "answered_us".
-
-        :raises hive.Error: "not_found"; "invalid_argument" when several have the name: call it "NAME@HOST"
-        """
-        return ask(lib.hive_application_place, self._handle, encoded(drone))
-
-    def places(self) -> list[dict[str, Any]]:
-        """The list of places: drones on other machines that this home was told of."""
-        return ask(lib.hive_application_places, self._handle)
-
-    def add_place(self, drone: str, address: str, host: str = "") -> None:
-        """Writes into the list of places that a drone is met at an address, "tcp://HOST:PORT".
-
-        :param host: what its machine is called; "": as in the address
-        """
-        host = host or address.partition("://")[2].rpartition(":")[0].strip("[]")
-        lib.hive_application_add_place(self._handle, as_json({"drone": drone, "host": host, "address": address}))
-
-    def forget_place(self, place: Mapping[str, Any]) -> None:
-        """Strikes one of :meth:`places` off the list.  :raises hive.Error: "not_found" when it was not there"""
-        lib.hive_application_forget_place(self._handle, as_json(dict(place)))
-
-    def wait(self, drone: str, state: str = "running", timeout: Seconds = 10.0) -> None:
-        """Returns when the drone is "running" (it answers, and its start is over), "idle", "halted" or "gone".
-
-        :raises hive.Error: "timeout"
-        """
-        end = time.monotonic() + timeout
-        while True:
-            left = end - time.monotonic()
-            try:
-                lib.hive_application_wait(
-                    self._handle, encoded(drone), encoded(state), _milliseconds(min(left, _SLICE))
-                )
-                return
-            except Error as error:
-                if error.code != "timeout" or left <= _SLICE:
-                    raise
+        lib.hive_application_timeout(self._handle, milliseconds(seconds))
 
     # --- wire ---
 
@@ -377,7 +153,7 @@ class Application:
         :raises hive.Error: "refused" with the reason, "not_found"; on several drones :class:`hive.SetError`
         """
         wanted = as_json({**(values or {}), **parameters})
-        if not _is_many(drone):
+        if not is_many(drone):
             place = ask_text(lib.hive_application_set, self._handle, encoded(str(drone)), wanted)
             return _library.json.loads(place or "{}")
         place = ask_text(
@@ -389,7 +165,7 @@ class Application:
             None,
         )
         result = _library.json.loads(place or "{}")
-        answers = {answer["drone"]: _answer(answer) for answer in result["answers"]}
+        answers = {answer["drone"]: answer_of(answer) for answer in result["answers"]}
         errors = [answer for answer in answers.values() if isinstance(answer, Error)]
         if errors:
             # Those that were left as they were are "refused"; what went wrong may be something else.
@@ -401,11 +177,11 @@ class Application:
         """The present values, of all parameters or of those named.  With a glob or several drones: by drone, where one
         that does not answer has an :class:`Error` instead."""
         wanted = as_json(list(names)) if names else None
-        if not _is_many(drone):
+        if not is_many(drone):
             place = ask_text(lib.hive_application_get, self._handle, encoded(str(drone)), wanted)
             return _library.json.loads(place or "{}")
         place = ask_text(lib.hive_application_get_all, self._handle, as_json(self._named(drone)), wanted)
-        return {answer["drone"]: _answer(answer) for answer in _library.json.loads(place or "[]")}
+        return {answer["drone"]: answer_of(answer) for answer in _library.json.loads(place or "[]")}
 
     # --- collect ---
 
@@ -426,7 +202,7 @@ class Application:
         :param patience: ordered: how long a missing result holds up those after it
         """
         connection = _connection(stream, notify, None if stream else window, "", first_frame, None, encoding)
-        options = {"connection": connection, "ordered": ordered, "patience_ms": _milliseconds(patience)}
+        options = {"connection": connection, "ordered": ordered, "patience_ms": milliseconds(patience)}
         return Collector(
             ask_handle(lib.hive_application_collect, self._handle, as_json(list(outputs)), as_json(options))
         )
@@ -515,16 +291,77 @@ class Application:
         """What happens when its code throws: "skip" leaves the input out, "halt" takes nothing more until resumed."""
         lib.hive_application_exception_policy(self._handle, encoded(drone), encoded(policy))
 
-    def _named(self, drones: Names) -> list[str]:
-        """Each once, in the order given."""
-        names: dict[str, None] = {}
-        for drone in [drones] if isinstance(drones, str) else drones:
-            names.update(dict.fromkeys(self.find(drone) if _is_many(drone) else [drone]))
-        return list(names)
+    # --- whole swarms ---
+
+    def swarm(self, source: Source) -> Swarm:
+        """The swarm of a file, a dict or a text, by this application; see :class:`Swarm`."""
+        from .swarm import Swarm
+
+        return Swarm(source, application=self)
+
+    def swarms(self) -> list[Swarm]:
+        """Those that were brought up from this home."""
+        from .swarm import Swarm
+
+        known = ask(lib.hive_swarm_remembered, self._handle)
+        return [Swarm(told["text"], application=self, form_only=True) for told in known]
+
+    def export(self, *drones: str, name: Optional[str] = None) -> str:
+        """What runs, as a swarm file: bringing it up changes nothing, and where nothing runs it makes the same swarm.
+
+        :param drones: names and globs; none: those of the swarm of that name, or all if it was not brought up from here
+        :param name: of the swarm; None: of the only one that was brought up from here, or "swarm"
+        """
+        wanted = as_json(self._named(drones)) if drones else None
+        place, length = ctypes.c_void_p(), ctypes.c_size_t()
+        lib.hive_swarm_running(self._handle, encoded(name), wanted, ctypes.byref(place), ctypes.byref(length))
+        return _library.take_text(place, length.value) or ""
+
+    def replace(
+        self,
+        drone: str,
+        *,
+        kind: str = "",
+        parameters: Optional[Mapping[str, Any]] = None,
+        arguments: Sequence[str] = (),
+        ready: Seconds = 10.0,
+        lose_state: bool = False,
+    ) -> dict[str, Any]:
+        """Lets a new process take over from a drone of this machine while the swarm runs: when it is ready, name,
+        parameters and connections pass over.  Gives "drone", "kind", "pid", "before" (the old process) and "log".
+
+        :param kind: what the new one is, or a file of Python; "": what the old one is
+        :param parameters: set for the new one, beside what the old one was told
+        :param arguments: further words of its command line
+        :param ready: how long it may take to get ready; as long as it is not, the old one notices nothing
+        :param lose_state: the old one may forget what it remembers of earlier events
+        :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" when it is being replaced already,
+            "timeout"; with the last lines of the log when the new one has failed
+        """
+        options = {
+            "kind": kind,
+            "parameters": dict(parameters or {}),
+            "arguments": list(arguments),
+            "ready_ms": milliseconds(ready),
+            "lose_state": lose_state,
+        }
+        words: list[str] = []
+        hear = _library.log_callback(lambda _, line: words.append(_library.text_of(line)))
+        try:
+            told = ask_text(
+                lib.hive_application_replace, self._handle, encoded(drone), as_json(options), hear, None
+            )
+        except Error as error:
+            text = "\n".join([str(error) + (", and its log says:" if words else ""), *words])
+            raise Error(error.code, text, error.advice) from None
+        replaced: dict[str, Any] = _library.json.loads(told or "{}")
+        return replaced
+
+    # --- between drones and outputs ---
 
     def _result_outputs(self, drone: str) -> list[str]:
         found = []
-        for name in self.find(drone) if _is_many(drone) else [drone]:
+        for name in self.find(drone) if is_many(drone) else [drone]:
             if "." in name and name not in self.drones():
                 found.append(name)
                 continue
@@ -535,8 +372,3 @@ class Application:
                 raise Error("invalid_argument", f"{name} has several outputs", f"say which: {ports}")
             found.append(f'{name}.{fitting[0]["name"]}')
         return found
-
-
-def _answer(answer: Mapping[str, Any], result: str = "result") -> Any:
-    error = answer.get("error")
-    return Error(error["code"], error["text"], error["advice"]) if error else answer[result]

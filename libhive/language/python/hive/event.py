@@ -7,6 +7,7 @@ import json
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 from . import _pictures
+from ._errors import Error
 from ._library import ask, ask_flag, ask_handle, lib, release
 
 if TYPE_CHECKING:
@@ -220,11 +221,14 @@ class Event:
         )
 
     def _repr_png_(self) -> Optional[bytes]:
-        """For notebooks."""
+        """For notebooks; None: it has no picture to show."""
         if self.type == "image/png":
-            return bytes(self.body)
-        return _pictures.as_png(self.image()) if self.type == "image/raw" and len(self.body) else None
+            return bytes(self.body) or None
+        try:
+            return _pictures.as_png(self.image()) if self.type == "image/raw" else None
+        except Error:
+            return None  # the text is shown all the same
 
     def _repr_jpeg_(self) -> Optional[bytes]:
-        """For notebooks."""
-        return bytes(self.body) if self.type == "image/jpeg" else None
+        """For notebooks; None: it has no picture to show."""
+        return bytes(self.body) or None if self.type == "image/jpeg" else None

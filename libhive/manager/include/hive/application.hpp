@@ -26,6 +26,7 @@ struct Place {
     std::string address;           ///< "unix:/run/user/1000/hive/camera.sock", "tcp://cam1:7700"
     std::string ssh{};             ///< how ssh calls the machine, when the drone was started through it
     std::int64_t answered_us = 0;  ///< on another machine: wall clock of its last answer to this home; 0: none yet
+    bool announced = false;        ///< found by what it announces on the local network, and not in the list
 
     /// The host of the drones of this machine that meet in the home.
     static constexpr const char* here = "local";
@@ -45,6 +46,13 @@ struct StatusAnswer {
     Status status;  ///< meaningful without error
     std::optional<Error> error;
     Place place{};  ///< where it was asked; with an empty address it was not
+};
+
+/// A drone that fell too often to be started again.
+struct FailedDrone {
+    std::string drone;
+    std::string reason;  ///< "fell 6 times within 60 s"
+    std::string log;     ///< its last lines
 };
 
 /// What a set on several drones came to.
@@ -112,6 +120,8 @@ public:
     [[nodiscard]] virtual MatchCounts counts() const = 0;
     /// Of the single events.
     [[nodiscard]] virtual CollectCounts received() const = 0;
+    /// This end of each connection.
+    [[nodiscard]] virtual std::vector<InputStatus> inputs() const = 0;
 };
 
 /// An application in the swarm. Calls block until they are confirmed or their deadline has passed (Errc::timeout); they
@@ -125,6 +135,9 @@ public:
         std::filesystem::path key{};  ///< the swarm's key file, for drones on other machines; empty: default_key_file()
         /// What to advise whoever names a drone that does not run, and no running one is called nearly so.
         std::function<std::string(const std::string& drone)> advice_if_missing{};
+        /// Asked again and again while a call waits for drones, on the thread that called: true, and the call throws
+        /// Errc::stopped instead of waiting any longer. Whether it has had its effect nobody knows then.
+        std::function<bool()> cancelled{};
     };
 
     Application();
@@ -135,14 +148,17 @@ public:
 
     /// What drones call it: the name of its edges at their outputs.
     [[nodiscard]] const std::string& name() const;
+    /// Where the drones of this machine meet.
+    [[nodiscard]] const std::filesystem::path& home() const;
     /// Changes the deadline of the calls that follow.
     void timeout(std::chrono::milliseconds timeout);
 
     // --- find ---
     // A drone is called by its name, wherever it is; by "NAME@HOST" where several have the same name.
 
-    /// The drones that run on this machine, and those of other machines that the directory knows, whether these answer
-    /// or not; sorted.
+    /// The drones that run on this machine, and those of other machines that the list of places names or that announce
+    /// themselves on the local network, whether these answer or not; sorted. The first call waits for what the network
+    /// knows, for 300 ms at most (a busy daemon: 1 s), where there are a key and an Avahi daemon.
     std::vector<std::string> drones();
     /// Where it is met. Throws Errc::not_found, and Errc::invalid_argument when several have the name.
     Place place(const std::string& drone);
@@ -150,11 +166,17 @@ public:
     std::vector<Place> listed_places();
     /// Writes a place into the list. Throws Errc::invalid_argument when it cannot be one.
     void add_place(const Place& place);
+    /// The same for drones that were started just now: an earlier place of one at the same host is out of date and
+    /// goes.
+    void replace_places(const std::vector<Place>& places);
     /// Strikes a place off the list; false: it was not there.
     bool forget_place(const Place& place);
     /// Names of drones that do not run and get back what they were told when they are started again: they crashed.
     /// Sorted.
     std::vector<std::string> remembered();
+    /// Drones that whoever stays with their swarm (Swarm::stay) has given up, until they run again or are stopped.
+    /// Sorted.
+    std::vector<FailedDrone> failed();
     /// Expands a glob over the names, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
     std::vector<std::string> find(const std::string& pattern);
     /// Splits "camera.image" into drone and port; a running drone with the whole name wins.
@@ -208,6 +230,8 @@ public:
     /// Ends a drone and forgets what it was told, and its place; returns when it is gone. One that crashed on this
     /// machine is forgotten only.
     void stop(const std::string& drone);
+    /// The same of many at once; returns when all are gone, or their time is over.
+    std::vector<Answer> stop(const std::vector<std::string>& drones);
     /// Changes what happens when the drone's code throws.
     void exception_policy(const std::string& drone, ExceptionPolicy policy);
 

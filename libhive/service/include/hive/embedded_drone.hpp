@@ -21,8 +21,11 @@ struct EmbeddedOptions {
     std::vector<std::string> advertise{};  ///< where others find it, if that is not where it listens
     bool insecure = false;                 ///< let `listen` take peers without a key
     std::filesystem::path key{};           ///< the swarm's key file; empty: $HIVE_KEY, or ~/.config/hive/swarm.key
+    bool no_announce = false;              ///< on the local network, where it listens there
     bool remote_operator = false;          ///< members may set over the network what concerns this machine
     Json parameters = Json::object();
+    /// What it receives, as --connect of a program has it: "image=camera.image,window=2".
+    std::vector<std::string> connect{};
     std::optional<ExceptionPolicy> policy{};  ///< empty: as before a crash, or skip
     bool halted = false;                      ///< from the start
     bool signals = false;                     ///< SIGINT and SIGTERM end the drone

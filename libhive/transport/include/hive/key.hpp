@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hive {
@@ -27,6 +28,12 @@ SwarmKey new_swarm_key(std::int64_t now_s);
 SwarmKey viewers_key(const SwarmKey& members);
 /// Does it hold at that time?
 inline bool holds(const SwarmKey& key, std::int64_t now_s) { return key.until_s == 0 || now_s < key.until_s; }
+
+/// What a drone announces on the local network to be known by holders of its key, members and viewers alike: made of
+/// the viewers' key under a use of its own, so it helps nobody to guess a key, nor to connect it with the key's id.
+std::string announced_fingerprint(const SwarmKey& key);
+/// That a text was announced by a holder of the key; different for each text.
+std::string announcement_proof(const SwarmKey& key, std::string_view text);
 
 /// Where the keys of this user are: $HIVE_KEY, or $XDG_CONFIG_HOME/hive/swarm.key, or ~/.config/hive/swarm.key. Empty
 /// when HIVE_KEY is "none": then there is no key, whatever lies there.

@@ -11,16 +11,17 @@
 
 namespace hive::event {
 
-/// The events that come to one input. The first attempt that answers a turn is taken, whatever comes of another attempt
-/// at the same work is refused. Pure logic, for one thread.
+/// The events that come to one input. The first answer to a piece of work is taken; what another attempt at the same
+/// work gives is refused, unless it is of a receiver that has not answered yet and does so for itself. Pure logic, for
+/// one thread.
 class AnswerFilter {
 public:
     static constexpr std::size_t remembered = 65536;
 
     AnswerFilter();
-    /// Is this the first answer, or of the same attempt as the first? Always true for what nobody gave out twice. A
-    /// lossless event that is refused is acknowledged no sooner than the first answer, which this process may still
-    /// lose.
+    /// Is this to be taken? Always true for what nobody gave out twice, and for more events of an answer that was
+    /// taken. A lossless event that is refused is acknowledged no sooner than the answer that it repeats, which this
+    /// process may still lose.
     bool first(const Event& event);
 
 private:

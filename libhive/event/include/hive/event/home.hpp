@@ -27,6 +27,11 @@ public:
 
     /// Does a living module hold this name? (The kernel knows: nobody is asked.)
     [[nodiscard]] bool alive(const std::string& name) const;
+    /// Does a process wait to take this name over from the one that holds it?
+    [[nodiscard]] bool succession(const std::string& name) const;
+    /// The process that claimed the name, or its succession, last; it may have ended. 0: none did.
+    [[nodiscard]] std::int64_t holder(const std::string& name) const;
+    [[nodiscard]] std::int64_t successor(const std::string& name) const;
 
     /// What a drone was told, kept across a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
@@ -35,14 +40,23 @@ public:
     [[nodiscard]] std::filesystem::path path(const std::string& name, std::string_view ending) const;
 
 private:
+    [[nodiscard]] bool locked(const std::string& name, std::string_view ending) const;
+
     std::filesystem::path directory_;
 };
+
+/// Writes a file that only its owner reads: whole, or not at all. Throws Errc::io.
+void replace_file(const std::filesystem::path& file, const std::string& text);
 
 /// The right to a name while it lives: a lock file, which the kernel frees when the process ends however it ends.
 class NameClaim {
 public:
+    enum class To {
+        name,
+        succession  ///< to the name as soon as the one that holds it frees it
+    };
     /// Throws Errc::name_taken with the holder's process id.
-    NameClaim(const Home& home, const std::string& name);
+    NameClaim(const Home& home, const std::string& name, To what = To::name);
     ~NameClaim();
     NameClaim(const NameClaim&) = delete;
     NameClaim& operator=(const NameClaim&) = delete;

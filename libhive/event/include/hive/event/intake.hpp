@@ -56,6 +56,11 @@ public:
     void stop(std::function<void()> left = [] {});
     /// After stop(): what is in hand is waited for no longer, its sender may give it to others.
     void leave_now();
+    /// Another process goes on in its place: the sender is told what is done and nothing of an end, and gives the rest
+    /// to that one. After this nothing is acknowledged.
+    void hand_over();
+    /// Is something worked on whose results nobody has acknowledged yet?
+    [[nodiscard]] bool owes() const;
     /// Asks for what may be asked for now.
     void flush();
     void link_closed(const Link& link);
@@ -64,6 +69,8 @@ public:
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }
+    /// What the sender, or who was met in its place, has against this connection, if that is why it is not connected.
+    [[nodiscard]] std::optional<Error> refusal() const;
     /// What the sender said about its end, if it has come to it.
     [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
     /// Has everything that came been worked on?
@@ -98,6 +105,7 @@ private:
     [[nodiscard]] Delivery* delivery(std::int64_t number);
     [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
     [[nodiscard]] bool ask_now(std::int64_t ask, std::int64_t worked) const;
+    void tell(std::int64_t ask, std::int64_t worked);
 
     IntakeHost& host_;
     IntakeSpec spec_;

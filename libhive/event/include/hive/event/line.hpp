@@ -35,14 +35,16 @@ class Line {
 public:
     static constexpr std::size_t most_queued_events = 1024;     ///< of a streaming receiver, when they are small
     static constexpr std::size_t most_queued_bytes = 1u << 20;  ///< beyond two events
-    static constexpr int most_failures = 3;                     ///< deaths of the receiver over one lossless event
+    /// Who has not caught up for so long is too slow: what waits is only age, so two events and 64 KiB are enough then.
+    static constexpr auto most_behind = std::chrono::milliseconds(500);
+    static constexpr int most_failures = 3;  ///< deaths of the receiver over one lossless event
     static constexpr auto place_kept = std::chrono::seconds(30);
 
     /// @param guest  it gets what there is, and nobody waits for it: what is lossless to others is live to it
     Line(ReceiverId id, std::string receiver, std::int64_t epoch, const ConnectionOptions& options, Ledger& ledger,
          bool guest = false);
 
-    void offer(const EmissionPtr& event, Decisions& decisions);
+    void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
     void request(std::int64_t epoch, const Progress& progress, Decisions& decisions);
     void written(std::size_t bytes, Decisions& decisions);
 
@@ -89,7 +91,8 @@ private:
     };
     static bool live(const Item& item) { return !item.event || !item.event->lossless(); }
     [[nodiscard]] bool must_stay(const EmissionPtr& event) const { return event->lossless() && awaited(); }
-    bool drop_oldest();
+    [[nodiscard]] bool overfull(Clock::time_point now) const;
+    bool drop_oldest(Clock::time_point now);
     void wait(Item item, bool first);
     Item next();
     void put_back(std::int64_t taken);
@@ -104,7 +107,8 @@ private:
     Credit credit_;
     std::deque<Item> waiting_, in_hand_;
     std::size_t waiting_bytes_ = 0;
-    std::optional<bool> lossless_;  ///< was the last event offered? Then its source waits for its receivers
+    Clock::time_point behind_since_{};  ///< something has waited ever since
+    std::optional<bool> lossless_;      ///< was the last event offered? Then its source waits for its receivers
     bool guest_ = false;
     bool ending_ = false;  ///< the receiver is still to be told of the end
     std::optional<Clock::time_point> kept_until_;

@@ -97,11 +97,15 @@ public:
     void release_channel(std::uint16_t channel);
     void close(const Error& reason) { connection_->close(reason); }
     /// Is nothing under way, in either direction, and nothing received here?
-    [[nodiscard]] bool idle() const noexcept { return open_ && asked.empty() && pending_.empty() && channels_.empty(); }
+    [[nodiscard]] bool idle() const noexcept
+    {
+        return open_ && !held && asked.empty() && pending_.empty() && channels_.empty();
+    }
     /// When the peer last had something to say, beyond being alive.
     [[nodiscard]] Clock::time_point used() const noexcept { return used_; }
 
     std::vector<std::shared_ptr<Asked>> asked;  ///< what this module has not answered yet; kept by the module
+    bool held = false;                          ///< by somebody here who will ask again on this very link
 
 private:
     struct Pending {

@@ -16,6 +16,7 @@
 #include <asio/steady_timer.hpp>
 
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <list>
 #include <map>
@@ -50,6 +51,8 @@ public:
         protocol::Limits limits;
         transport::Timing timing;
         std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: it is plain, and every peer is a member
+        std::size_t most_dialed = 0;  ///< more are kept only as long as all have something to do; 0: no matter how many
+        std::size_t most_dialing = 0;  ///< at once, but for those that take long; others wait; 0: no matter how many
         std::function<void(const std::string&)> log = [](const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
@@ -89,6 +92,8 @@ public:
     void log_about(const std::string& peer, const std::string& text);
     /// While halted, intakes ask for nothing and mailboxes give commands only.
     void halt(bool halted);
+    /// The user thread, once nothing is begun any more: waits a moment until what was emitted is acknowledged.
+    void settle();
     /// Calls back on the network side when the process gets SIGINT or SIGTERM.
     void on_signal(std::function<void(int)> handler);
 
@@ -104,6 +109,8 @@ public:
         IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end = [] {});
     void remove_intake(
         const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
+    /// The inputs are left to the process that takes over: their senders are told what is done, and of no end.
+    void hand_over();
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
     /// An event that was put into an input: counted, and handed to the sink.
     void accept(Event event, const Intake::Sink& sink);
@@ -132,7 +139,10 @@ private:
     };
     void gone(const std::shared_ptr<Intake>& intake) override;
     void release_held();
-    void end_earlier_run(const Link& link);
+    void end_earlier_run(const LinkPtr& link);
+    void let_one_go();
+    void dial_next();
+    void dial(const transport::Address& address, const std::string& key, Clock::time_point deadline);
     LinkPtr make_link(std::shared_ptr<transport::Connection> connection, Link::End end);
     [[nodiscard]] transport::Security security();
     void watch_keys();
@@ -186,8 +196,11 @@ private:
     std::map<protocol::PacketType, RequestHandler> handlers_;
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
     std::set<LinkPtr> links_;
+    std::multimap<std::string, LinkPtr> of_drones_;  ///< of those that have said hello, by the drone's name
     std::map<std::string, LinkPtr> dialed_;
-    std::map<std::string, std::vector<Waiting>> dialing_;
+    std::map<std::string, std::vector<Waiting>> dialing_;  ///< under way, or still to be begun
+    std::map<std::string, Clock::time_point> under_way_;   ///< of those, since when, where not all are begun at once
+    std::deque<transport::Address> to_dial_;
     EncoderThread encoder_thread_;
 };
 

@@ -97,7 +97,7 @@ private:
     };
 
     void close_account(const Accounts::Key& key, bool left);
-    Welcome seat(const Newcomer& newcomer, Account& account, Decisions& decisions);
+    Welcome seat(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
     Welcome join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
     void displace(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);

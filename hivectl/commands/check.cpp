@@ -1,0 +1,69 @@
+// hivectl check: the mistakes in a swarm file.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../swarm_file.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl {
+namespace {
+
+void print(const std::string& file, const hive::SwarmReading& reading)
+{
+    for (const auto& mistake : reading.mistakes)
+        write_out(mistake_text(file, mistake) + "\n");
+    if (reading.mistakes.empty())
+        write_out(printable(reading.plan.name) + ": good, " + size_text(reading.plan) + "\n");
+}
+
+void print_json(const std::string& file, const hive::SwarmReading& reading)
+{
+    std::vector<Row> rows;
+    for (const auto& mistake : reading.mistakes)
+        rows.push_back({{"file", file},
+                        {"line", mistake.line},
+                        {"column", mistake.column},
+                        {"at", mistake.at},
+                        {"text", mistake.text},
+                        {"advice", mistake.advice}});
+    write_out(json_array(rows) + "\n");
+}
+
+int run(const std::string& file, Session& session)
+{
+    const auto reading = hive::check_swarm(swarm_text(file), session.timeout(std::chrono::seconds(10)));
+    session.json ? print_json(file, reading) : print(file, reading);
+    for (const auto& note : reading.notes)
+        complain("check", mistake_text(file, note));
+    return reading.mistakes.empty() ? exit_code::done : exit_code_of(hive::Errc::invalid_argument);
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto file = std::make_shared<std::string>();
+    line.option("FILE", *file, "the swarm file; -: stdin").required();
+    return [file, &session] { return run(*file, session); };
+}
+
+}  // namespace
+
+Verb check_verb()
+{
+    return {.name = "check",
+            .group = "a swarm from a file",
+            .usage = "FILE [options]",
+            .summary = "Finds every mistake in a swarm file, without starting anything",
+            .details =
+                "Each mistake is a line FILE:LINE:COLUMN: TEXT, to which editors jump, and the exit code is then 2. "
+                "Names, options and references are checked, and with what the programs on this machine say of "
+                "themselves also parameters and their ranges, ports and their types. What is only on other machines "
+                "cannot be checked here, and stderr says so.",
+            .examples = "hivectl check doorway.json",
+            .timeout = "how long the programs may take to say what they are (default 10)",
+            .operands = {Operand::file},
+            .declare = declare};
+}
+
+}  // namespace hivectl

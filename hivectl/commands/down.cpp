@@ -1,0 +1,74 @@
+// hivectl down: ends the drones of a swarm.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../swarm_file.hpp"
+#include "../swarm_work.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+#include <hive/swarm.hpp>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::vector<hive::SwarmPlan> plans_meant(const std::string& file, hive::Application& application)
+{
+    if (file.empty())
+        return hive::Swarm::remembered(application);
+    if (auto plan = read_plan("down", file))
+        return {*std::move(plan)};
+    return {};
+}
+
+int run(const std::string& file, Session& session)
+{
+    auto& application = session.application();
+    const auto plans = plans_meant(file, application);
+    if (plans.empty() && !file.empty())
+        return exit_code::refused;
+    if (plans.empty())
+        complain("down", "no swarm was brought up from here");
+    int code = exit_code::done;
+    for (const auto& plan : plans) {
+        const auto outcome = [&] {
+            const SwarmWork work;
+            return hive::Swarm(application, plan).down(session.timeout(10s), work.watch());
+        }();
+        for (const auto& step : outcome.steps)
+            write_out(session.json ? Row{{"stopped", step.drone}}.json() + "\n" : step.drone + "\n");
+        if (const int worse = complain_about("down", outcome); worse != exit_code::done)
+            code = worse;
+    }
+    return code;
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto file = std::make_shared<std::string>();
+    line.option("FILE", *file, "the swarm file (default: every swarm that was brought up from here)");
+    return [file, &session] { return run(*file, session); };
+}
+
+}  // namespace
+
+Verb down_verb()
+{
+    return {.name = "down",
+            .group = "a swarm from a file",
+            .usage = "[FILE] [options]",
+            .summary = "Ends all drones of a swarm",
+            .details = "Prints the names of the drones that ended. Sources take nothing more, and each drone ends as "
+                       "soon as it has handed on what it had, so that nothing lossless is lost unless its receiver "
+                       "does not take it in time.",
+            .examples = "hivectl down\n"
+                        "hivectl down doorway.json",
+            .timeout = "for events on their way; then they are lost (default 10)",
+            .operands = {Operand::file},
+            .declare = declare};
+}
+
+}  // namespace hivectl

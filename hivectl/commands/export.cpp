@@ -1,0 +1,147 @@
+// hivectl export: writes what runs as a swarm file, or for an engine that people have.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../swarm_file.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <hive/swarm.hpp>
+#include <hive/swarm_export.hpp>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace hivectl {
+namespace {
+
+struct Options {
+    std::vector<std::string> names;
+    std::string swarm, form, from, folder, image = "hive:latest";
+};
+
+/// Of the swarm of that name, or else of all that run.
+std::vector<std::string> drones_meant(const Options& options, hive::Application& application, Outcome& outcome)
+{
+    if (!options.names.empty())
+        return drones_named(application, options.names, outcome);
+    for (const auto& plan : hive::Swarm::remembered(application))
+        if (plan.name == options.swarm) {
+            std::vector<std::string> names;
+            for (const auto& drone : plan.drones)
+                names.push_back(drone.name);
+            return names;
+        }
+    return application.drones();
+}
+
+/// The only swarm that was brought up from here, if there is one.
+std::string usual_swarm(hive::Application& application)
+{
+    const auto plans = hive::Swarm::remembered(application);
+    return plans.size() == 1 ? plans.front().name : "swarm";
+}
+
+hive::SwarmPlan running_plan(const Options& options, Session& session, Outcome& outcome)
+{
+    auto& application = session.application();
+    const auto names = drones_meant(options, application, outcome);
+    const auto name = options.swarm.empty() ? usual_swarm(application) : options.swarm;
+    return hive::Swarm::running(application, name, names);
+}
+
+void write_file(const std::filesystem::path& path, const hive::ExportedFile& file)
+{
+    std::filesystem::create_directories(path.parent_path());
+    if (!(std::ofstream(path) << file.text << std::flush))
+        throw hive::Error(hive::Errc::io, "cannot write " + path.string() + ": " + std::strerror(errno));
+    using std::filesystem::perms;
+    if (file.is_program)
+        std::filesystem::permissions(path, perms::owner_exec | perms::group_exec | perms::others_exec,
+                                     std::filesystem::perm_options::add);
+}
+
+/// Into the folder, or one file to stdout.
+void write_form(const hive::SwarmPlan& plan, const Options& options, bool json)
+{
+    const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+    const auto files = hive::export_swarm(plan, options.form, {.programs = programs, .image = options.image});
+    if (options.folder.empty() && files.size() > 1 && !json)
+        throw hive::Error(hive::Errc::invalid_argument,
+                          options.form + " takes " + std::to_string(files.size()) + " files",
+                          "say which folder they go to: --to FOLDER");
+    for (const auto& file : files) {
+        const auto path = std::filesystem::path(options.folder) / file.name;
+        if (!options.folder.empty())
+            write_file(path, file);
+        if (json)
+            write_out(Row{{"file", path.string()}, {"text", file.text}}.json() + "\n");
+        else
+            write_out(options.folder.empty() ? file.text : path.string() + "\n");
+    }
+}
+
+int run(const Options& options, Session& session)
+{
+    Outcome outcome("export");
+    hive::SwarmPlan plan;
+    if (options.from.empty()) {
+        plan = running_plan(options, session, outcome);
+    } else {
+        const auto reading = hive::check_swarm(swarm_text(options.from), session.timeout(std::chrono::seconds(10)));
+        for (const auto& mistake : reading.mistakes)
+            complain("export", mistake_text(options.from, mistake));
+        if (!reading.mistakes.empty())
+            return exit_code_of(hive::Errc::invalid_argument);
+        plan = reading.plan;
+    }
+    if (options.form.empty())
+        write_out(to_text(plan));
+    else
+        write_form(plan, options, session.json);
+    return outcome.exit_code(exit_code::done);
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    line.option("NAME", options->names, "only these drones or globs (default: all of the swarm, or all that run)");
+    line.option("--swarm", options->swarm, "the name of the swarm (default: the one that was brought up from here)")
+        .type_name("NAME");
+    line.option("--as", options->form,
+                "write it for what is to run it: units of systemd, a compose file, manifests of Kubernetes, a script "
+                "for sbatch, or a script of hivectl")
+        .type_name("FORM")
+        .one_of(hive::export_forms());
+    line.option("--from", options->from, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
+    line.option("--to", options->folder, "write the files there, and print their names").type_name("FOLDER");
+    line.option("--image", options->image, "of the containers (default hive:latest)").type_name("NAME");
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb export_verb()
+{
+    return {.name = "export",
+            .group = "a swarm from a file",
+            .usage = "[NAME...] [options]",
+            .summary = "Writes the drones that run, their parameters and connections as a swarm file",
+            .details = "hivectl up of that file changes nothing here, and where nothing runs it makes the same swarm. "
+                       "Parameters that have their default are left out; passwords among the others are not. What a "
+                       "drone does not tell of itself, such as when it is to be restarted, is taken from the file of "
+                       "the swarm that was brought up from here.\n\n"
+                       "With --as, the command line of each drone alone is enough for it to come back with its "
+                       "parameters and its connections, whatever starts it.",
+            .examples = "hivectl export > doorway.json\n"
+                        "hivectl export camera 'face-*' > faces.json\n"
+                        "hivectl export --from doorway.json --as systemd --to units\n"
+                        "hivectl export --from doorway.json --as compose > compose.yaml",
+            .operands = {Operand::drone},
+            .declare = declare};
+}
+
+}  // namespace hivectl

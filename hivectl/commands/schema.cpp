@@ -1,0 +1,37 @@
+// hivectl schema: what a swarm file may say, for editors.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../verbs.hpp"
+
+#include <hive/swarm_plan.hpp>
+
+namespace hivectl {
+namespace {
+
+Run declare(CommandLine&, Session&)
+{
+    return [] {
+        write_out(hive::swarm_schema());
+        return exit_code::done;
+    };
+}
+
+}  // namespace
+
+Verb schema_verb()
+{
+    return {.name = "schema",
+            .group = "a swarm from a file",
+            .usage = "[options]",
+            .summary = "Prints the JSON Schema of swarm files, with which editors complete and explain them",
+            .details =
+                "A file that begins with {\"$schema\": \"swarm.schema.json\", ... is completed and checked while it "
+                "is written, by every editor that knows JSON Schema.",
+            .examples = "hivectl schema > swarm.schema.json",
+            .operands = {Operand::other},
+            .declare = declare};
+}
+
+}  // namespace hivectl

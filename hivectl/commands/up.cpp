@@ -1,0 +1,100 @@
+// hivectl up: brings up the swarm of a file.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../swarm_file.hpp"
+#include "../swarm_work.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+#include <hive/swarm.hpp>
+
+namespace hivectl {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    std::string file;
+    bool dry_run = false, stay = false;
+};
+
+void print(const std::vector<hive::SwarmStep>& steps, bool json)
+{
+    for (const auto& step : steps) {
+        const auto what = std::string(token(step.what)), text = to_text(step);
+        write_out(json ? Row{{"step", what}, {"drone", step.drone}, {"what", text}}.json() + "\n"
+                       : what + " " + printable(text) + "\n");
+    }
+}
+
+/// Until Ctrl-C, which is how this is meant to end.
+void stay(hive::Swarm& swarm)
+{
+    const interrupt::Deferred deferred;
+    swarm.stay([](const std::string& text) { complain("up", printable(text)); },
+               {.on_progress = {}, .cancelled = interrupt::requested});
+}
+
+int run(const Options& options, Session& session)
+{
+    const auto plan = read_plan("up", options.file);
+    if (!plan)
+        return exit_code::refused;
+    hive::Swarm swarm(session.application(), *plan);
+    if (options.dry_run) {
+        print(swarm.differences(), session.json);
+        return exit_code::done;
+    }
+    const auto outcome = [&] {
+        const SwarmWork work;
+        return swarm.up(session.timeout(60s), work.watch());
+    }();
+    if (outcome.failures.empty())
+        print(outcome.steps, session.json);
+    else
+        complain("up", outcome.remains.empty()
+                           ? "nothing of " + plan->name + " was changed, because:"
+                           : plan->name + " was not brought up, and not all that was begun could be undone:");
+    const int code = complain_about("up", outcome);
+    if (!options.stay || code != exit_code::done)
+        return code;
+    stay(swarm);
+    return exit_code::done;
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    line.option("FILE", options->file, "the swarm file; -: stdin").required();
+    const auto dry_run = line.flag("--dry-run", options->dry_run, "only print what would be done");
+    line.flag("--stay", options->stay,
+              "stay until Ctrl-C, and start again what falls and has a \"restart\" in the file: 5 times within 60 s, "
+              "then ps shows it as failed")
+        .excludes(dry_run);
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb up_verb()
+{
+    return {.name = "up",
+            .group = "a swarm from a file",
+            .usage = "FILE [--dry-run | --stay] [options]",
+            .summary = "Starts, sets and connects all drones of a swarm file",
+            .details = "Prints what it did. Drones that run already are left as they are, but for parameters and "
+                       "connections that the file has otherwise; what an earlier file of this swarm had and this one "
+                       "has no more is ended. So a second up finds nothing to do. Everything is done, or nothing: when "
+                       "a drone does not become ready, or refuses what the file says, or with Ctrl-C, what was begun "
+                       "is undone. The file is described in libhive/docs/swarm-file.md; hivectl check finds its "
+                       "mistakes without starting anything.",
+            .examples = "hivectl up doorway.json\n"
+                        "hivectl up doorway.json --dry-run",
+            .timeout = "for all drones to be ready (default 60)",
+            .operands = {Operand::file},
+            .declare = declare};
+}
+
+}  // namespace hivectl

@@ -1,0 +1,161 @@
+// What an output declares so that each connection gets its events as it wants them; the caller's code encodes.
+#include "drone_object.hpp"
+#include "texts.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+using namespace hive;
+using namespace hive::c;
+
+namespace {
+
+/// One word that connections may ask for: "jpeg", and the numbers that may stand behind it.
+struct Encoding {
+    std::string word, type;
+    std::int64_t least = 0, most = -1;
+
+    [[nodiscard]] bool numbered() const { return least <= most; }
+    [[nodiscard]] std::string in_words() const
+    {
+        if (!numbered())
+            return word;
+        return word + ", " + word + ":" + std::to_string(least) + " to " + word + ":" + std::to_string(most);
+    }
+};
+
+Encoding encoding_of(const Json& item)
+{
+    const Options given(to_text(item).c_str(), {"word", "type", "least", "most"});
+    Encoding encoding{.word = given.text("word"), .type = given.text("type")};
+    if (!is_encoding(encoding.word) || encoding.word.find(':') != std::string::npos)
+        throw Error(Errc::invalid_argument, in_quotes(encoding.word) + " is no word for an encoding");
+    if (encoding.type.empty())
+        throw Error(Errc::invalid_argument, "encoding " + encoding.word + " gives no media type");
+    if (given.number("least") || given.number("most")) {
+        encoding.least = given.integer("least", 0, 0);
+        encoding.most = given.integer("most", encoding.least, encoding.least);
+    }
+    return encoding;
+}
+
+std::vector<Encoding> encodings_of(const char* text)
+{
+    const Json list = json_of(required(text, "the encodings"), "the encodings");
+    if (!list.is_array() || list.empty())
+        throw Error(Errc::invalid_argument, "the encodings are not an array of one or more");
+    std::vector<Encoding> encodings;
+    for (const auto& item : list) {
+        encodings.push_back(encoding_of(item));
+        if (std::ranges::count(encodings, encodings.back().word, &Encoding::word) > 1)
+            throw Error(Errc::invalid_argument, "encoding " + encodings.back().word + " is there twice");
+    }
+    return encodings;
+}
+
+bool fits(const Encoding& encoding, const std::string& text)
+{
+    if (text == encoding.word)
+        return true;
+    if (!encoding.numbered() || !text.starts_with(encoding.word + ":"))
+        return false;
+    std::int64_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, problem] = std::from_chars(text.data() + encoding.word.size() + 1, end, number);
+    return rest == end && problem == std::errc() && number >= encoding.least && number <= encoding.most;
+}
+
+/// The media type that an encoding gives, which takes no code of the caller: the network side asks for it.
+std::string type_of(const std::vector<Encoding>& encodings, const std::string& text)
+{
+    const auto found = std::ranges::find_if(encodings, [&](const Encoding& encoding) { return fits(encoding, text); });
+    if (found != encodings.end())
+        return found->type;
+    std::string there;
+    for (const auto& encoding : encodings)
+        there += (there.empty() ? "" : ", ") + encoding.in_words();
+    throw Error(Errc::invalid_argument, "there is no encoding " + in_quotes(text), "there are " + there);
+}
+
+/// What the caller's code answers with.
+class EncodedObject final : public Object {
+public:
+    using Handle = hive_encoded;
+    static constexpr const char* name = "hive_encoded";
+
+    void give(std::optional<Json> header, Body body)
+    {
+        const std::lock_guard lock(mutex_);
+        header_ = std::move(header);
+        body_ = std::move(body);
+    }
+    /// Throws Errc::invalid_argument when nothing was given.
+    void take(Event& event)
+    {
+        const std::lock_guard lock(mutex_);
+        if (!body_)
+            throw Error(Errc::invalid_argument, "the encoder gave nothing");
+        if (header_)
+            event.header = std::move(*header_);
+        event.body = std::move(*body_);
+        event.size = event.body.size();
+    }
+
+private:
+    std::mutex mutex_;
+    std::optional<Json> header_;
+    std::optional<Body> body_;
+};
+
+/// On the thread of the encoder.
+Event encode(const Event& event, const std::string& encoding, hive_encode_callback callback, void* user)
+{
+    Event result = event;
+    result.let_go();
+    const auto answer = std::make_shared<EncodedObject>();
+    auto* const handle = give(answer);
+    const std::shared_ptr<void> released(nullptr, [handle](void*) { hive_release(handle); });
+    const Lent lent(result);
+    const LibraryThread here;
+    forget_error();
+    require_done(callback(user, *lent.data(), encoding.c_str(), handle));
+    answer->take(result);
+    return result;
+}
+
+}  // namespace
+
+hive_code hive_drone_encoded_output(hive_drone* drone, const char* name, const char* type, const char* help,
+                                    const char* encodings, hive_encode_callback callback, void* user,
+                                    hive_output** output)
+{
+    return guarded([&] {
+        required(output, "the place for the output");
+        required(callback, "the callback");
+        const auto object = get<DroneObject>(drone);
+        const auto open = object->declaring();
+        const auto known = encodings_of(encodings);
+        Encoder encoder{.encodings = {},
+                        .type = [known](const std::string& text) { return type_of(known, text); },
+                        .encode =
+                            [known, callback, user](const Event& event, const std::string& encoding) {
+                                Event result = encode(event, encoding, callback, user);
+                                result.type = type_of(known, encoding);
+                                return result;
+                            }};
+        for (const auto& encoding : known)
+            encoder.encodings.push_back(encoding.word);
+        const auto made = open->drone().output(text_of(name, "the name"), text_of(type, "the type"),
+                                               text_or_empty(help), std::move(encoder));
+        *output = give(std::make_shared<OutputObject>(object, made));
+    });
+}
+
+hive_code hive_encoded_give(hive_encoded* encoded, const char* header, size_t length, const hive_body* body)
+{
+    return guarded([&] {
+        const auto object = get<EncodedObject>(encoded);
+        auto changed = header ? std::optional(header_of(header, length)) : std::nullopt;
+        object->give(std::move(changed), get<BodyObject>(body)->body);
+    });
+}

@@ -1,0 +1,100 @@
+"""What an application knows of drones: who is there, where, and what it is doing."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from typing import Any, Mapping, Optional, Sequence, Union
+
+from ._errors import Error, error_of
+from ._library import as_json, ask, encoded, lib
+from .collector import SLICE, Seconds, milliseconds
+
+Names = Union[str, Sequence[str]]
+
+
+def is_many(drone: Names) -> bool:
+    return not isinstance(drone, str) or "*" in drone or "?" in drone
+
+
+class Finding:
+    """The calls of an application that find drones and ask them."""
+
+    def __init__(self) -> None:
+        self._handle: Optional[ctypes.c_void_p] = None
+
+    def drones(self) -> list[str]:
+        """The drones that run on this machine, and those on other machines that are known; sorted."""
+        return ask(lib.hive_application_drones, self._handle)
+
+    def remembered(self) -> list[str]:
+        """Drones that crashed, and get back what they were told when they are started again."""
+        return ask(lib.hive_application_remembered, self._handle)
+
+    def find(self, pattern: str) -> list[str]:
+        """The drones that a glob or a name means.  :raises hive.Error: "not_found" when there is none"""
+        return ask(lib.hive_application_find, self._handle, encoded(pattern))
+
+    def describe(self, drone: str) -> dict[str, Any]:
+        """Its interface: "kind", "summary", "version", "stateful", "inputs", "outputs", "parameters"."""
+        return ask(lib.hive_application_describe, self._handle, encoded(drone))
+
+    def status(self, drone: Names) -> dict[str, Any]:
+        """What it is doing: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4).  With a glob or several
+        drones: that by drone, where one that does not answer has an :class:`Error` instead."""
+        if not is_many(drone):
+            return ask(lib.hive_application_status, self._handle, encoded(str(drone)))
+        answers = ask(lib.hive_application_status_all, self._handle, as_json(self._named(drone)))
+        return {answer["drone"]: answer_of(answer, "status") for answer in answers}
+
+    def place(self, drone: str) -> dict[str, Any]:
+        """Where it is met: "drone", "host" ("local": this machine), "address", "ssh", "answered_us".
+
+        :raises hive.Error: "not_found"; "invalid_argument" when several have the name: call it "NAME@HOST"
+        """
+        return ask(lib.hive_application_place, self._handle, encoded(drone))
+
+    def places(self) -> list[dict[str, Any]]:
+        """The list of places: drones on other machines that this home was told of."""
+        return ask(lib.hive_application_places, self._handle)
+
+    def add_place(self, drone: str, address: str, host: str = "") -> None:
+        """Writes into the list of places that a drone is met at an address, "tcp://HOST:PORT".
+
+        :param host: what its machine is called; "": as in the address
+        """
+        host = host or address.partition("://")[2].rpartition(":")[0].strip("[]")
+        lib.hive_application_add_place(self._handle, as_json({"drone": drone, "host": host, "address": address}))
+
+    def forget_place(self, place: Mapping[str, Any]) -> None:
+        """Strikes one of :meth:`places` off the list.  :raises hive.Error: "not_found" when it was not there"""
+        lib.hive_application_forget_place(self._handle, as_json(dict(place)))
+
+    def wait(self, drone: str, state: str = "running", timeout: Seconds = 10.0) -> None:
+        """Returns when the drone is "running" (it answers, and its start is over), "idle", "halted" or "gone".
+
+        :raises hive.Error: "timeout"
+        """
+        end = time.monotonic() + timeout
+        while True:
+            left = end - time.monotonic()
+            try:
+                lib.hive_application_wait(
+                    self._handle, encoded(drone), encoded(state), milliseconds(min(left, SLICE))
+                )
+                return
+            except Error as error:
+                if error.code != "timeout" or left <= SLICE:
+                    raise
+
+    def _named(self, drones: Names) -> list[str]:
+        """Each once, in the order given."""
+        names: dict[str, None] = {}
+        for drone in [drones] if isinstance(drones, str) else drones:
+            names.update(dict.fromkeys(self.find(drone) if is_many(drone) else [drone]))
+        return list(names)
+
+
+def answer_of(answer: Mapping[str, Any], result: str = "result") -> Any:
+    """What a drone of several answered, or the :class:`Error` that it has instead."""
+    return error_of(answer["error"]) if "error" in answer else answer[result]

@@ -1,0 +1,186 @@
+"""What an application collects: events one by one, or in sets that belong together."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from typing import Any, AsyncIterator, Iterator, Optional, Sequence
+
+from . import _library
+from ._errors import Error
+from ._library import ask, lib, release
+from .event import Event
+
+Seconds = float
+SLICE = 0.1  # how soon Ctrl-C is seen while nothing comes
+_MOST_IN_SET = 64
+
+
+def milliseconds(seconds: float) -> int:
+    return max(0, min(int(seconds * 1000 + 0.999), 24 * 3600 * 1000))
+
+
+class _Collecting:
+    """What both kinds of collectors have: waiting in slices, so that Ctrl-C is seen, and asyncio."""
+
+    def __init__(self, handle: ctypes.c_void_p) -> None:
+        self._handle: Optional[ctypes.c_void_p] = handle
+        self._executor: Any = None
+        self._pending: Any = None  # a wait of asyncio: one that was cancelled goes on, and may have taken something
+        self._last: Sequence[Event] = ()
+
+    def __del__(self) -> None:
+        release(self._handle)
+
+    def _take(self, seconds: float) -> Any:
+        raise NotImplementedError
+
+    def _hand_out(self, taken: Any) -> Any:
+        self._last = () if taken is None else (taken,) if isinstance(taken, Event) else taken
+        return taken
+
+    def _go_on(self) -> None:
+        """Whoever asks for the next one is done with the last."""
+        for event in self._last:
+            event._left()
+        self._last = ()
+
+    def _next(self, timeout: Optional[Seconds]) -> Any:
+        self._go_on()
+        end = None if timeout is None else time.monotonic() + timeout
+        pending, self._pending = self._pending, None
+        taken = pending.result() if pending is not None else None
+        if taken is not None:
+            return self._hand_out(taken)
+        while True:
+            left = SLICE if end is None else min(SLICE, max(0.0, end - time.monotonic()))
+            taken = self._take(left)
+            if taken is not None or (end is not None and time.monotonic() >= end) or self.ended is not None:
+                return self._hand_out(taken)
+
+    async def _next_async(self) -> Any:
+        import asyncio
+        from concurrent.futures import ThreadPoolExecutor
+
+        self._go_on()
+        while True:
+            if self._executor is None:
+                self._executor = ThreadPoolExecutor(1, "hive-collector")
+            if self._pending is None:
+                self._pending = self._executor.submit(self._take, SLICE)
+            pending = self._pending
+            try:
+                taken = await asyncio.shield(asyncio.wrap_future(pending))
+            except Error:
+                self._pending = None
+                raise
+            if self._pending is not pending:
+                continue  # another task had it
+            self._pending = None
+            if taken is not None or self.ended is not None:
+                return self._hand_out(taken)
+
+    @property
+    def ended(self) -> Optional[str]:
+        """When all that it receives has come to its end and everything was taken: what is said about that, "" for a
+        regular end.  None as long as something may come; so it is again when something comes after all."""
+        over, text = ctypes.c_bool(), ctypes.c_void_p()
+        lib.hive_collector_ended(self._handle, ctypes.byref(over), ctypes.byref(text))
+        return _library.take_text(text) if over.value else None
+
+    def counts(self) -> dict[str, Any]:
+        """What has been counted so far: "received", "duplicates" (second answers, refused), "missing", "failed",
+        "dropped" (not taken in time); of sets also "sets": {"sets", "waiting", "unmatched", "missing"}."""
+        return ask(lib.hive_collector_counts, self._handle)
+
+    def inputs(self) -> list[dict[str, Any]]:
+        """This end of each connection: "input", "from" ("camera.image"), "connected", "received", "queued", "dropped",
+        "last_age_us", "error", "why", ... (SPEC.md, section 6.4); what is 0, false or empty is left out."""
+        return ask(lib.hive_collector_inputs, self._handle)
+
+    def close(self) -> None:
+        """Ends receiving.  Once more: nothing."""
+        self._go_on()
+        lib.hive_collector_close(self._handle)
+        self._pending = None
+        executor, self._executor = self._executor, None
+        if executor is not None:
+            executor.shutdown(wait=False)
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+
+class Collector(_Collecting):
+    """Receives events; connections that end are made again by themselves.  Iterate, with ``for`` or ``async for``:
+    the event of one round is done when the next one is asked for (see :meth:`Event.hold`)."""
+
+    def __enter__(self) -> Collector:
+        return self
+
+    def next(self, timeout: Optional[Seconds] = None) -> Optional[Event]:
+        """The next event; None when none came within ``timeout`` (None: waits for ever), or all has ended."""
+        event: Optional[Event] = self._next(timeout)
+        return event
+
+    def __iter__(self) -> Iterator[Event]:
+        return self
+
+    def __next__(self) -> Event:
+        event: Optional[Event] = self._next(None)
+        if event is None:
+            raise StopIteration
+        return event
+
+    def __aiter__(self) -> AsyncIterator[Event]:
+        return self
+
+    async def __anext__(self) -> Event:
+        event: Optional[Event] = await self._next_async()
+        if event is None:
+            raise StopAsyncIteration
+        return event
+
+    def _take(self, seconds: float) -> Optional[Event]:
+        place = ctypes.c_void_p()
+        lib.hive_collector_next(self._handle, milliseconds(seconds), ctypes.byref(place))
+        return Event(place) if place.value else None
+
+
+class MatchedCollector(_Collecting):
+    """Receives sets of events that belong together: tuples of one event of each output, in their order."""
+
+    def __enter__(self) -> MatchedCollector:
+        return self
+
+    def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
+        """The next set; None when none was complete within ``timeout`` (None: waits for ever), or all has ended."""
+        events: Optional[tuple[Event, ...]] = self._next(timeout)
+        return events
+
+    def __iter__(self) -> Iterator[tuple[Event, ...]]:
+        return self
+
+    def __next__(self) -> tuple[Event, ...]:
+        events: Optional[tuple[Event, ...]] = self._next(None)
+        if events is None:
+            raise StopIteration
+        return events
+
+    def __aiter__(self) -> AsyncIterator[tuple[Event, ...]]:
+        return self
+
+    async def __anext__(self) -> tuple[Event, ...]:
+        events: Optional[tuple[Event, ...]] = await self._next_async()
+        if events is None:
+            raise StopAsyncIteration
+        return events
+
+    def _take(self, seconds: float) -> Optional[tuple[Event, ...]]:
+        places = (ctypes.c_void_p * _MOST_IN_SET)()
+        count = ctypes.c_size_t()
+        lib.hive_collector_next_set(
+            self._handle, milliseconds(seconds), places, _MOST_IN_SET, ctypes.byref(count)
+        )
+        events = tuple(Event(ctypes.c_void_p(places[i])) for i in range(count.value))
+        return events or None

@@ -1,0 +1,243 @@
+"""Outputs: what a drone emits, and the memory that it may write pictures into."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from typing import TYPE_CHECKING, Any, Callable, Mapping, NoReturn, Optional, Sequence, Union
+
+from . import _pictures
+from ._errors import Error
+from ._library import as_json, ask_flag, ask_handle, body_callback, code_of, encoded, lib, release
+from .event import Event, _Memory
+
+if TYPE_CHECKING:
+    import numpy
+
+Bytes = Union[bytes, bytearray, memoryview]
+
+
+class _Maker:
+    """Makes bodies when the library asks for them; what that raises is for the caller of the library."""
+
+    def __init__(self) -> None:
+        self._make: Callable[[], _Memory] = lambda: NotImplemented
+        self._problem: Optional[BaseException] = None
+        self._callback = body_callback(self._called)
+
+    def _called(self, _: Any, place: Any) -> int:
+        try:
+            memory = self._make()
+            place[0] = ask_handle(lib.hive_loan_body, memory.handle, memory.size).value
+            return 0
+        except BaseException as problem:
+            self._problem = problem
+            return code_of("failed")
+
+    def __call__(self, make: Callable[[], _Memory], emit: Any, *arguments: Any) -> None:
+        """Calls a function of the library with what makes the body."""
+        before, self._make = self._make, make
+        try:
+            emit(*arguments[:-1], self._callback, None, arguments[-1])
+        except Error:
+            problem, self._problem = self._problem, None
+            if problem is None:
+                raise
+            raise problem from None
+        finally:
+            self._make = before
+
+
+class Output:
+    """One of a drone's outputs.  For the thread that runs the drone, except :meth:`loan`."""
+
+    def __init__(self, handle: ctypes.c_void_p, name: str) -> None:
+        self._handle = handle
+        self._made = _Maker()
+        self.name = name
+
+    def __del__(self) -> None:
+        release(self._handle)
+
+    @property
+    def wanted(self) -> bool:
+        """Does anybody receive the bodies?  If not, there is no need to make one."""
+        return ask_flag(lib.hive_output_wanted, self._handle)
+
+    @property
+    def received(self) -> bool:
+        """Does anybody receive it, be it headers alone?"""
+        return ask_flag(lib.hive_output_received, self._handle)
+
+    @property
+    def asked(self) -> bool:
+        """For sources on demand: has every receiver asked for another event, and is there one?"""
+        return ask_flag(lib.hive_output_asked, self._handle)
+
+    def emit(
+        self,
+        header: Optional[Mapping[str, Any]] = None,
+        body: Union[Bytes, Callable[[], Bytes]] = b"",
+        type: Optional[str] = None,
+    ) -> None:
+        """Sends an event to whoever wants it; never waits for a receiver.
+
+        Inside a callback it inherits identity and time of the input, elsewhere it begins a new identity.
+
+        :param header: what JSON can hold, at most about 60 KiB
+        :param body: is copied; a function that makes one is called only if somebody is to have it: if it is
+            :attr:`wanted`, or has to wait for the first receiver of what comes of a source on demand
+        :param type: media type of the body; None: the first that the output was declared with
+        :raises hive.Error: "too_large", "invalid_argument"
+        """
+        text = as_json(dict(header or {}))
+        if callable(body):
+            make = body
+            self._made(
+                lambda: self._filled(make()), lib.hive_output_emit_made, self._handle, text, len(text), encoded(type)
+            )
+            return
+        if not memoryview(body).nbytes:
+            lib.hive_output_emit(self._handle, text, len(text), None, 0, encoded(type))
+            return
+        memory = self._filled(body)
+        self._emit_memory(text, memory, memory.size, type)
+
+    def loan(self, shape: Union[int, Sequence[int]], dtype: Any = "uint8") -> numpy.ndarray:
+        """An array to fill and :meth:`emit_image`: receivers on this machine read its memory, so nothing is copied.
+
+        Never waits.  Its content is undefined; do not write to it any more once it was emitted.  From any thread.
+        """
+        numpy = _pictures._numpy()
+        kind = numpy.dtype(dtype)
+        sides = (shape,) if isinstance(shape, int) else tuple(shape)
+        count = 1
+        for side in sides:
+            count *= int(side)
+        return numpy.frombuffer(self._loan(count * kind.itemsize).view(), kind).reshape(sides)
+
+    def emit_image(self, image: numpy.ndarray, header: Optional[Mapping[str, Any]] = None, **fields: Any) -> None:
+        """Sends a picture as ``image/raw``, with ``fields`` in its header.
+
+        :param image: ``uint8``, of shape (height, width) for grey or (height, width, 3) for colour, in the order blue,
+            green, red.  It is copied once if anybody wants it; an array of :meth:`loan` not at all.
+        """
+        described = {**(header or {}), **fields, **_pictures.raw_header(image)}
+        text = as_json(described)
+        self._made(
+            lambda: self._picture(image), lib.hive_output_emit_made, self._handle, text, len(text), b"image/raw"
+        )
+
+    def emit_captured(
+        self,
+        header: Optional[Mapping[str, Any]] = None,
+        body: Union[Bytes, Callable[[], Bytes]] = b"",
+        type: Optional[str] = None,
+        *,
+        captured: Optional[float] = None,
+        lossless: bool = False,
+    ) -> None:
+        """Begins a new identity, captured at that time (seconds since 1970; None: now).
+
+        :param lossless: of a source on demand: nobody on the way may skip it
+        """
+        text = as_json(dict(header or {}))
+        when = (_microseconds(captured), lossless, text, len(text))
+        if not callable(body) and not memoryview(body).nbytes:
+            lib.hive_output_emit_captured(self._handle, *when, None, encoded(type))
+            return
+        self._made(
+            lambda: self._filled(body() if callable(body) else body),
+            lib.hive_output_emit_captured_made,
+            self._handle,
+            *when,
+            encoded(type),
+        )
+
+    def emit_captured_image(
+        self,
+        image: numpy.ndarray,
+        header: Optional[Mapping[str, Any]] = None,
+        *,
+        captured: Optional[float] = None,
+        lossless: bool = False,
+    ) -> None:
+        """A picture as in :meth:`emit_image`, with an identity as in :meth:`emit_captured`: for cameras."""
+        text = as_json({**(header or {}), **_pictures.raw_header(image)})
+        self._made(
+            lambda: self._picture(image),
+            lib.hive_output_emit_captured_made,
+            self._handle,
+            _microseconds(captured),
+            lossless,
+            text,
+            len(text),
+            b"image/raw",
+        )
+
+    def fail(
+        self, text: str, code: str = "io", *, captured: Optional[float] = None, lossless: bool = False
+    ) -> NoReturn:
+        """For main, about something that was taken and cannot be given, as a damaged file: it has its number in the
+        sequence all the same.  Raises :class:`hive.Error`; let main pass it on."""
+        lib.hive_output_fail(self._handle, _microseconds(captured), lossless, code_of(code), encoded(text))
+        raise AssertionError("hive_output_fail always fails")
+
+    def repeat(self, event: Event) -> None:
+        """Sends an event again as it once was, with its own identity."""
+        lib.hive_output_repeat(self._handle, event._handle)
+
+    def end(self, text: str = "") -> None:
+        """The source has come to its end: nothing more will come, unless something is emitted all the same.  Drones
+        pass it on, so that whoever collects at the other end knows that it has everything.
+
+        :param text: what is to be said about it: "87 of 196 frames: the file is damaged"; "": its regular end
+        """
+        lib.hive_output_end(self._handle, encoded(text))
+
+    def begin_source(self) -> None:
+        """What is captured from now on is of another source, numbered from 1.  After an end that is so by itself."""
+        lib.hive_output_begin_source(self._handle)
+
+    def _loan(self, size: int) -> _Memory:
+        return _Memory(ask_handle(lib.hive_output_loan, self._handle, size), lib.hive_loan_bytes)
+
+    def _filled(self, body: Bytes) -> _Memory:
+        """The bytes in a loan."""
+        view = memoryview(body).cast("B")
+        memory = self._loan(len(view))
+        if len(view):
+            memory.view()[:] = view
+        return memory
+
+    def _picture(self, image: numpy.ndarray) -> _Memory:
+        """The pixels in a loan: the one that they lie in, or a new one."""
+        memory = _loan_of(image)
+        if memory is not None:
+            image.flags.writeable = False
+            return memory
+        memory = self._loan(image.nbytes)
+        numpy = _pictures._numpy()
+        numpy.copyto(numpy.frombuffer(memory.view(), numpy.uint8).reshape(image.shape), image)
+        return memory
+
+    def _emit_memory(self, header: bytes, memory: _Memory, size: int, type: Optional[str]) -> None:
+        body = ask_handle(lib.hive_loan_body, memory.handle, size)
+        try:
+            lib.hive_output_emit_body(self._handle, header, len(header), body, encoded(type))
+        finally:
+            release(body)
+
+
+def _loan_of(image: numpy.ndarray) -> Optional[_Memory]:
+    """The loan that an array is the whole of, if it is one."""
+    base: Any = image
+    while base is not None and not isinstance(base, memoryview):
+        base = getattr(base, "base", None)
+    memory = getattr(base.obj, "_memory", None) if base is not None else None
+    whole = memory is not None and image.flags.c_contiguous and image.__array_interface__["data"][0] == memory.address
+    return memory if whole and not base.readonly and image.flags.writeable else None
+
+
+def _microseconds(seconds: Optional[float]) -> int:
+    return int((time.time() if seconds is None else seconds) * 1e6)

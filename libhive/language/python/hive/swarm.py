@@ -1,0 +1,285 @@
+"""Whole swarms: read, checked, brought up, taken down and written for what is to run them."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Optional, Sequence, Union
+
+from . import _library
+from ._errors import Error, error_of
+from ._library import as_json, ask, ask_handle, code_of, encoded, lib, release
+from .collector import Seconds, milliseconds
+
+if TYPE_CHECKING:
+    from .application import Application
+
+Source = Union[str, os.PathLike[str], Mapping[str, Any]]
+Progress = Callable[[int, int, str], Any]
+
+
+class Mistake(NamedTuple):
+    """A mistake in a swarm file, or what could not be checked in it, where an editor finds it."""
+
+    line: int  #: from 1
+    column: int  #: from 1, in characters
+    at: str  #: "drones.face.set.scale"; "": the file as a whole
+    text: str
+    advice: str
+
+    def __str__(self) -> str:
+        return f"{self.line}:{self.column}: {self.text}" + (f"; {self.advice}" if self.advice else "")
+
+
+class SwarmFileError(Error):
+    """A swarm file with mistakes: ``mistakes`` has all of them."""
+
+    def __init__(self, code: str, text: str, advice: str = "", mistakes: Sequence[Mistake] = ()) -> None:
+        super().__init__(code, text, advice)
+        self.mistakes: list[Mistake] = list(mistakes)
+
+    def __reduce__(self) -> Any:
+        return (type(self), (self.code, str(self), self.advice, self.mistakes))
+
+
+class SwarmError(Error):
+    """A swarm that could not be brought up, so that nothing of it was changed, or not be taken down.
+
+    ``failures`` has for each drone that failed its :class:`Error`, ``remains`` those of what could not be undone.
+    """
+
+    def __init__(
+        self, code: str, text: str, advice: str = "", failures: Any = None, remains: Any = None
+    ) -> None:
+        super().__init__(code, text, advice)
+        self.failures: dict[str, Error] = failures or {}
+        self.remains: dict[str, Error] = remains or {}
+
+    def __reduce__(self) -> Any:
+        return (type(self), (self.code, str(self), self.advice, self.failures, self.remains))
+
+
+class ExportedFile(NamedTuple):
+    """A file for what is to run a swarm; see :meth:`Swarm.export`."""
+
+    name: str  #: of several machines in a folder for each: "cam1/hive-doorway.target"
+    text: str
+    program: bool  #: to be made executable
+
+    def write(self, folder: Union[str, os.PathLike[str]]) -> str:
+        """Writes it into a folder, which is made if it is not there.  Gives its path."""
+        path = os.path.join(folder, self.name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.text)
+        if self.program:
+            os.chmod(path, os.stat(path).st_mode | 0o111)
+        return path
+
+
+class Swarm:
+    """The drones of a swarm file, what they are set to, and how they are connected (libhive/docs/swarm-file.md).
+
+    Programs of drones are found in $HIVE_DRONE_PATH and $PATH.  A call that needs the file to be right raises
+    :class:`SwarmFileError` when it is not.
+
+    :param source: a path, a dict as the file has it, or its text, which begins with "{"
+    :param application: by which it is brought up; None: one of its own, as ``hive.Application()`` makes it
+    :param form_only: programs are not asked what they take and produce, so what the file says of that is not checked
+    :raises OSError: the file cannot be read
+    """
+
+    def __init__(
+        self, source: Source, *, application: Optional[Application] = None, form_only: bool = False
+    ) -> None:
+        self._handle: Optional[ctypes.c_void_p] = None
+        self._application = application
+        self._options = {"form_only": form_only}
+        self._own: Optional[Application] = None
+        #: Its file.
+        self.text = _text_of(source)
+        #: What the last :meth:`check` could not look at, and why.
+        self.notes: list[Mistake] = []
+
+    def __del__(self) -> None:
+        release(getattr(self, "_handle", None))
+
+    def __enter__(self) -> Swarm:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<hive.Swarm {self.name}>"
+
+    def close(self) -> None:
+        """Ends :meth:`stay` of other threads; the drones go on.  Once more: nothing."""
+        if self._handle:
+            lib.hive_swarm_close(self._handle)
+        if self._own:
+            self._own.close()
+
+    @property
+    def name(self) -> str:
+        """What the file calls it; "" when it cannot be read."""
+        try:
+            return str(json.loads(self.text)["swarm"])
+        except (ValueError, TypeError, KeyError):
+            return ""
+
+    def check(self, timeout: Seconds = 10.0) -> list[Mistake]:
+        """Every mistake that can be found without starting anything; none: it is good.
+
+        :param timeout: for the programs on this machine to say what they take and produce
+        """
+        options = as_json({**self._options, "timeout_ms": milliseconds(timeout)})
+        told = ask(lib.hive_swarm_check, encoded(self.text), options)
+        self.notes = [Mistake(**note) for note in told["notes"]]
+        return [Mistake(**mistake) for mistake in told["mistakes"]]
+
+    def differences(self) -> list[dict[str, Any]]:
+        """What :meth:`up` would do now: "step" ("start", "set", "connect", "disconnect" or "stop"), "drone" and "what",
+        which says it in words; of a set also "values" and "before", of connections "sender", "receiver", "options".
+
+        :raises hive.Error: "name_taken" when a name belongs to another kind of drone, or to one on another machine
+        """
+        steps: list[dict[str, Any]] = ask(lib.hive_swarm_differences, self._opened())
+        return steps
+
+    def up(self, timeout: Seconds = 60.0, progress: Optional[Progress] = None) -> list[dict[str, Any]]:
+        """Starts what does not run and waits until it answers, then sets, connects, disconnects and stops what differs:
+        everything or nothing.  Gives what was done, as :meth:`differences`; again, it finds nothing to do.
+
+        Ctrl-C undoes what was begun before it is raised, and so does an exception of ``progress``.
+
+        :param timeout: for all drones to be ready
+        :param progress: ``progress(done, all, what)`` hears how far it is; it must not call this application
+        :raises SwarmError: nothing was changed, because of its ``failures``
+        """
+        steps: list[dict[str, Any]] = self._work(lib.hive_swarm_up, timeout, progress)
+        return steps
+
+    def down(self, timeout: Seconds = 10.0, progress: Optional[Progress] = None) -> list[str]:
+        """Ends all drones: sources take nothing more, and each drone ends when it has handed on what it had.  Gives the
+        names of those that ended.  With Ctrl-C they end at once.
+
+        :param timeout: for events on their way; then they are lost
+        :raises SwarmError: some could not be ended
+        """
+        return [step["drone"] for step in self._work(lib.hive_swarm_down, timeout, progress)]
+
+    def stay(self, told: Optional[Callable[[str], Any]] = None) -> None:
+        """Starts drones again that fell and whose "restart" says so, at most 5 times within 60 s each, until Ctrl-C or
+        :meth:`close`; the swarm goes on then.  As long as it stays, other calls of its application wait.
+
+        :param told: hears what happened, as a sentence; None: ``logging`` does, as "hive.NAME"
+        :raises hive.Error: "stopped" when it was closed
+        """
+        tell = told or _logger(self.name)
+        left: list[BaseException] = []
+
+        def hear(_: Any, text: bytes) -> int:
+            return _kept(left, tell, _library.text_of(text))
+
+        try:
+            lib.hive_swarm_stay(self._opened(), _library.told_callback(hear), None)
+        except Error:
+            if left:
+                raise left[0] from None
+            raise
+        finally:
+            _library.forget_raised()
+
+    def export(self, form: str, *, programs: str = "", image: str = "") -> list[ExportedFile]:
+        """Writes it for what is to run it, so that the command line of each drone alone is enough for it to come back
+        with its parameters and its connections.  The first file says how they are used.
+
+        :param form: "systemd", "compose", "kubernetes", "slurm" or "shell"
+        :param programs: the folder of the drones' programs; "": "/usr/bin"
+        :param image: of containers; "": "hive:latest"
+        """
+        options = as_json({"programs": programs, "image": image})
+        files = ask(lib.hive_swarm_export, self._opened(), encoded(form), options)
+        return [ExportedFile(**file) for file in files]
+
+    def _opened(self) -> ctypes.c_void_p:
+        """The handle, once the file is right."""
+        if self._handle is None:
+            if self._application is None:
+                from .application import Application
+
+                self._application = self._own = Application()
+            try:
+                self._handle = ask_handle(
+                    lib.hive_swarm_open, self._application._handle, encoded(self.text), as_json(self._options)
+                )
+            except Error as error:
+                if error.code == "invalid_argument":
+                    raise SwarmFileError(error.code, str(error), error.advice, self.check()) from None
+                raise
+        return self._handle
+
+    def _work(self, function: Any, timeout: Seconds, progress: Optional[Progress]) -> Any:
+        """The steps.  What an interruption leaves behind is raised after it was undone."""
+        left: list[BaseException] = []
+
+        def hear(_: Any, done: int, of: int, what: bytes) -> int:
+            return _kept(left, progress, done, of, _library.text_of(what))
+
+        call = _library.progress_callback(hear) if progress else _library.progress_callback()
+        place, length = ctypes.c_void_p(), ctypes.c_size_t()
+        places = ctypes.byref(place), ctypes.byref(length)
+        try:
+            function(self._opened(), milliseconds(timeout), call, None, *places)
+        except BaseException as interruption:
+            if not place.value:
+                raise
+            left.append(interruption)
+        finally:
+            _library.forget_raised()
+        outcome = json.loads(_library.take_text(place, length.value) or "{}")
+        problem = _problem(outcome)
+        if left:
+            raise left[0] from (problem if problem and problem.remains else None)
+        if problem:
+            raise problem
+        return outcome["steps"]
+
+
+def _text_of(source: Source) -> str:
+    if isinstance(source, Mapping):
+        return as_json(dict(source)).decode()
+    if isinstance(source, str) and source.lstrip().startswith("{"):
+        return source
+    with open(source, encoding="utf-8") as file:
+        return file.read()
+
+
+def _logger(name: str) -> Callable[[str], Any]:
+    import logging
+
+    logger = logging.getLogger("hive." + name)
+    return lambda text: logger.warning("%s", text)
+
+
+def _kept(left: list[BaseException], function: Any, *arguments: Any) -> int:
+    """Calls what must not raise into C; what it raises is kept, and C is told to go no further."""
+    try:
+        function(*arguments)
+        return 0
+    except BaseException as raised:
+        left.append(raised)
+        return code_of("stopped")
+
+
+def _problem(outcome: Mapping[str, Any]) -> Optional[SwarmError]:
+    failures, remains = (
+        {failure["drone"]: error_of(failure["error"]) for failure in outcome[part]} for part in ("failures", "remains")
+    )
+    texts = [f"{drone}: {error}" for drone, error in failures.items()]
+    texts += [f"{drone} was not undone: {error}" for drone, error in remains.items()]
+    for error in (*failures.values(), *remains.values()):
+        return SwarmError(error.code, "; ".join(texts), error.advice, failures, remains)
+    return None

@@ -1,0 +1,58 @@
+// Starts and ends the processes of drones on one machine: one file for each way that people have to do that.
+#pragma once
+
+#include <hive/swarm.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+/// Nothing here waits: one thread drives the engines of all machines in turn.
+class Engine {
+public:
+    /// What has become of a drone that was begun.
+    struct Report {
+        std::string drone;
+        Place place{};                 ///< where it is met; whether it is ready yet, it says itself
+        std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name does already
+    };
+
+    virtual ~Engine() = default;
+    /// Takes the order to start these; they are started a few at a time, while poll() is called.
+    virtual void begin(std::vector<SwarmDrone> drones) = 0;
+    /// What is new since the last call: one report for each drone that was begun.
+    virtual std::vector<Report> poll() = 0;
+    /// A drone that was met does not answer: poll() is to report once more what has become of it.
+    virtual void look_again(const std::string& drone) = 0;
+    /// Ends what this engine began and what of it is still to be started. Returns when it is gone, or tells why it is
+    /// not; drones that it never began are left alone.
+    virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) = 0;
+};
+
+/// @param host  as the plan calls the machine
+/// @param home  where drones of this machine meet
+std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string& host,
+                                    const std::filesystem::path& home);
+
+/// The command line of the drone's program, but for its name.
+std::vector<std::string> arguments_of(const SwarmDrone& drone);
+
+/// Why a drone will not run whose process has ended so, as of waitpid.
+Error not_ready(const std::string& drone, int status, const std::string& last_words);
+
+std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home);
+/// Units of the user's systemd.
+std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
+/// @param settings  {"options": [further ones of srun]}
+/// @param node      as Slurm calls it
+/// Throws Errc::refused outside of an allocation.
+std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
+                                          const std::filesystem::path& home);
+/// @param settings  the machine as ssh knows it: "lab-cam1"
+std::unique_ptr<Engine> make_ssh_engine(const Json& settings, const std::filesystem::path& home);
+
+}  // namespace hive

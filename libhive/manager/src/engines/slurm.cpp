@@ -1,0 +1,270 @@
+// Each drone as a step of the Slurm allocation in which this program runs.
+#include "engine.hpp"
+
+#include "../last_line.hpp"
+#include "../running_command.hpp"
+#include "reachable.hpp"
+
+#include <hive/process.hpp>
+#include <hive/program.hpp>
+
+#include <algorithm>
+#include <deque>
+#include <list>
+#include <map>
+#include <thread>
+
+#include <unistd.h>
+
+namespace hive {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t steps_at_once = 16;  ///< begun and not yet met
+constexpr std::size_t step_log_lines = 15;
+constexpr auto patience_of_slurm = 10s;  ///< for one of its commands
+constexpr auto patience_to_end = 5s;     ///< for steps that were told to
+
+/// What a drone listens at on its node, below the ports that the system gives out: the same each time, so that a drone
+/// that a killed `up` has left behind is found; the next one where another program has it.
+constexpr int first_port = 12'000, ports = 20'000, port_tries = 3;
+
+int port_of(const std::string& job, const std::string& drone, int attempt)
+{
+    std::uint32_t hash = 2'166'136'261U;  // FNV-1a: the same in every process
+    for (const unsigned char c : job + "." + drone)
+        hash = (hash ^ c) * 16'777'619U;
+    return first_port + static_cast<int>((hash + static_cast<std::uint32_t>(attempt)) % ports);
+}
+
+class SlurmEngine final : public Engine {
+public:
+    SlurmEngine(const Json& settings, std::string node, std::filesystem::path home, std::string job)
+        : node_(std::move(node)), home_(std::move(home)), job_(std::move(job))
+    {
+        if (settings.is_object())
+            for (const auto& option : settings.value("options", Json::array()))
+                options_.push_back(option.get<std::string>());
+    }
+
+    void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
+    std::vector<Report> poll() override;
+    void look_again(const std::string& drone) override;
+    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
+
+private:
+    struct Step {
+        SwarmDrone drone;
+        int port;
+        BackgroundProcess process;
+        bool met = false;  ///< reported
+    };
+
+    bool find_node(std::vector<Report>& reports);
+    void start(SwarmDrone drone, std::vector<Report>& reports);
+    [[nodiscard]] std::vector<std::string> words_of(SwarmDrone drone, int port) const;
+    [[nodiscard]] int free_port(const SwarmDrone& drone) const;
+    [[nodiscard]] std::optional<Report> look(Step& step) const;
+    [[nodiscard]] Report place_of(const std::string& drone, int port) const;
+    [[nodiscard]] std::vector<std::string> steps_named(const std::vector<std::string>& drones) const;
+    bool await_end(const std::vector<std::string>& drones);
+
+    std::string node_;
+    std::filesystem::path home_;
+    std::string job_;
+    std::vector<std::string> options_;
+    std::string address_;  ///< of the node; empty: not known yet
+    std::optional<RunningCommand> asking_;
+    std::deque<SwarmDrone> waiting_;
+    std::list<Step> steps_;
+};
+
+/// Of "NodeName=n1 ... NodeAddr=10.0.0.7 ...".
+std::string address_in(const std::string& text)
+{
+    constexpr std::string_view key = "NodeAddr=";
+    const auto begin = text.find(key);
+    return begin == std::string::npos
+               ? ""
+               : text.substr(begin + key.size(), text.find_first_of(" \n", begin) - begin - key.size());
+}
+
+std::vector<Engine::Report> SlurmEngine::poll()
+{
+    std::vector<Report> reports;
+    if (!find_node(reports))
+        return reports;
+    for (auto& step : steps_)
+        if (auto report = step.met ? std::nullopt : look(step)) {
+            step.met = true;
+            reports.push_back(*std::move(report));
+        }
+    auto not_met = std::ranges::count(steps_, false, &Step::met);
+    for (; !waiting_.empty() && not_met < static_cast<std::ptrdiff_t>(steps_at_once); waiting_.pop_front(), ++not_met)
+        start(std::move(waiting_.front()), reports);
+    return reports;
+}
+
+void SlurmEngine::look_again(const std::string& drone)
+{
+    for (auto& step : steps_)
+        if (step.drone.name == drone)
+            step.met = false;
+}
+
+/// Where the node is met, Slurm knows. False as long as that is not known.
+bool SlurmEngine::find_node(std::vector<Report>& reports)
+try {
+    if (!address_.empty() || waiting_.empty())
+        return true;
+    if (!asking_)
+        asking_.emplace(std::vector<std::string>{"scontrol", "-o", "show", "node", node_}, patience_of_slurm);
+    const auto result = asking_->poll();
+    if (!result)
+        return false;
+    asking_.reset();
+    address_ = address_in(result->out);
+    if (result->exit_code != 0 || address_.empty())
+        throw Error(Errc::not_found, "Slurm has no node " + node_ + ": " + last_line(result->out + result->err));
+    return true;
+} catch (const Error& error) {
+    for (; !waiting_.empty(); waiting_.pop_front())
+        reports.push_back({.drone = waiting_.front().name, .error = error});
+    return false;
+}
+
+void SlurmEngine::start(SwarmDrone drone, std::vector<Report>& reports)
+try {
+    const int port = free_port(drone);
+    const auto words = words_of(drone, port);
+    // A home of the node: one that the nodes share would have sockets and locks that mean nothing on the others.
+    const auto home = "/tmp/hive-" + std::to_string(::getuid()) + "-" + job_ + "-" + node_;
+    auto environment = command_of(drone.kind).environment;
+    environment.push_back("HIVE_HOME=" + home);
+    const auto log = home_ / (drone.name + ".log");
+    steps_.push_back({std::move(drone), port,
+                      BackgroundProcess("/usr/bin/env", words, environment, log, BackgroundProcess::Life::own)});
+} catch (const Error& error) {
+    reports.push_back({.drone = drone.name, .error = error});
+}
+
+std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
+{
+    if (drone.listen.empty())
+        drone.listen = "tcp://0.0.0.0:" + std::to_string(port);
+    const auto command = command_of(drone.kind);
+    std::vector<std::string> words{"srun", "--jobid=" + job_, "--overlap", "--nodes=1", "--ntasks=1"};
+    words.insert(words.end(), {"--nodelist=" + node_, "--job-name=" + drone.name, "--input=none", "--quiet"});
+    words.insert(words.end(), options_.begin(), options_.end());
+    words.push_back(command.program.string());
+    words.insert(words.end(), command.arguments.begin(), command.arguments.end());
+    std::ranges::move(arguments_of(drone), std::back_inserter(words));
+    return words;
+}
+
+/// That of "tcp://HOST:PORT", where the plan has one.
+int SlurmEngine::free_port(const SwarmDrone& drone) const
+{
+    if (const auto colon = drone.listen.rfind(':'); !drone.listen.empty()) {
+        const int port = colon > 3 && colon != std::string::npos ? std::atoi(drone.listen.c_str() + colon + 1) : 0;
+        if (port <= 0)
+            throw Error(Errc::invalid_argument, drone.name + ": under Slurm \"listen\" needs a port, or is left out");
+        return port;
+    }
+    for (int attempt = 0; attempt < port_tries; ++attempt)
+        if (const int port = port_of(job_, drone.name, attempt); !reachable(address_, port))
+            return port;
+    throw Error(Errc::name_taken, "other programs on " + node_ + " have the ports that " + drone.name + " would take");
+}
+
+std::optional<Engine::Report> SlurmEngine::look(Step& step) const
+{
+    const auto& name = step.drone.name;
+    const auto status = step.process.ended();
+    if (!status)
+        return reachable(address_, step.port) ? std::optional(place_of(name, step.port)) : std::nullopt;
+    const auto words = step.process.last_words(step_log_lines);
+    if (words.find(name + " runs already") != std::string::npos)
+        for (int attempt = 0; attempt < port_tries; ++attempt)
+            if (const int port = port_of(job_, name, attempt); reachable(address_, port))
+                return place_of(name, port);  // a hivectl that was killed had begun it
+    return Report{.drone = name, .error = not_ready(name, *status, words)};
+}
+
+Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
+{
+    const bool number6 = address_.find(':') != std::string::npos;
+    const auto host = number6 ? "[" + address_ + "]" : address_;
+    return {.drone = drone,
+            .place = {.drone = drone, .host = node_, .address = "tcp://" + host + ":" + std::to_string(port)}};
+}
+
+/// "JOB.STEP" of each.
+std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>& drones) const
+{
+    const auto listed =
+        run_command({"squeue", "--steps", "--noheader", "--jobs=" + job_, "--format=%i %j"}, patience_of_slurm);
+    std::vector<std::string> ids;
+    std::istringstream lines(listed.out);
+    for (std::string id, name; lines >> id && std::getline(lines >> std::ws, name);)
+        if (std::ranges::find(drones, name.substr(0, name.find_last_not_of(' ') + 1)) != drones.end())
+            ids.push_back(id);
+    return ids;
+}
+
+/// A drone that is told to end by SIGTERM forgets what it was told; srun itself would kill it.
+std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& drones)
+{
+    const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
+    std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
+    std::vector<std::string> ours;
+    for (auto& step : steps_)
+        if (meant(step.drone.name) && !step.process.ended())
+            ours.push_back(step.drone.name);
+    for (const auto* signal : {"--signal=TERM", "--signal=KILL"})
+        if (auto ids = ours.empty() ? ours : steps_named(ours); !ids.empty()) {
+            ids.insert(ids.begin(), {"scancel", signal});
+            run_command(ids, patience_of_slurm);
+            if (await_end(ours))
+                break;
+        }
+    std::erase_if(steps_, [&](Step& step) {
+        if (meant(step.drone.name))
+            step.process.end();
+        return meant(step.drone.name);
+    });
+    std::vector<SwarmFailure> remains;
+    if (!ours.empty() && !steps_named(ours).empty())
+        for (const auto& name : ours)
+            remains.push_back({name, Error(Errc::timeout, "the step of " + name + " on " + node_ + " has not ended")});
+    return remains;
+}
+
+bool SlurmEngine::await_end(const std::vector<std::string>& drones)
+{
+    const auto running = [&](Step& step) {
+        return std::ranges::find(drones, step.drone.name) != drones.end() && !step.process.ended();
+    };
+    for (const auto until = Clock::now() + patience_to_end; Clock::now() < until;) {
+        if (std::ranges::none_of(steps_, running))
+            return true;
+        std::this_thread::sleep_for(10ms);
+    }
+    return false;
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
+                                          const std::filesystem::path& home)
+{
+    const char* const job = std::getenv("SLURM_JOB_ID");
+    if (!job || !*job)
+        throw Error(Errc::refused, "the drones on " + node + " are steps of a Slurm allocation, and there is none here",
+                    "bring the swarm up from a shell of salloc, or from an sbatch script");
+    return std::make_unique<SlurmEngine>(settings, node, home, job);
+}
+
+}  // namespace hive

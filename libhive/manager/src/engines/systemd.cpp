@@ -1,0 +1,265 @@
+// The drones of this machine as units of the user's systemd, which starts those again that crash.
+#include "engine.hpp"
+
+#include "../last_line.hpp"
+#include "../running_command.hpp"
+#include "systemd_unit.hpp"
+
+#include <hive/event/home.hpp>
+#include <hive/process.hpp>
+#include <hive/program.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <map>
+#include <sstream>
+
+namespace hive {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::ptrdiff_t units_at_once = 32;  ///< begun and not yet met
+constexpr std::size_t journal_lines = 15;
+constexpr auto patience_of_systemd = 30s;  ///< for one call of systemctl
+constexpr auto pause_between_looks = 200ms;
+
+class SystemdEngine final : public Engine {
+public:
+    explicit SystemdEngine(std::filesystem::path home) : home_(std::move(home)) {}
+
+    void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
+    std::vector<Report> poll() override;
+    void look_again(const std::string& drone) override;
+    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
+
+private:
+    struct Unit {
+        std::uintmax_t log_begin = 0;
+        bool met = false;  ///< reported
+    };
+    using Words = std::vector<std::string>;
+
+    void write_next(std::vector<Report>& reports);
+    void write(const SwarmDrone& drone);
+    void call(std::vector<Report>& reports);
+    void look(std::vector<Report>& reports);
+    void hear(const std::map<std::string, std::string>& said, std::vector<Report>& reports);
+    void fail_all(const Error& error, std::vector<Report>& reports);
+    [[nodiscard]] Words names_not_met() const;
+
+    event::Home home_;
+    std::deque<SwarmDrone> waiting_;
+    std::map<std::string, Unit> units_;
+    std::deque<Words> calls_;  ///< still to be made
+    std::optional<RunningCommand> calling_, asking_;
+    Clock::time_point next_look_{};
+};
+
+std::vector<std::string> systemctl(std::vector<std::string> words)
+{
+    words.insert(words.begin(), {"systemctl", "--user"});
+    return words;
+}
+
+std::filesystem::path unit_directory()
+{
+    const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+    const auto config = variable("XDG_CONFIG_HOME");
+    return (config.empty() ? std::filesystem::path(variable("HOME")) / ".config" : std::filesystem::path(config))
+           / "systemd" / "user";
+}
+
+std::uintmax_t size_of(const std::filesystem::path& file)
+{
+    std::error_code missing;
+    const auto size = std::filesystem::file_size(file, missing);
+    return missing ? 0 : size;
+}
+
+/// "KEY=VALUE" lines, one unit after another with an empty line between them.
+std::vector<std::map<std::string, std::string>> properties_in(const std::string& text)
+{
+    std::vector<std::map<std::string, std::string>> units(1);
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        if (line.empty())
+            units.emplace_back();
+        else if (const auto equals = line.find('='); equals != std::string::npos)
+            units.back()[line.substr(0, equals)] = line.substr(equals + 1);
+    return units;
+}
+
+std::vector<Engine::Report> SystemdEngine::poll()
+{
+    std::vector<Report> reports;
+    for (auto& [name, unit] : units_)
+        if (!unit.met && home_.alive(name)) {
+            unit.met = true;
+            reports.push_back({.drone = name,
+                               .place = {.drone = name, .host = Place::here, .address = to_text(home_.address(name))}});
+        }
+    call(reports);
+    if (!calling_ && calls_.empty())
+        look(reports);
+    write_next(reports);
+    return reports;
+}
+
+void SystemdEngine::look_again(const std::string& drone)
+{
+    if (const auto found = units_.find(drone); found != units_.end())
+        found->second.met = false;
+}
+
+/// A few units at a time, so that the first ones are soon ready.
+void SystemdEngine::write_next(std::vector<Report>& reports)
+{
+    Words started{"start", "--no-block"};
+    while (!waiting_.empty() && std::ssize(names_not_met()) < units_at_once) {
+        const auto drone = std::move(waiting_.front());
+        waiting_.pop_front();
+        try {
+            if (home_.alive(drone.name))
+                throw Error(Errc::name_taken, drone.name + " runs already");
+            write(drone);
+            started.push_back(unit_name(drone.name));
+        } catch (const Error& error) {
+            reports.push_back({.drone = drone.name, .error = error});
+        }
+    }
+    if (started.size() > 2)
+        calls_.insert(calls_.end(), {{"daemon-reload"}, started});
+}
+
+void SystemdEngine::write(const SwarmDrone& drone)
+{
+    auto command = command_of(drone.kind);
+    std::ranges::move(arguments_of(drone), std::back_inserter(command.arguments));
+    command.environment.push_back("HIVE_HOME=" + home_.directory().string());
+    for (const std::string variable : {"HIVE_KEY", "XDG_CONFIG_HOME"})  // where the key is
+        if (const char* const value = std::getenv(variable.c_str()))
+            command.environment.push_back(variable + "=" + value);
+    const auto log = home_.path(drone.name, ".log");
+    const auto text = unit_text(drone, command, log);
+    std::error_code problem;
+    std::filesystem::create_directories(unit_directory(), problem);
+    event::replace_file(unit_directory() / unit_name(drone.name), text);
+    units_[drone.name] = {.log_begin = size_of(log)};
+}
+
+/// One call after another; when one fails, nothing that is not met will be.
+void SystemdEngine::call(std::vector<Report>& reports)
+try {
+    if (!calling_ && !calls_.empty()) {
+        calling_.emplace(systemctl(calls_.front()), patience_of_systemd);
+        calls_.pop_front();
+    }
+    const auto result = calling_ ? calling_->poll() : std::nullopt;
+    if (!result)
+        return;
+    calling_.reset();
+    if (result->exit_code != 0)
+        throw Error(Errc::failed, "systemctl --user: " + last_line(result->err));
+} catch (const Error& error) {
+    fail_all(error, reports);
+}
+
+void SystemdEngine::fail_all(const Error& error, std::vector<Report>& reports)
+{
+    calls_.clear();
+    for (const auto& name : names_not_met()) {
+        units_[name].met = true;
+        reports.push_back({.drone = name, .error = error});
+    }
+}
+
+/// Has systemd given up on one of those that are waited for?
+void SystemdEngine::look(std::vector<Report>& reports)
+try {
+    if (!asking_ && Clock::now() >= next_look_) {
+        Words words{"show", "--property=Id,ActiveState,ExecMainCode,ExecMainStatus"};
+        for (const auto& name : names_not_met())
+            words.push_back(unit_name(name));
+        if (words.size() > 2)
+            asking_.emplace(systemctl(words), patience_of_systemd);
+        next_look_ = Clock::now() + pause_between_looks;
+    }
+    const auto result = asking_ ? asking_->poll() : std::nullopt;
+    if (!result)
+        return;
+    asking_.reset();
+    for (const auto& said : properties_in(result->out))
+        hear(said, reports);
+} catch (const Error& error) {
+    fail_all(error, reports);
+}
+
+void SystemdEngine::hear(const std::map<std::string, std::string>& said, std::vector<Report>& reports)
+{
+    const auto value = [&](const char* key) { return said.contains(key) ? said.at(key) : std::string(); };
+    const auto number = [&](const char* key) { return std::atoi(value(key).c_str()); };
+    const auto found =
+        std::ranges::find_if(units_, [&](const auto& entry) { return unit_name(entry.first) == value("Id"); });
+    const bool over = value("ActiveState") == "failed"
+                      || (value("ActiveState") == "inactive" && number("ExecMainCode") != 0);  // 0: not begun yet
+    if (found == units_.end() || found->second.met || !over)
+        return;
+    constexpr int exited = 1;  // CLD_EXITED; otherwise the status is a signal
+    const int status = number("ExecMainCode") == exited ? number("ExecMainStatus") << 8 : number("ExecMainStatus");
+    auto& [name, unit] = *found;
+    unit.met = true;
+    const auto log = home_.path(name, ".log");
+    const auto words = last_lines(log, journal_lines, unit.log_begin <= size_of(log) ? unit.log_begin : 0);
+    reports.push_back({.drone = name, .error = not_ready(name, status, words)});
+}
+
+std::vector<std::string> SystemdEngine::names_not_met() const
+{
+    Words names;
+    for (const auto& [name, unit] : units_)
+        if (!unit.met)
+            names.push_back(name);
+    return names;
+}
+
+/// Their units are gone with them.
+std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones)
+{
+    std::erase_if(waiting_,
+                  [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); });
+    calls_.clear();
+    calling_.reset();
+    Words words{"stop"}, ours;
+    for (const auto& name : drones)
+        if (units_.contains(name)) {
+            ours.push_back(name);
+            words.push_back(unit_name(name));
+        }
+    if (ours.empty())
+        return {};
+    run_command(systemctl(words), patience_of_systemd);
+    std::vector<SwarmFailure> remains;
+    std::error_code ignored;
+    for (const auto& name : ours) {
+        if (home_.alive(name)) {
+            remains.push_back({name, Error(Errc::failed, "systemd has not ended " + unit_name(name))});
+            continue;
+        }
+        std::filesystem::remove(unit_directory() / unit_name(name), ignored);
+        units_.erase(name);
+    }
+    run_command(systemctl({"daemon-reload"}), patience_of_systemd);
+    return remains;
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home)
+{
+    return std::make_unique<SystemdEngine>(home);
+}
+
+}  // namespace hive

@@ -1,0 +1,70 @@
+// Writing units: the quotes are those of systemd.syntax(7) and systemd.service(5).
+#include "systemd_unit.hpp"
+
+#include <hive/error.hpp>
+
+namespace hive {
+namespace {
+
+/// Without specifiers: a % is a %.
+std::string without_specifiers(const std::string& text)
+{
+    std::string result;
+    for (const char c : text)
+        result += c == '%' ? "%%" : std::string(1, c);
+    return result;
+}
+
+/// One word as systemd reads it back. In a command line a $ would name a variable.
+std::string word(const std::string& text, bool of_command)
+{
+    std::string result = "\"";
+    for (const char c : without_specifiers(text))
+        if (c == '"' || c == '\\')
+            result += std::string("\\") + c;
+        else if (c == '\n')
+            result += "\\n";
+        else
+            result += c == '$' && of_command ? "$$" : std::string(1, c);
+    return result + "\"";
+}
+
+std::string command_line(const DroneCommand& command)
+{
+    std::string line = word(command.program.string(), true);
+    for (const auto& argument : command.arguments)
+        line += " " + word(argument, true);
+    return line;
+}
+
+/// A drone that is told to stop ends with 0, as one that has come to its end: systemd cannot tell them apart.
+std::string restart_of(const SwarmDrone& drone)
+{
+    switch (drone.restart) {
+    case Restart::never: return "no";
+    case Restart::on_failure: return "on-failure";
+    case Restart::always: break;
+    }
+    throw Error(Errc::unsupported,
+                drone.name + ": what systemd always starts again cannot be ended by hivectl stop or hivectl down",
+                "write \"restart\": \"on-failure\"");
+}
+
+}  // namespace
+
+std::string quoted_for_systemd(const std::string& text) { return word(text, true); }
+
+std::string unit_name(const std::string& drone) { return "hive-" + drone + ".service"; }
+
+std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, const std::filesystem::path& log)
+{
+    const auto file = "append:" + without_specifiers(log.string());
+    std::string text =
+        "# Written by hivectl up.\n[Unit]\nDescription=Hive drone " + drone.name + " (" + without_specifiers(drone.kind)
+        + ")\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\nExecStart=" + command_line(command) + "\n";
+    for (const auto& variable : command.environment)
+        text += "Environment=" + word(variable, false) + "\n";
+    return text + "StandardOutput=" + file + "\nStandardError=" + file + "\nRestart=" + restart_of(drone) + "\n";
+}
+
+}  // namespace hive

@@ -1,0 +1,24 @@
+// A drone as a unit of systemd.
+#pragma once
+
+#include <hive/program.hpp>
+#include <hive/swarm_plan.hpp>
+
+#include <filesystem>
+#include <string>
+
+namespace hive {
+
+/// "hive-face-1.service"
+std::string unit_name(const std::string& drone);
+
+/// A word of a command line as systemd reads it back.
+std::string quoted_for_systemd(const std::string& word);
+
+/// The unit file.
+/// @param command  runs the drone, with all of its arguments and its environment
+/// @param log      takes what it says
+/// Throws Errc::unsupported for a restart that systemd could not be told.
+std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, const std::filesystem::path& log);
+
+}  // namespace hive

@@ -1,0 +1,109 @@
+// Looking for hive-KIND in the directories, and asking it for its interface.
+#include "last_line.hpp"
+#include "python_file.hpp"
+
+#include <hive/error.hpp>
+#include <hive/name.hpp>
+#include <hive/process.hpp>
+
+#include <cerrno>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+#include <unistd.h>
+
+namespace hive {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view program_prefix = "hive-";
+
+/// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running
+/// what is merely called hive-something would be rash.
+bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
+
+std::vector<fs::path> directories()
+{
+    std::error_code ignored;
+    std::vector<fs::path> result;
+    if (const auto self = fs::read_symlink("/proc/self/exe", ignored); !self.empty())
+        result.push_back(self.parent_path());
+    for (const char* variable : {"HIVE_DRONE_PATH", "PATH"})
+        if (const char* value = std::getenv(variable)) {
+            std::istringstream list(value);
+            for (std::string directory; std::getline(list, directory, ':');)
+                if (!directory.empty())
+                    result.push_back(fs::absolute(directory));
+        }
+    return result;
+}
+
+}  // namespace
+
+std::optional<fs::path> program_of(const std::string& kind)
+{
+    if (is_emulator(kind))
+        return std::nullopt;
+    for (const auto& directory : directories())
+        if (const auto file = directory / (std::string(program_prefix) + kind); is_program(file))
+            return file;
+    return std::nullopt;
+}
+
+std::vector<std::string> kinds()
+{
+    std::set<std::string> found;
+    std::error_code ignored;
+    for (const auto& directory : directories())
+        for (const auto& entry : fs::directory_iterator(directory, ignored))
+            if (const auto name = entry.path().filename().string();
+                name.starts_with(program_prefix) && !is_emulator(name) && is_program(entry.path()))
+                found.insert(name.substr(program_prefix.size()));
+    return {found.begin(), found.end()};
+}
+
+std::string usual_name(const std::string& kind) { return is_python_file(kind) ? fs::path(kind).stem().string() : kind; }
+
+DroneCommand command_of(const std::string& kind)
+{
+    if (is_python_file(kind))
+        return command_of_python_file(kind);
+    require_name(kind, "kind");
+    if (const auto program = program_of(kind))
+        return {.program = *program, .arguments = {}, .environment = {}};
+    const auto known = kinds();
+    std::string list;
+    for (const auto& one : known)
+        list += (list.empty() ? "" : ", ") + one;
+    throw no_such("there is no drone hive-" + kind + " beside " + program_invocation_short_name
+                      + ", in $HIVE_DRONE_PATH or in $PATH; kinds found: " + (list.empty() ? "none" : list),
+                  kind, known, "see what can be started: hivectl start --help");
+}
+
+Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)
+{
+    const auto command = command_of(kind);
+    std::vector<std::string> words{command.program.string()};
+    words.insert(words.end(), command.arguments.begin(), command.arguments.end());
+    words.emplace_back("--describe");
+    const auto result = run_command(words, limit, command.environment);
+    if (result.late)
+        throw Error(Errc::timeout, command.program.string() + " --describe has not answered in time");
+    if (result.exit_code != 0)
+        throw Error(Errc::failed, command.program.string() + " --describe ended with exit code "
+                                      + std::to_string(result.exit_code) + ": " + last_line(result.err));
+    try {
+        return interface_from_json(parse_json(result.out));
+    } catch (const Error& error) {
+        throw Error(Errc::failed,
+                    command.program.string() + " --describe does not print an interface: " + error.what());
+    }
+}
+
+std::string assignment(const std::string& parameter, const Json& value)
+{
+    return parameter + "=" + (value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+}  // namespace hive

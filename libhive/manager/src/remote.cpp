@@ -1,0 +1,119 @@
+// The command lines for ssh, and what its failures mean.
+#include "last_line.hpp"
+
+#include <hive/error.hpp>
+#include <hive/json.hpp>
+#include <hive/name.hpp>
+#include <hive/remote.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+namespace hive {
+namespace {
+
+constexpr int not_run_by_shell = 127;  ///< the exit code of a shell that has not found the command
+constexpr int failed_in_ssh = 255;
+
+/// A host name, a number, or USER@HOST; never an option of ssh.
+const std::string& require_host(const std::string& ssh)
+{
+    const bool fits = !ssh.empty() && ssh.size() <= 255 && ssh.front() != '-'
+                      && std::ranges::all_of(ssh, [](unsigned char c) { return c > ' ' && c < 0x7F; })
+                      && ssh.find_first_of("'\"`$;&|<>()\\/") == std::string::npos;
+    if (!fits)
+        throw Error(Errc::invalid_argument, in_quotes(ssh) + " is not a host as ssh takes it",
+                    "write HOST or USER@HOST");
+    return ssh;
+}
+
+}  // namespace
+
+std::string quoted_for_shell(const std::string& word)
+{
+    std::string text = "'";
+    for (const char c : word)
+        text += c == '\'' ? "'\\''" : std::string(1, c);
+    return text + "'";
+}
+
+Remote::Remote(std::string ssh, const std::filesystem::path& home) : ssh_(std::move(ssh)), home_(home)
+{
+    require_host(ssh_);
+}
+
+std::string Remote::host() const { return ssh_.substr(ssh_.rfind('@') + 1); }
+
+std::string Remote::address(std::chrono::milliseconds limit) const
+{
+    const auto result = run_command({"ssh", "-G", "--", ssh_}, limit);
+    std::istringstream lines(result.out);
+    for (std::string line; std::getline(lines, line);)
+        if (constexpr std::string_view key = "hostname "; line.starts_with(key))
+            return line.substr(key.size());
+    return host();
+}
+
+/// Never asks: nobody may be there to answer. What the user has set up for sharing connections is left as it is only
+/// where it is in the way of nothing, so ours has a path of its own.
+std::vector<std::string> Remote::command(const std::vector<std::string>& words) const
+{
+    std::string line = "hivectl";
+    for (const auto& word : words)
+        line += " " + quoted_for_shell(word);
+    return {"ssh",
+            "-oBatchMode=yes",
+            "-oConnectTimeout=10",
+            "-oControlMaster=auto",
+            "-oControlPersist=60",
+            "-oControlPath=" + (home_ / ".ssh-%C").string(),
+            "--",
+            ssh_,
+            line};
+}
+
+void Remote::require_there(const CommandResult& result) const
+{
+    if (result.late)
+        throw Error(Errc::timeout, ssh_ + " has not answered in time", "allow more time: --timeout SECONDS");
+    if (result.exit_code == failed_in_ssh)
+        throw Error(Errc::unreachable, "ssh does not reach " + ssh_ + ": " + last_line(result.err),
+                    "try it: ssh " + ssh_ + " true");
+    if (result.exit_code == not_run_by_shell)
+        throw Error(Errc::not_found,
+                    "there is no hivectl on " + ssh_
+                        + ", or not in the PATH of a command over ssh: " + last_line(result.err),
+                    "install Hive there; see what ssh finds: ssh " + ssh_ + " 'command -v hivectl; echo $PATH'");
+}
+
+std::string Remote::met_at(const std::vector<std::string>& places, const std::string& address) const
+{
+    constexpr std::string_view on_network = "tcp://";
+    for (const auto& place : places) {
+        if (!place.starts_with(on_network))
+            continue;
+        const auto host = place.substr(on_network.size(), place.rfind(':') - on_network.size());
+        if (host != "0.0.0.0" && host != "[::]")
+            return place;
+        const bool number6 = address.find(':') != std::string::npos;
+        return std::string(on_network) + (number6 ? "[" + address + "]" : address) + place.substr(place.rfind(':'));
+    }
+    throw Error(Errc::failed, "the drone on " + host() + " listens at no port", "let it: --listen tcp://0.0.0.0");
+}
+
+CommandResult Remote::hivectl(const std::vector<std::string>& words, std::chrono::milliseconds limit) const
+{
+    auto result = run_command(command(words), limit);
+    require_there(result);
+    return result;
+}
+
+int Remote::hivectl_attached(const std::vector<std::string>& words) const
+{
+    const int code = run_attached(command(words));
+    if (code == failed_in_ssh || code == not_run_by_shell)
+        require_there({.exit_code = code, .out = {}, .err = "it said so above"});
+    return code;
+}
+
+}  // namespace hive

@@ -1,0 +1,174 @@
+// Bringing up and taking down.
+#include <hive/swarm.hpp>
+
+#include "swarm/changes.hpp"
+#include "swarm/differences.hpp"
+#include "swarm/ending.hpp"
+#include "swarm/record.hpp"
+#include "swarm/running_plan.hpp"
+#include "swarm/starting.hpp"
+#include "swarm/staying.hpp"
+
+#include <hive/event/clock.hpp>
+#include <hive/event/home.hpp>
+#include <hive/process.hpp>
+#include <hive/program.hpp>
+
+#include <algorithm>
+#include <thread>
+
+namespace hive {
+
+using namespace std::chrono_literals;
+using What = SwarmStep::What;
+
+namespace {
+
+/// Two that change one swarm at once would undo what the other does. One that was killed may leave a process behind
+/// that it was about to start, which has the claim for a moment more.
+event::NameClaim claim(Application& application, const std::string& swarm)
+{
+    for (const auto end = event::Clock::now() + 1s;; std::this_thread::sleep_for(10ms))
+        try {
+            return {event::Home(application.home()), swarm + ".swarm"};
+        } catch (const Error& error) {
+            if (error.code() != Errc::name_taken)
+                throw;
+            if (event::Clock::now() >= end)
+                throw Error(Errc::locked, "somebody else is changing the swarm " + swarm + " now",
+                            "try again when that is done");
+        }
+}
+
+std::vector<std::string> drones_of(const std::vector<SwarmStep>& steps, What what)
+{
+    std::vector<std::string> names;
+    for (const auto& step : steps)
+        if (step.what == what)
+            names.push_back(step.drone);
+    return names;
+}
+
+bool is_cancelled(const SwarmWatch& watch) { return watch.cancelled && watch.cancelled(); }
+
+std::vector<SwarmFailure> change(swarm::Changes& changes, const std::vector<SwarmStep>& steps, const SwarmWatch& watch)
+{
+    std::size_t done = 0;
+    for (const auto& step : steps)
+        try {
+            if (is_cancelled(watch))
+                throw Error(Errc::stopped, "interrupted");
+            if (step.what != What::start && step.what != What::stop)
+                changes.make(step);
+            if (watch.on_progress)
+                watch.on_progress(++done, steps.size(), "wired");
+        } catch (const Error& error) {
+            return {{step.drone, error}};
+        }
+    return {};
+}
+
+void append(std::vector<SwarmFailure>& all, std::vector<SwarmFailure> more)
+{
+    std::ranges::move(more, std::back_inserter(all));
+}
+
+std::vector<SwarmFailure> failures_in(const std::vector<Answer>& answers)
+{
+    std::vector<SwarmFailure> failures;
+    for (const auto& answer : answers)
+        if (answer.error && answer.error->code() != Errc::not_found)
+            failures.push_back({answer.drone, *answer.error});
+    return failures;
+}
+
+std::string text_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
+bool is_empty(const SwarmPlan& plan) { return plan.drones.empty(); }
+
+}  // namespace
+
+std::string_view token(What what) noexcept
+{
+    switch (what) {
+    case What::start: return "start";
+    case What::set: return "set";
+    case What::connect: return "connect";
+    case What::disconnect: return "disconnect";
+    case What::stop: return "stop";
+    }
+    return "";
+}
+
+std::string to_text(const SwarmStep& step)
+{
+    if (step.what == What::connect || step.what == What::disconnect)
+        return text_of(step.connection.from) + " -> " + text_of(step.connection.to);
+    std::string text = step.drone;
+    for (const auto& [name, value] : step.values.items())
+        text += " " + assignment(name, value);
+    return text;
+}
+
+Swarm::Swarm(Application& application, SwarmPlan plan) : application_(application), plan_(std::move(plan)) {}
+
+std::vector<SwarmPlan> Swarm::remembered(Application& application) { return swarm::Record::all(application.home()); }
+
+std::vector<SwarmStep> Swarm::differences()
+{
+    return swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read());
+}
+
+SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& watch)
+{
+    const auto alone = claim(application_, plan_.name);
+    const swarm::Record record(application_.home(), plan_.name);
+    const auto before = record.read();
+    SwarmOutcome outcome{.steps = swarm::differences(application_, plan_, before), .failures = {}, .remains = {}};
+    record.write(swarm::with_rest_of(plan_, before));  // whoever is killed here leaves behind what the next one finds
+    swarm::Starting starting(application_, plan_);
+    swarm::Changes changes(application_);
+    try {
+        outcome.failures = starting.run(drones_of(outcome.steps, What::start), patience, watch);
+    } catch (const Error& error) {
+        outcome.failures = {{plan_.name, error}};
+    }
+    if (outcome.failures.empty())
+        outcome.failures = change(changes, outcome.steps, watch);
+    if (!outcome.failures.empty()) {
+        outcome.remains = changes.undo();
+        append(outcome.remains, starting.undo());
+    } else {
+        outcome.remains = failures_in(application_.stop(drones_of(outcome.steps, What::stop)));
+    }
+    if (!outcome.remains.empty())
+        return outcome;
+    const auto& now = outcome.failures.empty() ? plan_ : before;
+    is_empty(now) ? record.forget() : record.write(now);
+    return outcome;
+}
+
+SwarmOutcome Swarm::down(std::chrono::milliseconds patience, const SwarmWatch& watch)
+{
+    const auto alone = claim(application_, plan_.name);
+    const swarm::Record record(application_.home(), plan_.name);
+    swarm::Ending ending(application_, swarm::with_rest_of(plan_, record.read()));
+    SwarmOutcome outcome = ending.run(patience, watch);
+    reap_background_processes();
+    if (outcome.failures.empty())
+        record.forget();
+    return outcome;
+}
+
+void Swarm::stay(const std::function<void(const std::string& text)>& told, const SwarmWatch& watch)
+{
+    for (swarm::Staying staying(application_, plan_, told); !is_cancelled(watch); std::this_thread::sleep_for(100ms))
+        staying.look(watch);
+}
+
+SwarmPlan Swarm::running(Application& application, const std::string& name, const std::vector<std::string>& drones)
+{
+    return swarm::running_plan(application, name, drones);
+}
+
+}  // namespace hive

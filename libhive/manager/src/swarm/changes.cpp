@@ -1,0 +1,45 @@
+// Each step by the call of the application that it stands for.
+#include "changes.hpp"
+
+namespace hive::swarm {
+
+using What = SwarmStep::What;
+
+void Changes::make(const SwarmStep& step)
+{
+    switch (step.what) {
+    case What::set: application_.set(step.drone, step.values); break;
+    case What::connect: application_.connect(step.connection.from, step.connection.to, step.connection.options); break;
+    case What::disconnect: application_.disconnect(step.connection.from, step.connection.to); break;
+    case What::start:
+    case What::stop: throw Error(Errc::invalid_argument, "drones are started and stopped by their engines");
+    }
+    made_.push_back(step);
+}
+
+std::vector<SwarmFailure> Changes::undo()
+{
+    std::vector<SwarmFailure> remains;
+    for (; !made_.empty(); made_.pop_back())
+        try {
+            undo(made_.back());
+        } catch (const Error& error) {
+            remains.push_back({made_.back().drone, error});
+        }
+    return remains;
+}
+
+void Changes::undo(const SwarmStep& step)
+{
+    const auto& [from, to, options] = step.connection;
+    if (step.what == What::set)
+        application_.set(step.drone, step.before);
+    else if (step.what == What::disconnect)
+        application_.connect(from, to, options);
+    else if (step.replaced)
+        application_.connect(from, to, *step.replaced);
+    else
+        application_.disconnect(from, to);
+}
+
+}  // namespace hive::swarm

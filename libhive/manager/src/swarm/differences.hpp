@@ -1,0 +1,41 @@
+// What runs of a plan, and how it differs from the plan.
+#pragma once
+
+#include <hive/swarm.hpp>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hive::swarm {
+
+/// What some drones said of themselves at one time.
+class Present {
+public:
+    /// Asks all at once. Throws what a drone of this machine answers that is there but tells nothing. Of one elsewhere
+    /// that does not answer, only its place is known: it does not run until its engine says otherwise.
+    Present(Application& application, const std::vector<std::string>& drones);
+
+    /// Null: it does not run.
+    [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
+    /// The connection of an input from an output, if there is one; an empty port stands for any.
+    [[nodiscard]] const InputStatus* connection(const SwarmConnection& connection) const;
+
+private:
+    std::map<std::string, StatusAnswer> answers_;
+};
+
+/// Do both join the same output to the same input?
+bool same_ends(const SwarmConnection& one, const SwarmConnection& other);
+
+/// Where a drone of the plan is to run, as places call the machine.
+std::string host_of(const SwarmPlan& plan, const SwarmDrone& drone);
+
+/// Is this the drone of the plan, as far as it can be told? Throws Errc::name_taken when it is another one.
+void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running);
+
+/// In the order in which they are to be done.
+/// @param before  the plan that was brought up last: what it had and this one has no more is ended
+std::vector<SwarmStep> differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before);
+
+}  // namespace hive::swarm

@@ -1,0 +1,63 @@
+// Looks at the connections and the counts of each drone.
+#include "draining.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hive::swarm {
+namespace {
+
+/// Those of some drones that receive from another one of these, by name.
+std::set<std::string> receivers_among(const std::vector<StatusAnswer>& drones)
+{
+    std::set<std::string> running, receivers;
+    for (const auto& drone : drones)
+        if (!drone.error)
+            running.insert(drone.drone);
+    for (const auto& drone : drones)
+        for (const auto& input : drone.status.inputs)
+            if (const auto sender = input.from.substr(0, input.from.rfind('.'));
+                sender != drone.drone && running.contains(sender))
+                receivers.insert(drone.drone);
+    return receivers;
+}
+
+bool has_in_hand(const Status& status)
+{
+    return status.state == State::busy || std::ranges::any_of(status.inputs, [](const InputStatus& input) {
+               return input.queued > 0 || input.in_hand > 0;
+           });
+}
+
+bool has_on_its_way(const Status& status)
+{
+    return std::ranges::any_of(status.outputs, [](const OutputStatus& output) {
+        return std::ranges::any_of(
+            output.edges, [](const EdgeStatus& edge) { return edge.connected && edge.events.in_flight() > 0; });
+    });
+}
+
+}  // namespace
+
+std::vector<std::string> sources(const std::vector<StatusAnswer>& drones)
+{
+    const auto receivers = receivers_among(drones);
+    std::vector<std::string> names;
+    for (const auto& drone : drones)
+        if (!drone.error && !receivers.contains(drone.drone))
+            names.push_back(drone.drone);
+    return names;
+}
+
+std::vector<std::string> drained(const std::vector<StatusAnswer>& drones)
+{
+    const auto receivers = receivers_among(drones);
+    std::vector<std::string> names;
+    for (const auto& drone : drones)
+        if (drone.error
+            || (!receivers.contains(drone.drone) && !has_in_hand(drone.status) && !has_on_its_way(drone.status)))
+            names.push_back(drone.drone);
+    return names;
+}
+
+}  // namespace hive::swarm

@@ -1,0 +1,28 @@
+// Takes a swarm down: its sources first, and each drone when it has handed on what it had.
+#pragma once
+
+#include <hive/swarm.hpp>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace hive::swarm {
+
+class Ending {
+public:
+    Ending(Application& application, SwarmPlan plan) : application_(application), plan_(std::move(plan)) {}
+
+    /// @param patience  as long as events are still on their way
+    SwarmOutcome run(std::chrono::milliseconds patience, const SwarmWatch& watch);
+
+private:
+    [[nodiscard]] std::vector<StatusAnswer> ask() const;
+    void stop(const std::vector<std::string>& drones);
+
+    Application& application_;
+    SwarmPlan plan_;
+    SwarmOutcome outcome_{};
+};
+
+}  // namespace hive::swarm

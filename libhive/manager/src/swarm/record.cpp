@@ -1,0 +1,77 @@
+// Reads and writes the remembered plans of a home.
+#include "record.hpp"
+
+#include "differences.hpp"
+
+#include <hive/event/home.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace hive::swarm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view ending = ".swarm";
+
+SwarmPlan read_plan(const fs::path& file)
+{
+    std::ifstream stream(file);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    auto reading = read_swarm(text.str());
+    if (!reading.mistakes.empty())
+        throw Error(Errc::malformed, "what " + file.string() + " remembers cannot be read: " + reading.mistakes[0].text,
+                    "remove it; its drones are then no longer known to belong together");
+    return std::move(reading.plan);
+}
+
+}  // namespace
+
+Record::Record(fs::path home, const std::string& swarm)
+    : swarm_(swarm), file_(std::move(home) / (swarm + std::string(ending)))
+{
+}
+
+SwarmPlan Record::read() const
+{
+    std::error_code ignored;
+    return fs::exists(file_, ignored) ? read_plan(file_)
+                                      : SwarmPlan{.name = swarm_, .drones = {}, .connections = {}, .engines = {}};
+}
+
+void Record::write(const SwarmPlan& plan) const { event::replace_file(file_, to_text(plan)); }
+
+void Record::forget() const noexcept
+{
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+}
+
+std::vector<SwarmPlan> Record::all(const fs::path& home)
+{
+    std::vector<SwarmPlan> plans;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(home, ignored))
+        if (entry.path().extension() == ending)
+            plans.push_back(read_plan(entry.path()));
+    std::ranges::sort(plans, {}, &SwarmPlan::name);
+    return plans;
+}
+
+SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before)
+{
+    for (const auto& drone : before.drones)
+        if (!plan.drone(drone.name))
+            plan.drones.push_back({.name = drone.name, .kind = drone.kind, .host = drone.host});
+    for (const auto& connection : before.connections)
+        if (std::ranges::none_of(plan.connections,
+                                 [&](const SwarmConnection& kept) { return same_ends(kept, connection); }))
+            plan.connections.push_back(connection);
+    std::ranges::copy(before.engines, std::back_inserter(plan.engines));
+    return plan;
+}
+
+}  // namespace hive::swarm

@@ -1,0 +1,44 @@
+// Starts drones of a plan through their engines, all at once, and waits until each answers.
+#pragma once
+
+#include "../engines/engine.hpp"
+
+#include <hive/swarm.hpp>
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace hive::swarm {
+
+class Starting {
+public:
+    Starting(Application& application, const SwarmPlan& plan);
+
+    /// Returns when all are ready, or when it is known that not all will be.
+    std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
+                                  const SwarmWatch& watch);
+    /// Ends what was begun. What cannot be ended is told.
+    std::vector<SwarmFailure> undo();
+
+private:
+    Engine& engine_of(const SwarmDrone& drone);
+    void begin(const std::vector<std::string>& drones);
+    void hear_engines();
+    void look_who_is_ready();
+    void failed(std::string drone,
+                const Error& error);  // by value: it may come out of the sets that it is taken out of
+
+    Application& application_;
+    const SwarmPlan& plan_;
+    std::map<std::string, std::unique_ptr<Engine>> engines_;  ///< by host
+    std::set<std::string> begun_;                             ///< all
+    std::set<std::string> placed_;                            ///< of those: met somewhere, but not known to be ready
+    std::set<std::string> waiting_;                           ///< of those begun: neither ready nor failed
+    std::vector<SwarmFailure> failures_;
+};
+
+}  // namespace hive::swarm

@@ -1,0 +1,66 @@
+// Reading where the drones of a swarm file listen.
+#include "reader.hpp"
+
+#include <algorithm>
+
+namespace hive::swarm_file {
+namespace {
+
+std::string everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::" ? "" : host; }
+
+/// Do two that listen at one port of a machine meet there?
+bool overlap(const std::string& a, const std::string& b) { return a == b || a.empty() || b.empty(); }
+
+}  // namespace
+
+void Reader::read_addresses(Members& members, Entry& entry)
+{
+    entry.listening = read_address(members, "listen", entry.drone.listen);
+    const auto advertised = read_address(members, "advertise", entry.drone.advertise);
+    if (advertised && everywhere(advertised->host).empty())
+        mistakes_.at_value(*members.find("advertise"), in_quotes(entry.drone.advertise) + ": nobody could dial that",
+                           "write tcp://HOST or tcp://HOST:PORT, as other machines know this one");
+    const auto here = [](const std::string& host) { return host == Place::here; };
+    if (advertised && !members.find("listen") && std::ranges::any_of(entry.hosts, here))
+        mistakes_.at_key(*members.find("advertise"), "\"advertise\" says where a port is found, but there is none",
+                         "add \"listen\": \"tcp://0.0.0.0\"");
+}
+
+std::optional<transport::Address> Reader::read_address(Members& members, std::string_view key, std::string& text)
+{
+    const auto value = members.find(key);
+    text = members.text(key).value_or("");
+    if (text.empty())
+        return std::nullopt;
+    const std::string advice = "write tcp://HOST or tcp://HOST:PORT";
+    try {
+        const auto address = transport::listen_address(text);
+        if (address.scheme == transport::Address::Scheme::tcp)
+            return address;
+        mistakes_.at_value(*value, in_quotes(text) + " is no address on the network", advice);
+    } catch (const Error& error) {
+        mistakes_.at_value(*value, error.what(), advice);
+    }
+    return std::nullopt;
+}
+
+bool Reader::has_own_port(const SwarmDrone& drone, const Entry& entry)
+{
+    if (!entry.listening || entry.listening->port == 0)
+        return true;
+    auto& there = listening_[{drone.host, entry.listening->port}];
+    const auto host = everywhere(entry.listening->host);
+    const auto found = std::ranges::find_if(there, [&](const auto& other) { return overlap(other.first, host); });
+    if (found == there.end()) {
+        there.emplace_back(host, drone.name);
+        return true;
+    }
+    mistakes_.at_value(entry.value.member("listen", *entry.value.place->member("listen")),
+                       drone.name + " and " + found->second + " both listen at port "
+                           + std::to_string(entry.listening->port) + " of "
+                           + (drone.host == Place::here ? "this machine" : drone.host),
+                       "leave the port out, and each takes a free one from 7700 on");
+    return false;
+}
+
+}  // namespace hive::swarm_file

@@ -1,0 +1,190 @@
+// Reading the connections of a swarm file.
+#include "../fitting_ports.hpp"
+#include "reader.hpp"
+#include "words.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hive::swarm_file {
+namespace {
+
+constexpr std::size_t most_connections = 100'000;  // globs on both sides make many
+
+std::string text_of_end(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
+}  // namespace
+
+void Reader::read_connection(const Value& connection)
+{
+    Members members(mistakes_, connection, "a connection", connection_keys);
+    const auto from = members.require("from"), to = members.require("to");
+    const auto options = read_connection_options(members);
+    const bool shared = members.flag("share");
+    std::vector<Endpoint> senders;
+    if (from)
+        for (const auto& [text, value] : texts_of(mistakes_, *from))
+            std::ranges::move(ends_of(text, value), std::back_inserter(senders));
+    if (to)
+        for (const auto& [text, value] : texts_of(mistakes_, *to))
+            connect_all(senders, ends_of(text, value), options, shared, value);
+}
+
+void Reader::connect_all(const std::vector<Endpoint>& senders, const std::vector<Endpoint>& receivers,
+                         const ConnectionOptions& options, bool shared, const Value& to)
+{
+    for (const auto& sender : senders)
+        for (const auto& receiver : receivers) {
+            SwarmConnection connection{sender, receiver, options};
+            if (shared && options.group.empty())
+                connection.options.group = sender.drone;
+            if (!add_connection(std::move(connection), to))
+                return;
+        }
+}
+
+ConnectionOptions Reader::read_connection_options(Members& members)
+{
+    ConnectionOptions options;
+    options.transfer = members.flag("stream") ? Transfer::streaming : Transfer::synchronized;
+    options.delivery = members.flag("notify") ? Delivery::notification : Delivery::data;
+    options.window = static_cast<int>(members.integer("window", 1, widest_window).value_or(1));
+    options.first_frame = members.flag("first_frame");
+    options.group = members.text("group").value_or("");
+    if (!options.group.empty() && !is_name(options.group))
+        mistakes_.at_value(*members.find("group"), in_quotes(options.group) + " is not a name for a group");
+    options.lease = read_lease(members);
+    options.encoding = members.text("encoding").value_or("");
+    if (!options.encoding.empty() && !is_encoding(options.encoding))
+        mistakes_.at_value(*members.find("encoding"), in_quotes(options.encoding) + " is not an encoding",
+                           "write raw, png, jpeg or jpeg:QUALITY");
+    check_exclusions(members);
+    return options;
+}
+
+/// As the options of hivectl connect exclude each other.
+void Reader::check_exclusions(Members& members)
+{
+    const auto given = [&](std::string_view key) {
+        const auto value = members.find(key);
+        return value && *value->json != Json(false);
+    };
+    for (const auto& [one, other] : {std::pair{"stream", "window"},
+                                     {"stream", "share"},
+                                     {"stream", "group"},
+                                     {"notify", "share"},
+                                     {"notify", "group"},
+                                     {"notify", "encoding"},
+                                     {"first_frame", "share"},
+                                     {"first_frame", "group"}})
+        if (given(one) && given(other))
+            mistakes_.at_key(*members.find(other), in_quotes(other) + " does not go with " + in_quotes(one));
+    if (given("lease") && !given("share") && !given("group"))
+        mistakes_.at_key(*members.find("lease"), "\"lease\" is for shared work", "add \"share\": true, or a \"group\"");
+}
+
+std::optional<std::chrono::milliseconds> Reader::read_lease(Members& members)
+{
+    const auto value = members.find("lease");
+    if (!value)
+        return std::nullopt;
+    const double seconds = value->json->is_number() ? value->json->get<double>() : 0;
+    if (seconds >= shortest_lease_s && seconds <= longest_lease_s)
+        return std::chrono::milliseconds(std::llround(seconds * 1000));
+    mistakes_.at_value(*value, "\"lease\" must be a number of seconds from 0.05 to 86400, not " + shown(*value->json));
+    return std::nullopt;
+}
+
+std::vector<Endpoint> Reader::ends_of(const std::string& text, const Value& value)
+{
+    if (text.find_first_of("*?") != std::string::npos)
+        return ends_like(text, value);
+    if (places_.contains(text))
+        return {{text, ""}};
+    const auto dot = text.rfind('.');
+    if (dot == std::string::npos || !places_.contains(text.substr(0, dot))) {
+        no_drone(text, value);
+        return {};
+    }
+    const Endpoint end{text.substr(0, dot), text.substr(dot + 1)};
+    if (is_name(end.port))
+        return {end};
+    mistakes_.at_value(value, in_quotes(end.port) + " is not the name of a port", "write DRONE or DRONE.PORT");
+    return {};
+}
+
+/// The part behind the last dot may be a port or belong to the name; what fits a drone as a whole wins.
+std::vector<Endpoint> Reader::ends_like(const std::string& glob, const Value& value)
+{
+    const auto all_like = [&](std::string_view pattern, const std::string& port) {
+        std::vector<Endpoint> found;
+        for (const auto& drone : plan_.drones)
+            if (matches_glob(pattern, drone.name))
+                found.push_back({drone.name, port});
+        return found;
+    };
+    auto found = all_like(glob, "");
+    const auto dot = glob.rfind('.');
+    if (found.empty() && dot != std::string::npos && is_name(glob.substr(dot + 1)))
+        found = all_like(std::string_view(glob).substr(0, dot), glob.substr(dot + 1));
+    if (found.empty() && !names_unclear_)
+        mistakes_.at_value(value, "no drone of this file fits " + in_quotes(glob));
+    return found;
+}
+
+void Reader::no_drone(const std::string& text, const Value& value)
+{
+    if (names_unclear_)
+        return;
+    if (counted_.contains(text))
+        return mistakes_.at_value(value, text + " has a count, and none of its drones is called just " + text,
+                                  "write \"" + text + "-*\" for all of them");
+    std::vector<std::string> names;
+    std::ranges::transform(plan_.drones, std::back_inserter(names), &SwarmDrone::name);
+    mistakes_.at_value(value, no_such("there is no drone " + in_quotes(text) + " in this file", text, names));
+}
+
+bool Reader::add_connection(SwarmConnection connection, const Value& to)
+{
+    const auto before = mistakes_.count();
+    if (plan_.connections.size() == most_connections)
+        mistakes_.at_value(to, "more than " + std::to_string(most_connections) + " connections");
+    else if (connection.from.drone == connection.to.drone)
+        mistakes_.at_value(to, connection.to.drone + " cannot be connected to itself");
+    if (mistakes_.count() > before)
+        return false;
+    try {
+        check_ports(connection);
+    } catch (const Error& error) {
+        mistakes_.at_value(to, error);
+    }
+    const auto from = text_of_end(connection.from), receiver = text_of_end(connection.to);
+    if (!connected_.insert(from + " " + receiver).second)
+        mistakes_.at_value(to, from + " is connected to " + receiver + " already");
+    plan_.connections.push_back(std::move(connection));
+    return mistakes_.count() == before;
+}
+
+/// Fills in the ports, as far as the interfaces of both are known. Throws what Application::connect would.
+void Reader::check_ports(SwarmConnection& connection)
+{
+    const auto interface_of_drone = [&](const std::string& drone) {
+        return interface(plan_.drones[places_.at(drone)].kind);
+    };
+    const auto *from = interface_of_drone(connection.from.drone), *to = interface_of_drone(connection.to.drone);
+    if (from && !connection.from.port.empty())
+        port_named(from->outputs, connection.from.drone, "output", connection.from.port);
+    if (to && !connection.to.port.empty())
+        port_named(to->inputs, connection.to.drone, "input", connection.to.port);
+    if (to && to->stateful && !connection.options.group.empty())
+        throw sharing_refused(connection.to.drone);
+    if (!from || !to)
+        return;
+    const auto [output, input] = fitting_ports(connection.from, *from, connection.to, *to);
+    connection.from.port = output->name;
+    connection.to.port = input->name;
+}
+
+}  // namespace hive::swarm_file

@@ -1,0 +1,54 @@
+// Reading the engines of a swarm file.
+#include "reader.hpp"
+#include "words.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hive::swarm_file {
+
+void Reader::read_engine(const std::string& glob, const Value& value)
+{
+    const auto fits = [&](const SwarmDrone& drone) { return matches_glob(glob, drone.host); };
+    if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits)) {
+        std::vector<std::string> hosts;
+        std::ranges::transform(plan_.drones, std::back_inserter(hosts), &SwarmDrone::host);
+        mistakes_.at_key(value,
+                         no_such("no drone of this file is on a machine that fits " + in_quotes(glob), glob, hosts));
+    }
+    Members members(mistakes_, value, "an engine", engine_keys);
+    if (!value.json->is_object())
+        return;
+    if (value.json->size() != 1)
+        return mistakes_.at_value(value, "an engine is exactly one of " + listed(engine_keys));
+    for (const auto& [name, place] : value.place->members) {
+        const auto settings = value.member(name, place);
+        if (name == "ssh") {
+            const auto host = text_of(mistakes_, settings);
+            if (host && !is_machine(*host))
+                mistakes_.at_value(settings, in_quotes(*host) + " is not a machine as ssh takes it",
+                                   "write HOST, USER@HOST, or a name of ssh's own");
+        } else if (name == "slurm") {
+            read_slurm(settings);
+        } else if (name == "local" || name == "systemd") {
+            Members none(mistakes_, settings, "the engine " + name, {});
+        }
+        plan_.engines.emplace_back(glob, SwarmEngine{name, *settings.json});
+    }
+}
+
+void Reader::read_slurm(const Value& value)
+{
+    Members members(mistakes_, value, "the engine slurm", slurm_keys);
+    members.text("partition");
+    const auto options = members.find("options");
+    if (!options)
+        return;
+    if (!options->json->is_array())
+        return mistakes_.at_value(*options, "\"options\" must be a list of texts, not " + shown(*options->json));
+    for (std::size_t i = 0; i < options->json->size(); ++i)
+        text_of(mistakes_, options->item(i));
+}
+
+}  // namespace hive::swarm_file

@@ -1,0 +1,90 @@
+// The parts of reading a swarm file; they share what has been found so far.
+#pragma once
+
+#include "values.hpp"
+
+#include <hive/transport/listen_address.hpp>
+
+#include <map>
+#include <set>
+#include <variant>
+
+namespace hive::swarm_file {
+
+class Reader {
+public:
+    Reader(std::string_view text, const InterfaceOfKind& interface_of)
+        : mistakes_(text), notes_(text), interface_of_(interface_of)
+    {
+    }
+
+    void read(const Value& file);
+    SwarmReading take();
+
+private:
+    /// One entry of `drones`: one drone, or `count` of them.
+    struct Entry {
+        std::string name;
+        Value value;
+        SwarmDrone drone{};  ///< what all of them have in common
+        std::optional<std::int64_t> count{};
+        std::vector<std::string> hosts{};  ///< in turn
+        std::optional<transport::Address> listening{};
+    };
+
+    // --- drones.cpp ---
+    void read_drones(const Value& drones);
+    std::optional<Entry> read_drone(const std::string& name, const Value& value);
+    void read_kind(Members& members, Entry& entry);
+    void read_hosts(Members& members, Entry& entry);
+    void read_options(Members& members, Entry& entry);
+    void read_settings(const Value& settings, Entry& entry);
+    void check_setting(const Value& setting, const std::string& name, const Entry& entry);
+    void expand(const Entry& entry);
+
+    // --- addresses.cpp ---
+    void read_addresses(Members& members, Entry& entry);
+    std::optional<transport::Address> read_address(Members& members, std::string_view key, std::string& text);
+    /// False: a mistake was written down.
+    bool has_own_port(const SwarmDrone& drone, const Entry& entry);
+
+    // --- connections.cpp ---
+    void read_connection(const Value& connection);
+    /// All that a pattern of senders and one of receivers come to; ends at the first mistake, which the next ones of a
+    /// glob would repeat.
+    void connect_all(const std::vector<Endpoint>& senders, const std::vector<Endpoint>& receivers,
+                     const ConnectionOptions& options, bool shared, const Value& to);
+    ConnectionOptions read_connection_options(Members& members);
+    void check_exclusions(Members& members);
+    std::optional<std::chrono::milliseconds> read_lease(Members& members);
+    std::vector<Endpoint> ends_of(const std::string& text, const Value& value);
+    std::vector<Endpoint> ends_like(const std::string& glob, const Value& value);
+    void no_drone(const std::string& text, const Value& value);
+    /// False: a mistake was written down.
+    bool add_connection(SwarmConnection connection, const Value& to);
+    void check_ports(SwarmConnection& connection);
+
+    // --- engines.cpp ---
+    void read_engine(const std::string& glob, const Value& value);
+    void read_slurm(const Value& value);
+
+    /// Of a kind that has been asked for already, or is now; nothing when nobody knows it.
+    const Interface* interface(const std::string& kind);
+    /// The kinds whose interface nobody knows.
+    void tell_unknown_kinds();
+
+    Mistakes mistakes_, notes_;
+    const InterfaceOfKind& interface_of_;
+    SwarmPlan plan_;
+    std::map<std::string, std::variant<Interface, Error>, std::less<>> interfaces_;
+    std::vector<Entry> read_entries_;
+    std::map<std::string, std::size_t, std::less<>> places_;   ///< of the drones in the plan, by name
+    std::map<std::string, std::string, std::less<>> entries_;  ///< path of the entry, by the name of the drone
+    std::set<std::string, std::less<>> counted_;               ///< entries with a count
+    std::map<std::pair<std::string, std::uint16_t>, std::vector<std::pair<std::string, std::string>>>
+        listening_;                    ///< by machine and port: the address and the drone
+    std::set<std::string> connected_;  ///< "from to", with the ports as far as they are known
+    bool names_unclear_ = false;       ///< an entry could not be read: a name that is missing may be its
+};
+
+}  // namespace hive::swarm_file

@@ -1,0 +1,131 @@
+// Writing a swarm file: a line for each drone, each connection and each engine; what is as usual is left out.
+#include "words.hpp"
+
+#include <hive/swarm_plan.hpp>
+
+namespace hive {
+namespace {
+
+/// JSON on one line with spaces, for people.
+std::string spaced(const Json& value)
+{
+    if (!value.is_structured() || value.empty())
+        return to_text(value);
+    std::string text;
+    if (value.is_array())
+        for (const auto& item : value)
+            text += (text.empty() ? "" : ", ") + spaced(item);
+    else
+        for (const auto& [key, item] : value.items())
+            text += (text.empty() ? "" : ", ") + to_text(Json(key)) + ": " + spaced(item);
+    return value.is_array() ? "[" + text + "]" : "{" + text + "}";
+}
+
+/// An object whose members stand in the order in which they are added.
+class OneLine {
+public:
+    OneLine& add(std::string_view key, const Json& value)
+    {
+        text_ += (text_.empty() ? "" : ", ") + to_text(Json(key)) + ": " + spaced(value);
+        return *this;
+    }
+    OneLine& add_unless(const Json& usual, std::string_view key, const Json& value)
+    {
+        return value == usual ? *this : add(key, value);
+    }
+    [[nodiscard]] std::string text() const { return "{" + text_ + "}"; }
+
+private:
+    std::string text_;
+};
+
+std::string text_of_drone(const SwarmDrone& drone)
+{
+    return OneLine()
+        .add("kind", drone.kind)
+        .add_unless(Place::here, "on", drone.host)
+        .add_unless(Json::object(), "set", drone.set)
+        .add_unless("never", "restart", swarm_file::restart_words.at(static_cast<std::size_t>(drone.restart)))
+        .add_unless("", "on_exception", drone.on_exception)
+        .add_unless(false, "halted", drone.halted)
+        .add_unless("", "listen", drone.listen)
+        .add_unless("", "advertise", drone.advertise)
+        .add_unless("", "key", drone.key)
+        .add_unless(false, "insecure", drone.insecure)
+        .add_unless(false, "remote_operator", drone.remote_operator)
+        .add_unless("", "log_level", drone.log_level)
+        .text();
+}
+
+Json end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
+/// Seconds; whole ones without a fraction.
+Json lease_in_seconds(const ConnectionOptions& options)
+{
+    if (!options.lease)
+        return nullptr;
+    const auto ms = options.lease->count();
+    return ms % 1000 == 0 ? Json(ms / 1000) : Json(static_cast<double>(ms) / 1000);
+}
+
+std::string text_of_connection(const SwarmConnection& connection, const Json& to)
+{
+    const auto& options = connection.options;
+    const bool shared = options.group == connection.from.drone;
+    return OneLine()
+        .add("from", end_text(connection.from))
+        .add("to", to)
+        .add_unless(false, "stream", options.transfer == Transfer::streaming)
+        .add_unless(false, "notify", options.delivery == Delivery::notification)
+        .add_unless(1, "window", options.window)
+        .add_unless(false, "first_frame", options.first_frame)
+        .add_unless(false, "share", shared)
+        .add_unless("", "group", shared ? "" : options.group)
+        .add_unless(nullptr, "lease", lease_in_seconds(options))
+        .add_unless("", "encoding", options.encoding)
+        .text();
+}
+
+/// Those that follow each other and differ in the receiver alone are written as one.
+std::vector<std::string> texts_of_connections(const std::vector<SwarmConnection>& connections)
+{
+    std::vector<std::string> lines;
+    for (auto first = connections.begin(); first != connections.end();) {
+        auto receivers = Json::array();
+        auto next = first;
+        const auto like_first = [&] { return SwarmConnection{next->from, first->to, next->options} == *first; };
+        for (; next != connections.end() && like_first(); ++next)
+            receivers.push_back(end_text(next->to));
+        lines.push_back(text_of_connection(*first, receivers.size() == 1 ? receivers[0] : receivers));
+        first = next;
+    }
+    return lines;
+}
+
+/// The lines between two brackets; a section without any is left out.
+std::string section(std::string_view name, std::string_view brackets, const std::vector<std::string>& lines)
+{
+    if (lines.empty())
+        return {};
+    std::string text = ",\n  " + to_text(Json(name)) + ": " + brackets[0];
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        text += (i == 0 ? "\n    " : ",\n    ") + lines[i];
+    return text + "\n  " + brackets[1];
+}
+
+}  // namespace
+
+std::string to_text(const SwarmPlan& plan)
+{
+    std::vector<std::string> drones, engines;
+    for (const auto& drone : plan.drones)
+        drones.push_back(to_text(Json(drone.name)) + ": " + text_of_drone(drone));
+    for (const auto& [glob, engine] : plan.engines)
+        engines.push_back(to_text(Json(glob)) + ": " + OneLine().add(engine.name, engine.settings).text());
+    return "{\n  \"swarm\": " + to_text(Json(plan.name))
+           + (drones.empty() ? ",\n  \"drones\": {}" : section("drones", "{}", drones))
+           + section("connections", "[]", texts_of_connections(plan.connections)) + section("engines", "{}", engines)
+           + "\n}\n";
+}
+
+}  // namespace hive

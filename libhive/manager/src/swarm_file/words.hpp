@@ -1,0 +1,31 @@
+// The words of a swarm file, and what its values may be. The schema, ../swarm.schema.json, says the same for editors.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace hive::swarm_file {
+
+using namespace std::string_view_literals;
+
+inline constexpr std::array file_keys{"$schema"sv, "swarm"sv, "drones"sv, "connections"sv, "engines"sv};
+inline constexpr std::array drone_keys{"kind"sv,         "count"sv,           "on"sv,       "set"sv,       "restart"sv,
+                                       "on_exception"sv, "halted"sv,          "listen"sv,   "advertise"sv, "key"sv,
+                                       "insecure"sv,     "remote_operator"sv, "log_level"sv};
+inline constexpr std::array connection_keys{"from"sv,        "to"sv,    "stream"sv, "notify"sv, "window"sv,
+                                            "first_frame"sv, "share"sv, "group"sv,  "lease"sv,  "encoding"sv};
+inline constexpr std::array engine_keys{"local"sv, "ssh"sv, "systemd"sv, "slurm"sv};
+inline constexpr std::array slurm_keys{"partition"sv, "options"sv};
+
+inline constexpr std::array restart_words{"never"sv, "on-failure"sv, "always"sv};  // in the order of hive::Restart
+inline constexpr std::array on_exception_words{"skip"sv, "halt"sv};
+inline constexpr std::array log_level_words{"debug"sv, "info"sv, "warning"sv, "error"sv, "off"sv};
+
+inline constexpr int most_of_a_kind = 1000;
+inline constexpr int widest_window = 64;
+inline constexpr double shortest_lease_s = 0.05, longest_lease_s = 86'400;
+
+/// May a machine be called so in a file? HOST or USER@HOST, never an option of ssh, nor a glob.
+bool is_machine(std::string_view text) noexcept;
+
+}  // namespace hive::swarm_file

@@ -1,0 +1,137 @@
+// Choosing ports, and putting words together.
+#include "command_lines.hpp"
+
+#include "../engines/engine.hpp"
+
+#include <hive/program.hpp>
+#include <hive/protocol/connect_text.hpp>
+#include <hive/remote.hpp>
+#include <hive/transport/listen_address.hpp>
+
+#include <algorithm>
+
+namespace hive {
+namespace {
+
+constexpr std::uint16_t first_of_drones = 7700, last_of_drones = 7955;  // as a drone chooses them itself
+
+bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
+
+}  // namespace
+
+std::string shell_word(const std::string& word)
+{
+    constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%:=,./+-";
+    return !word.empty() && word.find_first_not_of(plain) == std::string::npos ? word : quoted_for_shell(word);
+}
+
+std::string machine_name(const std::string& host) { return host.substr(host.rfind('@') + 1); }
+
+CommandLines::CommandLines(const SwarmPlan& plan, Machines machines) : machines_(machines)
+{
+    for (const auto& drone : plan.drones)
+        drones_[drone.name] = &drone;
+    for (const auto& connection : plan.connections)
+        received_[connection.to.drone].push_back(&connection);
+    choose_ports(plan);
+}
+
+std::string CommandLines::machine(const SwarmDrone& drone) const
+{
+    return machines_ == Machines::one_each ? drone.name : drone.host;
+}
+
+/// Ports that the plan names stay; others get the next free one of their machine, since their receivers must know it.
+void CommandLines::choose_ports(const SwarmPlan& plan)
+{
+    std::map<std::string, std::set<std::uint16_t>> taken;
+    std::set<std::string> on_network;
+    for (const auto& connection : plan.connections)
+        if (machine(*drones_.at(connection.from.drone)) != machine(*drones_.at(connection.to.drone)))
+            on_network.insert(connection.from.drone);
+    for (const auto& drone : plan.drones)
+        if (machines_ == Machines::one_each)
+            ports_[drone.name] = only_port;
+        else if (const auto port = drone.listen.empty() ? 0 : transport::listen_address(drone.listen).port; port != 0)
+            taken[drone.host].insert(ports_[drone.name] = static_cast<std::uint16_t>(port));
+        else if (!drone.listen.empty() || drone.host != Place::here)
+            on_network.insert(drone.name);
+    std::map<std::string, int> next;
+    for (const auto& drone : plan.drones) {
+        if (!on_network.contains(drone.name) || ports_.contains(drone.name))
+            continue;
+        auto& port = next.try_emplace(drone.host, first_of_drones).first->second;
+        while (taken[drone.host].contains(static_cast<std::uint16_t>(port)))
+            ++port;
+        if (port > last_of_drones)
+            throw Error(Errc::invalid_argument,
+                        "there are more drones on " + drone.host + " than ports from 7700 to 7955",
+                        "name ports for some: \"listen\": \"tcp://0.0.0.0:PORT\"");
+        ports_[drone.name] = static_cast<std::uint16_t>(port++);
+    }
+}
+
+std::string CommandLines::listening(const SwarmDrone& drone) const
+{
+    const auto port = ports_.find(drone.name);
+    if (port == ports_.end())
+        return {};
+    const bool told = machines_ == Machines::as_planned && !drone.listen.empty();
+    const auto host = told ? transport::listen_address(drone.listen).host : "0.0.0.0";
+    return to_text(transport::Address{transport::Address::Scheme::tcp, host, port->second});
+}
+
+std::string CommandLines::advertised(const SwarmDrone& drone) const
+{
+    if (machines_ == Machines::one_each)
+        return "tcp://" + drone.name + ":" + std::to_string(only_port);
+    if (drone.advertise.empty())
+        return {};
+    auto address = transport::listen_address(drone.advertise);
+    if (const auto port = ports_.find(drone.name); address.port == 0 && port != ports_.end())
+        address.port = port->second;
+    return to_text(address);
+}
+
+std::string CommandLines::address(const SwarmDrone& drone) const
+{
+    if (auto text = advertised(drone); !text.empty())
+        return text;
+    auto listen = transport::parse_address(listening(drone));
+    if (is_everywhere(listen.host) && drone.host == Place::here)
+        throw Error(Errc::invalid_argument, "drones of other machines do not know where " + drone.name + " is",
+                    "say it in the file: \"advertise\": \"tcp://HOST\"");
+    if (is_everywhere(listen.host))
+        listen.host = machine_name(drone.host);
+    return to_text(listen);
+}
+
+std::string CommandLines::connection(const SwarmConnection& connection, const SwarmDrone& receiver) const
+{
+    const auto& sender = *drones_.at(connection.from.drone);
+    if (connection.from.port.empty())
+        throw Error(Errc::invalid_argument,
+                    "which output of " + sender.name + " " + receiver.name + " receives from is not known here",
+                    "name it in the file: \"from\": \"" + sender.name + ".OUTPUT\"");
+    const auto place = machine(sender) == machine(receiver) ? "" : address(sender);
+    return protocol::to_text({sender.name, connection.from.port, place, connection.to.port, connection.options});
+}
+
+std::vector<std::string> CommandLines::of(const SwarmDrone& drone) const
+{
+    auto told = drone;
+    told.listen = listening(drone);
+    told.advertise = advertised(drone);
+    if (machines_ == Machines::one_each)
+        told.key.clear();  // that file is on another machine
+    std::vector<std::string> words{"hive-" + drone.kind};
+    if (is_python_file(drone.kind))
+        words = {"python3", "-u", drone.kind};
+    std::ranges::move(arguments_of(told), std::back_inserter(words));
+    if (const auto found = received_.find(drone.name); found != received_.end())
+        for (const auto* one : found->second)
+            words.insert(words.end(), {"--connect", connection(*one, drone)});
+    return words;
+}
+
+}  // namespace hive

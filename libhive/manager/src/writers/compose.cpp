@@ -1,0 +1,71 @@
+// A compose file: a container for each drone, on one machine.
+#include "command_lines.hpp"
+#include "writer.hpp"
+#include "yaml.hpp"
+
+#include <algorithm>
+
+namespace hive {
+namespace {
+
+/// A '$' begins a variable of compose.
+std::string compose_word(const std::string& word)
+{
+    std::string text;
+    for (const char c : word)
+        text += c == '$' ? "$$" : std::string(1, c);
+    return text;
+}
+
+const char* compose_restart(Restart restart)
+{
+    switch (restart) {
+    case Restart::never: return "no";
+    case Restart::on_failure: return "on-failure";
+    case Restart::always: break;
+    }
+    return "always";
+}
+
+OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+{
+    OrderedJson service{{"image", options.image}, {"command", OrderedJson::array()}};
+    for (const auto& word : lines.of(drone))
+        service["command"].push_back(compose_word(word));
+    service["restart"] = compose_restart(drone.restart);
+    if (!drone.insecure) {
+        service["user"] = "${HIVE_UID:-0}:${HIVE_GID:-0}";
+        service["environment"] = {{"HIVE_KEY", "/run/secrets/hive-key"}};
+        service["secrets"] = {"hive-key"};
+    }
+    for (const auto& [name, value] : drone.set.items())
+        if (value.is_string() && value.get<std::string>().starts_with("/dev/"))
+            service["devices"].push_back(compose_word(value.get<std::string>() + ":" + value.get<std::string>()));
+    service["healthcheck"] = {{"test", {"CMD", "hivectl", "wait", drone.name, "--timeout", "5"}},
+                              {"interval", "10s"},
+                              {"timeout", "6s"},
+                              {"start_period", "20s"}};
+    return service;
+}
+
+}  // namespace
+
+ExportedFiles write_compose(const SwarmPlan& plan, const ExportOptions& options)
+{
+    const CommandLines lines(plan, CommandLines::Machines::one_each);
+    OrderedJson file{{"services", OrderedJson::object()}};
+    for (const auto& drone : plan.drones)
+        file["services"][drone.name] = compose_service(drone, lines, options);
+    std::string head = "# The swarm " + plan.name + ", a container for each drone. Start it:\n";
+    if (std::ranges::any_of(plan.drones, [](const SwarmDrone& drone) { return !drone.insecure; })) {
+        file["secrets"] = {{"hive-key", {{"file", "./swarm.key"}}}};
+        head += "#   cp ~/.config/hive/swarm.key .\n"
+                "#   HIVE_UID=$(id -u) HIVE_GID=$(id -g) docker-compose -p "
+                + plan.name + " up -d   # the key belongs to its reader\n";
+    } else {
+        head += "#   docker-compose -p " + plan.name + " up -d\n";
+    }
+    return {{"compose.yaml", head + yaml_text(file)}};
+}
+
+}  // namespace hive

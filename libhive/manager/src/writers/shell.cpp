@@ -1,0 +1,76 @@
+// A script of hivectl's verbs: what people would type.
+#include "../engines/engine.hpp"
+#include "command_lines.hpp"
+#include "writer.hpp"
+
+#include <cmath>
+
+namespace hive {
+namespace {
+
+std::string line_of(const std::vector<std::string>& words)
+{
+    std::string text = "hivectl";
+    for (const auto& word : words)
+        text += " " + shell_word(word);
+    return text + "\n";
+}
+
+std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
+{
+    std::vector<std::string> words{"start", drone.kind, "--as", drone.name};
+    const auto engine = plan.engine_of(drone.host);
+    if (engine.name == "slurm")
+        throw Error(Errc::invalid_argument, drone.name + " is started by Slurm, which hivectl start does not do",
+                    "write it as slurm, or bring it up: hivectl up");
+    if (engine.name == "ssh")
+        words.insert(words.end(), {"--on", engine.settings.get<std::string>()});
+    const auto program = arguments_of(drone);
+    for (std::size_t i = 2; i < program.size(); ++i)  // behind --name NAME
+        if (program[i] != "--set")
+            words.push_back(program[i]);
+    return line_of(words);
+}
+
+std::string end_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
+std::string seconds_text(std::chrono::milliseconds duration)
+{
+    return to_text(Json(static_cast<double>(duration.count()) / 1000));
+}
+
+std::string connect_line(const SwarmConnection& connection)
+{
+    const auto& options = connection.options;
+    std::vector<std::string> words{"connect", end_of(connection.from), end_of(connection.to)};
+    if (options.transfer == Transfer::streaming)
+        words.emplace_back("--stream");
+    if (options.delivery == Delivery::notification)
+        words.emplace_back("--notify");
+    if (options.first_frame)
+        words.emplace_back("--first-frame");
+    if (options.window != 1)
+        words.insert(words.end(), {"--window", std::to_string(options.window)});
+    if (!options.group.empty())
+        words.insert(words.end(), {"--group", options.group});
+    if (options.lease)
+        words.insert(words.end(), {"--lease", seconds_text(*options.lease)});
+    if (!options.encoding.empty())
+        words.insert(words.end(), {"--encoding", options.encoding});
+    return line_of(words);
+}
+
+}  // namespace
+
+ExportedFiles write_shell(const SwarmPlan& plan, const ExportOptions&)
+{
+    std::string text = "#!/usr/bin/env bash\n# The swarm " + plan.name
+                       + ": starts its drones and connects them.\nset -euo pipefail\n\n";
+    for (const auto& drone : plan.drones)
+        text += start_line(plan, drone);
+    for (const auto& connection : plan.connections)
+        text += connect_line(connection);
+    return {{plan.name + ".sh", text, true}};
+}
+
+}  // namespace hive

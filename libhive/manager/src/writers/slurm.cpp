@@ -1,0 +1,108 @@
+// A script for sbatch: each drone is a step of the allocation, on the node that the plan calls its machine.
+#include "command_lines.hpp"
+#include "writer.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hive {
+namespace {
+
+/// The steps are the drones of machines with the engine slurm; where there is none, all.
+std::vector<const SwarmDrone*> steps_of(const SwarmPlan& plan)
+{
+    std::vector<const SwarmDrone*> all, by_slurm;
+    for (const auto& drone : plan.drones) {
+        all.push_back(&drone);
+        if (plan.engine_of(drone.host).name == "slurm")
+            by_slurm.push_back(&drone);
+    }
+    return by_slurm.empty() ? all : by_slurm;
+}
+
+std::string joined(const std::set<std::string>& names)
+{
+    std::string text;
+    for (const auto& name : names)
+        text += (text.empty() ? "" : ",") + name;
+    return text;
+}
+
+/// A line for each option of sbatch, those of the engines among them, each once.
+std::string directives(const SwarmPlan& plan, const std::vector<const SwarmDrone*>& steps)
+{
+    std::set<std::string> nodes;
+    std::vector<std::string> options{"--job-name=" + plan.name};
+    for (const auto* drone : steps) {
+        if (drone->host != Place::here)
+            nodes.insert(machine_name(drone->host));
+        const auto engine = plan.engine_of(drone->host);
+        if (engine.name != "slurm")
+            continue;
+        if (engine.settings.contains("partition"))
+            options.push_back("--partition=" + engine.settings["partition"].get<std::string>());
+        for (const auto& option : engine.settings.value("options", Json::array()))
+            options.push_back(option.get<std::string>());
+    }
+    options.push_back("--nodes=" + std::to_string(std::max<std::size_t>(nodes.size(), 1)));
+    if (!nodes.empty())
+        options.push_back("--nodelist=" + joined(nodes));
+    std::string text;
+    for (std::size_t i = 0; i < options.size(); ++i)
+        if (std::find(options.begin(), options.begin() + static_cast<std::ptrdiff_t>(i), options[i])
+            == options.begin() + static_cast<std::ptrdiff_t>(i))
+            text += "#SBATCH " + options[i] + "\n";
+    return text;
+}
+
+constexpr auto functions = R"(set -u
+
+# Each node has a home of its own: in one that nodes share, the sockets of another node mean nothing.
+home=${HIVE_HOME:-/tmp/hive-$UID-$SLURM_JOB_ID}
+
+# keep never|on-failure|always COMMAND...: runs it, and again as the swarm says, at most 5 times within 60 s.
+keep() {
+    local when=$1 code times=()
+    shift
+    while :; do
+        "$@"
+        code=$?
+        [ "$when" = always ] || { [ "$when" = on-failure ] && [ "$code" -ne 0 ]; } || return "$code"
+        times+=("$SECONDS")
+        [ "${#times[@]}" -lt 5 ] || [ $((SECONDS - times[-5])) -ge 60 ] || return "$code"
+        sleep 1
+    done
+}
+
+)";
+
+std::string step(const SwarmDrone& drone, const CommandLines& lines)
+{
+    constexpr std::array words{"never", "on-failure", "always"};
+    const auto node = drone.host == Place::here ? "" : shell_word(machine_name(drone.host));
+    std::string text = "HIVE_HOME=$home" + (node.empty() ? "" : "-" + node) + " keep "
+                       + words.at(static_cast<std::size_t>(drone.restart))
+                       + " srun --nodes=1 --ntasks=1 --overlap --job-name=" + drone.name;
+    if (!node.empty())
+        text += " --nodelist=" + node;
+    for (const auto& word : lines.of(drone))
+        text += " " + shell_word(word);
+    return text + " &\n";
+}
+
+}  // namespace
+
+ExportedFiles write_slurm(const SwarmPlan& plan, const ExportOptions&)
+{
+    const auto steps = steps_of(plan);
+    const CommandLines lines(plan, CommandLines::Machines::as_planned);
+    std::string text = "#!/usr/bin/env bash\n" + directives(plan, steps) + "# The swarm " + plan.name
+                       + ". Start it: sbatch " + plan.name + ".sbatch    end it: scancel --name=" + plan.name + "\n"
+                       + functions;
+    for (const auto* drone : steps)
+        text += step(*drone, lines);
+    text += "wait\n";
+    return {{plan.name + ".sbatch", text, true}};
+}
+
+}  // namespace hive

@@ -1,0 +1,76 @@
+// Units of the user's systemd: a service for each drone, and a target for all of one machine.
+#include "../engines/systemd_unit.hpp"
+#include "command_lines.hpp"
+#include "writer.hpp"
+
+#include <set>
+
+namespace hive {
+namespace {
+
+/// Most words need no quotes, and are read more easily without.
+std::string readable_word(const std::string& word)
+{
+    constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@:=,./+-";
+    return !word.empty() && word.find_first_not_of(plain) == std::string::npos ? word : quoted_for_systemd(word);
+}
+
+std::string restart_of(const SwarmDrone& drone)
+{
+    switch (drone.restart) {
+    case Restart::never: return "no";
+    case Restart::on_failure: return "on-failure";
+    case Restart::always: break;
+    }
+    return "always";
+}
+
+std::string exec_start(const std::vector<std::string>& words, const ExportOptions& options)
+{
+    const bool of_hive = words.front().starts_with("hive-");
+    std::string text = (of_hive ? options.programs : "/usr/bin") + "/" + words.front();
+    for (std::size_t i = 1; i < words.size(); ++i)
+        text += " " + readable_word(words[i]);
+    return text;
+}
+
+std::string service(const SwarmPlan& plan, const SwarmDrone& drone, const std::string& command)
+{
+    return "[Unit]\nDescription=Hive drone " + drone.name + " of the swarm " + plan.name + "\nPartOf=hive-" + plan.name
+           + ".target\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\nExecStart=" + command
+           + "\nRestart=" + restart_of(drone) + "\nRestartSec=1\n";
+}
+
+std::string target(const SwarmPlan& plan, const std::vector<std::string>& services)
+{
+    std::string text = "# Put these files into ~/.config/systemd/user, then: systemctl --user enable --now hive-"
+                       + plan.name + ".target\n[Unit]\nDescription=The swarm " + plan.name + "\n";
+    for (const auto& name : services)
+        text += "Wants=" + name + "\n";
+    return text + "\n[Install]\nWantedBy=default.target\n";
+}
+
+}  // namespace
+
+ExportedFiles write_systemd(const SwarmPlan& plan, const ExportOptions& options)
+{
+    const CommandLines lines(plan, CommandLines::Machines::as_planned);
+    std::map<std::string, std::vector<const SwarmDrone*>> machines;
+    for (const auto& drone : plan.drones)
+        machines[drone.host].push_back(&drone);
+    ExportedFiles files;
+    for (const auto& [host, drones] : machines) {
+        const std::string folder = machines.size() == 1 ? "" : machine_name(host) + "/";
+        std::vector<std::string> services;
+        ExportedFiles units;
+        for (const auto* drone : drones) {
+            services.push_back("hive-" + plan.name + "-" + drone->name + ".service");
+            units.push_back({folder + services.back(), service(plan, *drone, exec_start(lines.of(*drone), options))});
+        }
+        files.push_back({folder + "hive-" + plan.name + ".target", target(plan, services)});
+        std::ranges::move(units, std::back_inserter(files));
+    }
+    return files;
+}
+
+}  // namespace hive

@@ -1,0 +1,28 @@
+// Which form has which name.
+#include "writer.hpp"
+
+#include <hive/name.hpp>
+
+#include <algorithm>
+
+namespace hive {
+
+const std::vector<std::string>& export_forms()
+{
+    static const std::vector<std::string> forms{"systemd", "compose", "kubernetes", "slurm", "shell"};
+    return forms;
+}
+
+ExportedFiles export_swarm(const SwarmPlan& plan, std::string_view form, const ExportOptions& options)
+{
+    constexpr std::array writers{write_systemd, write_compose, write_kubernetes, write_slurm, write_shell};
+    const auto found = std::ranges::find(export_forms(), form);
+    if (found != export_forms().end())
+        return writers.at(static_cast<std::size_t>(found - export_forms().begin()))(plan, options);
+    std::string list;
+    for (const auto& one : export_forms())
+        list += (list.empty() ? "" : ", ") + one;
+    throw Error(Errc::invalid_argument, "a swarm cannot be written as " + in_quotes(form), "there are: " + list);
+}
+
+}  // namespace hive

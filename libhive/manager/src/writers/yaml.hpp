@@ -1,0 +1,16 @@
+// YAML for the forms that want it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace hive {
+
+using OrderedJson = nlohmann::ordered_json;
+
+/// A value as a block of YAML; texts are quoted as in JSON, which YAML reads alike.
+/// @param indent  spaces before each line
+std::string yaml_text(const OrderedJson& object, std::size_t indent = 0);
+
+}  // namespace hive

@@ -1,0 +1,72 @@
+// Asks the running drone to hand over, and waits until the kernel says that the name is free.
+#include "succession.hpp"
+
+#include "last_grace.hpp"
+
+#include <thread>
+
+namespace hive::service {
+namespace {
+
+using event::Clock;
+using namespace std::chrono_literals;
+
+constexpr auto patience_to_ask = 5s;
+constexpr auto patience_for_name = LastGrace::length_to_hand_over + 5s;
+
+/// One that has ended, or ends before it has answered, frees the name all the same.
+bool is_refusal(const Error& error)
+{
+    return error.code() == Errc::refused || error.code() == Errc::not_permitted
+           || error.code() == Errc::invalid_argument;
+}
+
+/// @return  its answer; an empty object when it has none
+Json ask_to_hand_over(event::Module& module, const event::Home& home)
+{
+    const auto outcome = std::make_shared<std::optional<event::Outcome>>();
+    const auto deadline = Clock::now() + patience_to_ask;
+    module.post([&module, address = home.address(module.self().name), deadline, outcome] {
+        module.request(address, protocol::PacketType::stop, Json{{"successor", true}}, {}, deadline,
+                       [outcome](const event::Outcome& told) { *outcome = told; });
+    });
+    module.loop().wait(deadline + 1s, [&] { return outcome->has_value(); });
+    if (!*outcome)
+        return Json::object();
+    const auto* error = std::get_if<Error>(&**outcome);
+    if (error && is_refusal(*error))
+        throw *error;
+    return error ? Json::object() : std::get<Json>(**outcome);
+}
+
+/// A lock of a file tells nobody when it is freed, so it is looked at each millisecond.
+void await_name(const event::Home& home, const std::string& name, std::optional<event::NameClaim>& claim)
+{
+    const auto until = Clock::now() + patience_for_name;
+    while (!claim)
+        try {
+            if (Clock::now() < until && home.alive(name))
+                std::this_thread::sleep_for(1ms);
+            else
+                claim.emplace(home, name);
+        } catch (const Error& error) {
+            if (error.code() != Errc::name_taken || Clock::now() >= until)
+                throw;
+        }
+}
+
+}  // namespace
+
+bool take_over(event::Module& module, const event::Home& home, std::optional<event::NameClaim>& claim,
+               event::Clock::time_point ready_by)
+{
+    const auto& name = module.self().name;
+    const event::NameClaim succession(home, name, event::NameClaim::To::succession);
+    if (Clock::now() > ready_by)
+        throw Error(Errc::timeout, "it was not ready in time to take over " + name);
+    const auto answer = home.alive(name) ? ask_to_hand_over(module, home) : Json::object();
+    await_name(home, name, claim);
+    return Fields(answer, "the answer to stop").flag_or("halted", false);
+}
+
+}  // namespace hive::service

@@ -1,0 +1,89 @@
+// Checks what can be checked before the senders are there.
+#include "wished_connections.hpp"
+
+#include <hive/error.hpp>
+#include <hive/protocol/connect_text.hpp>
+#include <hive/transport/address.hpp>
+
+#include <algorithm>
+
+namespace hive::service {
+
+using protocol::Connect;
+
+namespace {
+
+/// An address that a receiver can dial, or none.
+void require_dialable(const std::string& text)
+{
+    if (text.empty())
+        return;
+    const auto address = transport::parse_address(text);
+    const bool nowhere = address.host == "0.0.0.0" || address.host == "::";
+    if (address.scheme == transport::Address::Scheme::tcp && (nowhere || address.port == 0))
+        throw Error(Errc::invalid_argument, "nobody can dial " + text,
+                    "write at=tcp://HOST:PORT, where the sender listens, as this machine knows it");
+}
+
+/// The one that it has.
+std::string only_input(const std::string& self, const std::vector<Port>& inputs)
+{
+    if (inputs.size() == 1)
+        return inputs.front().name;
+    if (inputs.empty())
+        throw Error(Errc::not_found, self + " has no input");
+    std::string names;
+    for (const auto& input : inputs)
+        names += (names.empty() ? "" : ", ") + input.name;
+    throw Error(Errc::invalid_argument, self + " has several inputs: " + names, "say which: INPUT=DRONE.OUTPUT");
+}
+
+void settle(Connect& connect, const Interface& interface, const std::string& self)
+{
+    if (connect.input.empty())
+        connect.input = only_input(self, interface.inputs);
+    port_named(interface.inputs, self, "input", connect.input);
+    if (connect.drone == self && connect.address.empty())
+        throw Error(Errc::invalid_argument, self + " cannot receive its own output");
+    if (interface.stateful && !connect.options.group.empty())
+        throw Error(Errc::refused, self + " keeps state between events, so it must see every one: it cannot share");
+}
+
+/// The same error about this connection.
+[[noreturn]] void rethrow(const Error& error, const Connect& connect)
+{
+    throw error.reworded("--connect " + to_text(connect) + ": " + error.what());
+}
+
+}  // namespace
+
+std::vector<Connect> connections_from(const std::vector<std::string>& words)
+{
+    std::vector<Connect> connections;
+    for (const auto& word : words)
+        try {
+            connections.push_back(protocol::connect_from_text(word));
+            require_dialable(connections.back().address);
+        } catch (const Error& error) {
+            throw error.reworded("--connect " + word + ": " + error.what());
+        }
+    return connections;
+}
+
+void settle(std::vector<Connect>& connections, const Interface& interface, const std::string& self)
+{
+    for (auto connect = connections.begin(); connect != connections.end(); ++connect)
+        try {
+            settle(*connect, interface, self);
+            const auto same_ends = [&](const Connect& other) {
+                return other.drone == connect->drone && other.output == connect->output
+                       && other.input == connect->input;
+            };
+            if (std::any_of(connections.begin(), connect, same_ends))
+                throw Error(Errc::invalid_argument, "it is given twice");
+        } catch (const Error& error) {
+            rethrow(error, *connect);
+        }
+}
+
+}  // namespace hive::service

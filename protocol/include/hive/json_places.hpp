@@ -1,0 +1,58 @@
+// JSON of a file that people write: what it says, and where in the text each part of it stands.
+#pragma once
+
+#include <hive/error.hpp>
+#include <hive/json.hpp>
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hive {
+
+/// Where a value of a text begins, and where its parts do; in bytes from the beginning of the text.
+struct JsonPlace {
+    std::size_t key = 0;  ///< of a member: its key; otherwise as `value`
+    std::size_t value = 0;
+    std::vector<std::pair<std::string, JsonPlace>> members = {};  ///< of an object, in the order of the text
+    std::vector<JsonPlace> items = {};                            ///< of an array
+
+    /// Of the member of that name, or nullptr.
+    [[nodiscard]] const JsonPlace* member(std::string_view name) const noexcept;
+};
+
+/// A text that is no JSON, or beyond the limits, and where that was found.
+class JsonMistake : public Error {
+public:
+    JsonMistake(const Error& error, std::size_t at) : Error(error), at_(at) {}
+    [[nodiscard]] std::size_t at() const noexcept { return at_; }  ///< in bytes from the beginning
+
+private:
+    std::size_t at_;
+};
+
+struct PlacedJson {
+    Json value;
+    JsonPlace place;
+};
+
+/// As parse_json, with the places; it throws JsonMistake.
+PlacedJson parse_placed_json(std::string_view text, const JsonLimits& limits = {});
+
+/// Lines and columns of a text, which has to outlive it; both from 1. A column counts characters, as editors do.
+class TextLines {
+public:
+    explicit TextLines(std::string_view text);
+    struct Spot {
+        std::size_t line, column;
+    };
+    [[nodiscard]] Spot at(std::size_t byte) const;
+
+private:
+    std::string_view text_;
+    std::vector<std::size_t> begins_{0};  ///< of the lines
+};
+
+}  // namespace hive

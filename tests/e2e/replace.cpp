@@ -1,0 +1,368 @@
+// A new process takes over from a drone while the swarm runs: nothing of a source on demand is lost or comes twice.
+#include "measure.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <set>
+
+#include <signal.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr auto long_patience = 60'000ms;  // of a replacement, on a machine that does much else
+
+constexpr int times = sanitized() ? 8 : 50;
+
+/// What a line is made of.
+struct Parts {
+    std::string source = "ticker", output = "tick", worker = "sleeper", setting = "work_ms=3", result = "result";
+    std::vector<std::string> source_settings = {"pace=demand"};
+    std::vector<std::string> environment{};  ///< of the source
+    bool share = false;
+    int window = 1;
+    hive::Transfer transfer = hive::Transfer::synchronized;
+};
+
+/// A source on demand, workers that may share it, and a collector that wants their results in order. The workers run in
+/// the background: who takes over from them is no child of the test.
+class Line {
+public:
+    explicit Line(const std::vector<std::string>& workers, const Parts& parts = {})
+        : source_(swarm_.drone(parts.source, "source", parts.source_settings, {}, parts.environment))
+    {
+        std::vector<hive::Endpoint> results;
+        for (const auto& worker : workers) {
+            swarm_.hivectl_done({"start", parts.worker, "--as", worker, parts.setting}, long_patience);
+            results.push_back({worker, parts.result});
+        }
+        collector_ = application_.collect(results, {.ordered = parts.share});
+        hive::ConnectionOptions options;
+        options.group = parts.share ? "workers" : "";
+        options.window = parts.window;
+        options.transfer = parts.transfer;
+        for (const auto& worker : workers)
+            application_.connect({"source", parts.output}, {worker, "image"}, options);
+        take(3);
+    }
+
+    Swarm& swarm() { return swarm_; }
+    hive::Application& application() { return application_; }
+    std::int64_t pid(const std::string& worker) { return application_.status(worker).pid; }
+
+    /// The next results: each is the one after that before.
+    void take(int results)
+    {
+        for (int i = 0; i < results; ++i) {
+            const auto event = collector_->next(patient(long_patience));
+            REQUIRE_MESSAGE(event, "no result came after ", last_);
+            REQUIRE(event->identity.sequence == last_ + 1);
+            ++last_;
+        }
+    }
+    /// Those that are there, and those that come until the process has ended; its exit code.
+    int take_until_ended(Process& process)
+    {
+        const auto end = Clock::now() + patient(long_patience);
+        for (;;) {
+            if (const auto event = collector_->next(5ms)) {
+                REQUIRE(event->identity.sequence == last_ + 1);
+                ++last_;
+            }
+            if (const auto code = process.wait(0ms))
+                return *code;
+            REQUIRE(Clock::now() < end);
+        }
+    }
+    /// Replaces it while results are taken.
+    void replace(const std::string& worker)
+    {
+        auto command = swarm_.hivectl_running({"replace", worker}, "replace");
+        const int code = take_until_ended(command);
+        REQUIRE_MESSAGE(code == 0, swarm_.log("replace"), swarm_.log(worker));
+    }
+    [[nodiscard]] std::int64_t taken() const { return last_; }
+    hive::Collector& collector() { return *collector_; }
+
+private:
+    Swarm swarm_;
+    Process source_;
+    hive::Application application_{swarm_.application()};
+    std::unique_ptr<hive::Collector> collector_;
+    std::int64_t last_ = 0;
+};
+
+/// A program hive-KIND that a shell runs. It describes itself as told, and does otherwise what `body` says.
+void write_program(const fs::path& folder, const std::string& kind, const std::string& interface,
+                   const std::string& body)
+{
+    fs::create_directories(folder);
+    const auto file = folder / ("hive-" + kind);
+    std::ofstream(file) << "#!/bin/sh\nif [ \"$1\" = --describe ]; then cat <<'END'\n"
+                        << interface << "\nEND\nexit 0; fi\n"
+                        << body << "\n";
+    fs::permissions(file, fs::perms::owner_all);
+}
+
+std::string interface_text(const std::string& input, const std::string& type, const std::string& output)
+{
+    return R"({"kind": "other", "inputs": [{"name": ")" + input + R"(", "type": ")" + type
+           + R"("}], "outputs": [{"name": ")" + output
+           + R"(", "type": "application/json"}], "parameters": [{"name": "work_ms", "type": "integer", "default": 0, )"
+           + R"("min": 0, "max": 2}]})";
+}
+
+/// With the folder of further programs.
+Finished replace_with(const Swarm& swarm, const fs::path& folder, const std::vector<std::string>& words)
+{
+    std::vector<std::string> all{"/usr/bin/env", "HIVE_DRONE_PATH=" + folder.string(),
+                                 swarm.program("hivectl").string(), "replace"};
+    all.insert(all.end(), words.begin(), words.end());
+    return swarm.run(all, long_patience);
+}
+
+/// The processes of this home that are to take over, or were.
+std::vector<pid_t> successors(const Swarm& swarm)
+{
+    std::vector<pid_t> found;
+    std::error_code ignored;
+    const auto home = "HIVE_HOME=" + swarm.home().string() + '\0';
+    for (const auto& entry : fs::directory_iterator("/proc", ignored))
+        if (const auto pid = std::atoi(entry.path().filename().c_str());
+            pid > 0 && text_of(entry.path() / "cmdline").find("--take-over") != std::string::npos
+            && (text_of(entry.path() / "environ") + '\0').find(home) != std::string::npos)
+            found.push_back(pid);
+    std::ranges::sort(found);
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("replace: many times in a row workers of a group, with exactly all results in order")
+{
+    Line line({"worker-1", "worker-2", "worker-3"}, {.share = true});
+    for (int i = 1; i <= times; ++i)
+        line.replace("worker-" + std::to_string(i % 3 + 1));
+    line.take(20);
+    MESSAGE(line.taken(), " results");
+}
+
+TEST_CASE("replace: many times in a row the only worker, with exactly all results in order")
+{
+    Line line({"only"});
+    std::set<std::int64_t> pids;
+    for (int i = 1; i <= times; ++i) {
+        line.replace("only");
+        pids.insert(line.pid("only"));
+    }
+    line.take(20);
+    CHECK(pids.size() == times);
+    MESSAGE(line.taken(), " results");
+}
+
+TEST_CASE("replace: a camera on demand and its only face finder")
+{
+    Line line({"face"}, {.source = "camera",
+                         .output = "image",
+                         .worker = "face",
+                         .setting = "scale=1.3",
+                         .result = "faces",
+                         .source_settings = {"pace=demand", "width=320"}});
+    for (int i = 1; i <= 5; ++i)
+        line.replace("face");
+    line.take(5);
+}
+
+TEST_CASE("replace: without places, events are lost")
+{
+    Line line({"only"}, {.environment = {"HIVE_TEST_NO_PLACES=1"}});
+    std::int64_t last = line.taken();
+    bool lost = false;
+    for (int i = 1; i <= 50 && !lost; ++i) {
+        auto command = line.swarm().hivectl_running({"replace", "only"}, "replace");
+        while (!command.wait(0ms))
+            if (const auto event = line.collector().next(5ms))
+                lost = std::exchange(last, event->identity.sequence) + 1 != event->identity.sequence || lost;
+    }
+    CHECK(lost);
+}
+
+TEST_CASE("replace: parameters, connections and a halt pass over")
+{
+    Line line({"worker"});
+    line.swarm().hivectl_done({"set", "worker", "work_ms=7"});
+    line.swarm().hivectl_done({"halt", "worker"});
+    const auto before = line.pid("worker");
+    const auto row =
+        hive::parse_json(line.swarm().hivectl_done({"replace", "worker", "throw_at=0", "--json"}, long_patience));
+    CHECK(row.at("before") == before);
+    CHECK(row.at("pid") == line.pid("worker"));
+    CHECK(line.pid("worker") != before);
+    CHECK(line.application().get("worker", {"work_ms"}).at("work_ms") == 7);
+    CHECK(line.application().status("worker").state == hive::State::halted);
+    line.swarm().hivectl_done({"resume", "worker"});
+    line.take(10);
+}
+
+TEST_CASE("replace: the old one finishes a callback of 2.4 s, longer than one that is stopped")
+{
+    Line line({"worker"});
+    line.application().set("worker", {{"work_ms", 2400}});
+    REQUIRE(eventually([&] { return line.application().status("worker").busy_for_us > 0; }));
+    line.swarm().hivectl_done({"replace", "worker", "work_ms=1"}, long_patience);
+    line.take(10);
+    const auto edges = line.application().status("source").outputs.at(0).edges;
+    CHECK(edges.at(0).events.of(hive::Fate::lost_killed) == 0);
+}
+
+TEST_CASE("replace: when the new one is killed after the old one was asked, another one takes its place")
+{
+    Line line({"worker"});
+    line.application().set("worker", {{"work_ms", 1000}});
+    auto command = line.swarm().hivectl_running({"replace", "worker", "work_ms=1"}, "replace");
+    pid_t asking = 0;
+    REQUIRE(eventually(
+        [&] {
+            asking = std::atoi(text_of(line.swarm().home() / "worker.next").c_str());
+            return asking > 0;
+        },
+        long_patience));
+    ::kill(asking, SIGKILL);
+    REQUIRE(line.take_until_ended(command) == 0);
+    CHECK(line.pid("worker") != asking);
+    line.take(10);
+}
+
+TEST_CASE("replace: of two at once one waits or is refused, and one drone runs")
+{
+    Line line({"worker"});
+    auto one = line.swarm().hivectl_running({"replace", "worker"}, "one"),
+         two = line.swarm().hivectl_running({"replace", "worker"}, "two");
+    const int first = line.take_until_ended(one), second = line.take_until_ended(two);
+    CHECK(std::min(first, second) == 0);
+    const int other = std::max(first, second);
+    const auto said = line.swarm().log("one") + line.swarm().log("two");
+    CHECK_MESSAGE((other == 0 || said.find("worker is being replaced already") != std::string::npos), said);
+    line.take(10);
+    CHECK(eventually([&] { return successors(line.swarm()).size() == 1; }));
+}
+
+TEST_CASE("replace: what does not start, or does not fit, leaves the old one as it was")
+{
+    Line line({"worker"});
+    const auto& swarm = line.swarm();
+    const auto folder = swarm.home() / "programs";
+    const auto before = line.pid("worker");
+    const auto refused = [&](const std::string& kind, int code, const std::string& word) {
+        const auto finished = replace_with(swarm, folder, {"worker", "--kind", kind});
+        CAPTURE(finished.err);
+        CHECK(finished.exit_code == code);
+        CHECK(finished.err.find(word) != std::string::npos);
+        CHECK(line.pid("worker") == before);
+        line.take(5);
+    };
+    line.application().set("worker", {{"work_ms", 2}});
+    write_program(folder, "broken", interface_text("image", "*/*", "result"), "echo 'no model here' >&2; exit 3");
+    refused("broken", 3, "no model here");
+    write_program(folder, "slow", interface_text("image", "*/*", "result"), "sleep 100");
+    const auto late = replace_with(swarm, folder, {"worker", "--kind", "slow", "--timeout", "0.2"});
+    CHECK(late.exit_code == 124);
+    write_program(folder, "deaf", interface_text("sound", "*/*", "result"), "exit 1");
+    refused("deaf", 5, "no input image, which receives source.tick");
+    write_program(folder, "mute", interface_text("image", "*/*", "words"), "exit 1");
+    refused("mute", 5, "no output result");
+    write_program(folder, "reader", interface_text("image", "text/plain", "result"), "exit 1");
+    refused("reader", 6, "takes text/plain");
+    line.application().set("worker", {{"work_ms", 3}});
+    refused("broken", 5, "work_ms");
+    CHECK(swarm.hivectl({"replace", "nobody"}).exit_code == 3);
+}
+
+TEST_CASE("replace: a drone that keeps state needs a word more")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"start", "counter"});
+    const auto refused = swarm.hivectl({"replace", "counter"});
+    CHECK(refused.exit_code == 5);
+    CHECK(refused.err.find("--lose-state") != std::string::npos);
+    swarm.hivectl_done({"replace", "counter", "--lose-state"}, long_patience);
+}
+
+TEST_CASE("replace: another kind takes over, with the connections, and is what comes back after a crash")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera");
+    swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
+    swarm.hivectl_done({"connect", "camera.image", "worker.image"});
+    swarm.hivectl_done({"replace", "worker", "--kind", "face", "scale=1.4"}, long_patience);
+    auto application = swarm.application();
+    const auto works = [&] {
+        const auto answer = application.status(std::vector<std::string>{"worker"}).at(0);
+        return !answer.error && answer.status.kind == "face" && answer.status.inputs.at(0).processed > 0;
+    };
+    CHECK(eventually(works, long_patience));
+    ::kill(static_cast<pid_t>(application.status("worker").pid), SIGKILL);
+    REQUIRE(eventually([&] { return application.drones().size() == 1; }, long_patience));
+    swarm.hivectl_done({"start", "face", "--as", "worker"}, long_patience);
+    CHECK(eventually(works, long_patience));
+    CHECK(application.get("worker", {"scale"}).at("scale") == 1.4);
+}
+
+TEST_CASE("replace: whoever is killed in the middle, one drone of the name runs in the end, and every event gives one "
+          "result")
+{
+    const auto seed =
+        std::getenv("HIVE_TEST_SEED") ? std::stoul(std::getenv("HIVE_TEST_SEED")) : std::random_device()();
+    MESSAGE("HIVE_TEST_SEED=", seed);
+    std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
+    const bool stream = random() % 4 == 0;
+    Line line({"worker"}, {.window = stream ? 1 : static_cast<int>(random() % 4 + 1),
+                           .transfer = stream ? hive::Transfer::streaming : hive::Transfer::synchronized});
+    auto& application = line.application();
+    for (int round = 0; round < 9; ++round) {
+        std::int64_t old = 0;  // a successor may just be on its way to the name
+        REQUIRE(eventually(
+            [&] {
+                const auto answer = application.status(std::vector<std::string>{"worker"}).at(0);
+                old = answer.status.pid;
+                return !answer.error;
+            },
+            long_patience));
+        const int victim = round % 3;
+        const auto due = Clock::now() + std::chrono::milliseconds(random() % 120);
+        CAPTURE(seed);
+        CAPTURE(round);
+        auto command = line.swarm().hivectl_running({"replace", "worker"}, "replace");
+        while (Clock::now() < due)
+            line.take(1);
+        if (victim == 0)
+            command.signal(SIGKILL);
+        else if (victim == 1)
+            ::kill(static_cast<pid_t>(old), SIGKILL);
+        else
+            for (const auto pid : successors(line.swarm()))
+                if (pid != old)
+                    ::kill(pid, SIGKILL);
+        const int code = line.take_until_ended(command);
+        // Who was killed before anything had begun, or after all was done, has crashed as any drone may.
+        bool runs = false;
+        REQUIRE(eventually(
+            [&] {
+                runs = !application.status(std::vector<std::string>{"worker"}).at(0).error;
+                return runs || successors(line.swarm()).empty();
+            },
+            long_patience));
+        if (!runs) {
+            CHECK((victim == 1 ? code != 0 : code == 0));
+            REQUIRE(eventually([&] { return application.drones().size() == 1; }, long_patience));  // it may be dying
+            line.swarm().hivectl_done({"start", "sleeper", "--as", "worker"}, long_patience);
+        }
+        line.take(10);
+    }
+}

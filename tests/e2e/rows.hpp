@@ -1,0 +1,19 @@
+// What hivectl prints with --json: rows, and the one of a name.
+#pragma once
+
+#include <hive/application.hpp>
+
+#include <string>
+
+namespace hive::test {
+
+/// The first row with this value under a key; null if there is none.
+inline Json row_named(const std::string& rows, const std::string& key, const std::string& name)
+{
+    for (const auto& row : Json::parse(rows))
+        if (row.at(key) == name)
+            return row;
+    return nullptr;
+}
+
+}  // namespace hive::test

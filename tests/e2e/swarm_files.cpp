@@ -1,0 +1,110 @@
+// Swarm files on the command line: check and schema, and the files in scripts/swarms/.
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <sstream>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+using namespace std::chrono_literals;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path written(const Swarm& swarm, const std::string& name, const std::string& text)
+{
+    const auto file = swarm.home() / name;
+    std::ofstream(file) << text;
+    return file;
+}
+
+}  // namespace
+
+TEST_CASE("swarm files: those in scripts/swarms are good")
+{
+    const Swarm swarm;
+    int files = 0;
+    for (const auto& entry : fs::directory_iterator(HIVE_SOURCE_DIR "/scripts/swarms"))
+        if (entry.path().extension() == ".json") {
+            ++files;
+            const auto checked = swarm.hivectl({"check", entry.path().string()}, patient(15'000ms));
+            CHECK_MESSAGE(checked.exit_code == 0, checked.out, checked.err);
+            CHECK_MESSAGE(checked.out.starts_with(entry.path().stem().string() + ": good, "), checked.out);
+            CHECK_EQ(checked.err, "");
+            auto script = entry.path();
+            CHECK_MESSAGE(fs::exists(script.replace_extension(".sh")), script);
+        }
+    CHECK_EQ(files, 5);
+}
+
+TEST_CASE("swarm files: every mistake is a line to which an editor jumps, and the exit code is 2")
+{
+    const Swarm swarm;
+    const auto file = written(swarm, "bad.json", R"({"swarm": "s", "drones": {
+  "camera": {"kind": "camera", "set": {"fps": "fast"}},
+  "face": {"kind": "face"}
+}, "connections": [
+  {"from": "camera.imag", "to": "face"},
+  {"from": "face.faces", "to": "face-2"}
+]})")
+                          .string();
+    const auto checked = swarm.hivectl({"check", file}, patient(15'000ms));
+    CHECK_EQ(checked.exit_code, 2);
+    CHECK_EQ(checked.out, file + ":2:47: fps=\"fast\": must be a number, 0 to 1000 fps\n" + file
+                              + ":5:33: camera has no output imag; did you mean image?\n" + file
+                              + ":6:32: there is no drone \"face-2\" in this file; did you mean face?\n");
+    const auto rows = Json::parse(swarm.hivectl({"check", file, "--json"}, patient(15'000ms)).out);
+    REQUIRE_EQ(rows.size(), 3u);
+    CHECK_EQ(rows[1], Json{{"file", file},
+                           {"line", 5},
+                           {"column", 33},
+                           {"at", "connections[0].to"},
+                           {"text", "camera has no output imag"},
+                           {"advice", "did you mean image?"}});
+}
+
+TEST_CASE("swarm files: one comes on stdin, and one that is not there is no mistake of JSON")
+{
+    const Swarm swarm;
+    const auto checked =
+        swarm.run({"/bin/sh", "-c", "echo '{\"swarm\": \"s\", \"drones\": {}} // done' | hivectl check -"});
+    CHECK_EQ(checked.exit_code, 2);
+    CHECK_EQ(checked.out, "<stdin>:1:30: JSON has no comments; leave it out\n");
+    const auto missing = swarm.hivectl({"check", (swarm.home() / "none.json").string()});
+    CHECK_EQ(missing.exit_code, 1);
+    CHECK(missing.err.find("No such file") != std::string::npos);
+    CHECK_EQ(swarm.hivectl({"check", swarm.home().string()}).exit_code, 1);
+}
+
+TEST_CASE("swarm files: a kind that is not here is a note for another machine, and programs that say nothing are not "
+          "waited for")
+{
+    const Swarm swarm;
+    const auto elsewhere =
+        written(swarm, "elsewhere.json", R"({"swarm": "s", "drones": {"a": {"kind": "nosuch", "on": "cam1"}}})")
+            .string();
+    const auto checked = swarm.hivectl({"check", elsewhere}, patient(15'000ms));
+    CHECK_EQ(checked.exit_code, 0);
+    CHECK_EQ(checked.out, "s: good, 1 drone on 1 machine, 0 connections\n");
+    CHECK(checked.err.find(elsewhere + ":1:41: parameters and ports of nosuch are not checked: ") != std::string::npos);
+    const auto silent = written(swarm, "hive-silent", "#!/bin/sh\nexec sleep 60\n");
+    fs::permissions(silent, fs::perms::owner_all);
+    const auto file = written(swarm, "silent.json", R"({"swarm": "s", "drones": {"a": {"kind": "silent"}}})").string();
+    const auto late = swarm.run({"/bin/sh", "-c", "HIVE_DRONE_PATH=$HIVE_HOME hivectl check --timeout 0.5 " + file},
+                                patient(15'000ms));
+    CHECK_EQ(late.exit_code, 2);
+    CHECK(late.out.find(":1:41: ") != std::string::npos);
+    CHECK(late.out.find("has not answered in time") != std::string::npos);
+}
+
+TEST_CASE("swarm files: hivectl prints the schema of the repository")
+{
+    const Swarm swarm;
+    std::ostringstream schema;
+    schema << std::ifstream(HIVE_SOURCE_DIR "/libhive/manager/swarm.schema.json").rdbuf();
+    CHECK_EQ(swarm.hivectl_done({"schema"}), schema.str());
+}

@@ -1,0 +1,157 @@
+// Whole swarms as steps of a Slurm allocation, on a cluster of three nodes on this machine. Where that is not to be
+// had, the tests say so and end.
+#include "free_port.hpp"
+#include "possible.hpp"
+#include "slurm_lab.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <map>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// A source on one node, and workers on the two others, which share it.
+Json shared_work()
+{
+    return {{"swarm", "work"},
+            {"drones",
+             {{"source", {{"kind", "ticker"}, {"on", "n1"}, {"set", {{"fps", 50}}}}},
+              {"worker", {{"kind", "sleeper"}, {"count", 4}, {"on", {"n2", "n3"}}, {"set", {{"work_ms", 1}}}}}}},
+            {"connections", {{{"from", "source"}, {"to", "worker-*"}, {"share", true}}}},
+            {"engines", {{"n*", {{"slurm", {{"options", {"--mem=0"}}}}}}}}};
+}
+
+std::string write(const SlurmLab& lab, const Json& content)
+{
+    const auto file = (lab.swarm().home() / "work.json").string();
+    std::ofstream(file) << content.dump(2);
+    return file;
+}
+
+const std::vector<std::string> all{"source", "worker-1", "worker-2", "worker-3", "worker-4"};
+
+}  // namespace
+
+TEST_CASE("up under slurm: a swarm on three nodes, each drone a step, what fell is started again, scancel ends it")
+{
+    if (!possible(missing_for_slurm()))
+        return;
+    const SlurmLab lab;
+    lab.shell_done("hivectl key new");
+    const auto up = "hivectl up " + write(lab, shared_work());
+    CHECK(lines_of(lab.shell_done(up)) == 5 + 4);
+    CHECK(lab.steps() == all);
+    CHECK(lab.processes("n1") == 1);
+    CHECK(lab.processes("n2") == 2);
+    for (const auto& row : Json::parse(lab.shell_done("hivectl ps --json")))
+        CHECK(row.at("host")
+              == (row.at("name") == "source"                                     ? "n1"
+                  : row.at("name") == "worker-1" || row.at("name") == "worker-3" ? "n2"
+                                                                                 : "n3"));
+    CHECK(lines_of(lab.shell_done("hivectl results 'worker-*' -n 8")) == 8);
+    CHECK(has(lab.shell_done("hivectl logs source || cat $HIVE_HOME/source.log"), "listening at tcp://"));
+    CHECK(lab.shell_done(up).empty());
+
+    lab.shell_done("scancel --signal=KILL $(squeue -s -h -j $SLURM_JOB_ID -o '%i %j' | grep worker-2 | cut -d' ' -f1)");
+    REQUIRE(eventually([&] { return lab.steps().size() == 4; }, 20'000ms));
+    CHECK(has(lab.shell_done(up), "start worker-2"));
+    CHECK(lab.steps() == all);
+    lab.shell_done("scancel " + lab.job());
+    CHECK(eventually([&] { return lab.processes() == 0; }, 20'000ms));
+}
+
+TEST_CASE("up under slurm: a killed up leaves what the next one finds, and one that fails leaves nothing")
+{
+    if (!possible(missing_for_slurm()))
+        return;
+    const SlurmLab lab;
+    lab.shell_done("hivectl key new");
+    auto content = shared_work();
+    const auto file = write(lab, content);
+    auto killed = lab.hivectl_running({"up", file}, "up");
+    REQUIRE(eventually([&] { return lab.processes() > 1; }, 20'000ms));
+    killed.kill();
+    lab.shell_done("hivectl up " + file);
+    CHECK(lab.steps() == all);
+    CHECK(eventually([&] { return lab.processes() == 5; }, 10'000ms));
+
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"on", "n4"}};
+    write(lab, content);
+    const auto unknown = lab.shell("hivectl up " + file);
+    CHECK(unknown.exit_code == 5);
+    CHECK_MESSAGE(has(unknown.err, "Slurm has no node n4"), unknown.err);
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"on", "n3"}, {"key", "/no/such/key"}};
+    content["drones"]["more"] = {{"kind", "sleeper"}, {"on", "n1"}};
+    write(lab, content);
+    const auto refused = lab.shell("hivectl up " + file);
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "/no/such/key"), refused.err);
+    CHECK(eventually([&] { return lab.steps() == all; }, 10'000ms));
+    CHECK(lines_of(lab.shell_done("hivectl down")) == 5);
+    CHECK(eventually([&] { return lab.steps().empty() && lab.processes() == 0; }, 10'000ms));
+    const auto outside = lab.swarm().hivectl({"up", file});
+    CHECK(outside.exit_code == 5);
+    CHECK_MESSAGE(has(outside.err, "allocation"), outside.err);
+}
+
+TEST_CASE("export as slurm: sbatch brings the swarm up on three nodes, a killed drone comes back, scancel ends it")
+{
+    if (!possible(missing_for_slurm()))
+        return;
+    SlurmLab lab;
+    lab.shell_done("hivectl key new");
+    // The nodes are one machine here, whose ports they share.
+    std::map<std::string, std::string> addresses;
+    for (const auto& name : all)
+        addresses[name] = "tcp://127.0.0.1:" + std::to_string(free_port());
+    auto content = shared_work();
+    auto& drones = content["drones"];
+    drones = {{"source", {{"kind", "ticker"}, {"on", "n1"}, {"set", {{"fps", 50}}}}}};
+    for (std::size_t i = 1; i < all.size(); ++i)
+        drones[all[i]] = {{"kind", "sleeper"}, {"on", i % 2 == 1 ? "n2" : "n3"}, {"restart", "on-failure"}};
+    for (const auto& [name, address] : addresses)
+        drones[name]["listen"] = address;
+    lab.shell_done("hivectl export --from " + write(lab, content) + " --as slurm --to $HIVE_HOME");
+    lab.submit(lab.swarm().home() / "work.sbatch");
+    REQUIRE_MESSAGE(eventually([&] { return lab.steps() == all && lab.processes() == 5; }, 30'000ms),
+                    lab.swarm().log("sbatch"));
+    CHECK(lab.processes("n1") == 1);
+    CHECK(lab.processes("n2") == 2);
+    for (const auto& [name, address] : addresses)
+        CHECK_MESSAGE(
+            eventually([&] { return lab.shell("hivectl place add " + name + " " + address).exit_code == 0; }, 20'000ms),
+            name);
+    const auto works = [&] {
+        for (const auto& name : all)
+            if (name != "source")
+                CHECK_MESSAGE(lab.shell("hivectl results " + name + " -n 3 --timeout 30").exit_code == 0, name);
+    };
+    works();
+    const auto pid_of = [&](const std::string& name) {
+        for (const auto& row : Json::parse(lab.shell_done("hivectl ps --json")))
+            if (row.at("name") == name && row.at("pid").is_number())
+                return row.at("pid").get<pid_t>();
+        return 0;
+    };
+    const auto killed = pid_of("worker-2");
+    REQUIRE(killed > 1);
+    ::kill(killed, SIGKILL);
+    CHECK(eventually(
+        [&] {
+            const auto now = pid_of("worker-2");
+            return now != 0 && now != killed;
+        },
+        30'000ms));
+    CHECK(eventually([&] { return lab.steps() == all; }, 10'000ms));
+    works();
+    lab.shell_done("scancel --name=work");
+    CHECK(eventually([&] { return lab.steps().empty() && lab.processes() == 0; }, 20'000ms));
+    CHECK(eventually([&] { return lab.shell_done("squeue --noheader").empty(); }, 20'000ms));
+}

@@ -1,0 +1,133 @@
+// Whole swarms as units of the user's systemd. No systemd has to run: a stand-in for systemctl runs what the units say.
+#include "falling_drone.hpp"
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Systemd {
+public:
+    Systemd() : directory_(swarm.home() / "systemd")
+    {
+        fs::create_directories(directory_ / "bin");
+        fs::copy_file(fs::path(HIVE_SOURCE_DIR) / "tests/e2e/systemctl_stand_in.py", directory_ / "bin/systemctl");
+        fs::permissions(directory_ / "bin/systemctl", fs::perms::owner_all);
+    }
+    ~Systemd() { static_cast<void>(shell("hivectl stop --all; systemctl --user stop $(ls " + units().string() + ")")); }
+    Systemd(const Systemd&) = delete;
+    Systemd& operator=(const Systemd&) = delete;
+
+    /// A line of a shell whose systemctl is the stand-in.
+    [[nodiscard]] Finished shell(const std::string& line) const
+    {
+        const char* const path = std::getenv("PATH");
+        return swarm.run({"/usr/bin/env", "HIVE_TEST_SYSTEMD=" + directory_.string(),
+                          "PATH=" + (directory_ / "bin").string() + ":"
+                              + swarm.program("hivectl").parent_path().string() + ":" + (path ? path : ""),
+                          "/bin/sh", "-c", line},
+                         60'000ms);
+    }
+    std::string shell_done(const std::string& line) const
+    {
+        const auto done = shell(line);
+        REQUIRE_MESSAGE(done.exit_code == 0, line, done.err);
+        return done.out;
+    }
+    [[nodiscard]] fs::path units() const { return swarm.home() / "config/systemd/user"; }
+    [[nodiscard]] fs::path file(const std::string& name) const { return directory_ / name; }
+    std::string write(const Json& content) const
+    {
+        const auto path = (swarm.home() / "work.json").string();
+        std::ofstream(path) << content.dump(2);
+        return path;
+    }
+
+    Swarm swarm;
+
+private:
+    fs::path directory_;
+};
+
+Json work()
+{
+    return {{"swarm", "work"},
+            {"drones",
+             {{"source", {{"kind", "ticker"}, {"set", {{"fps", 50}}}}},
+              {"worker", {{"kind", "sleeper"}, {"count", 2}, {"set", {{"work_ms", 1}}}, {"restart", "on-failure"}}}}},
+            {"connections", {{{"from", "source"}, {"to", "worker-*"}, {"share", true}}}},
+            {"engines", {{"local", {{"systemd", Json::object()}}}}}};
+}
+
+}  // namespace
+
+TEST_CASE("up under systemd: drones are units of the user, and one that crashes comes back with its wires")
+{
+    const Systemd systemd;
+    const auto up = "hivectl up " + systemd.write(work());
+    CHECK(lines_of(systemd.shell_done(up)) == 3 + 2);
+    CHECK(systemd.shell_done(up).empty());
+    for (const auto* unit : {"hive-source.service", "hive-worker-1.service", "hive-worker-2.service"})
+        CHECK(fs::exists(systemd.units() / unit));
+    if (fs::exists("/usr/bin/systemd-analyze"))
+        CHECK_MESSAGE(systemd.shell("systemd-analyze verify --man=no " + systemd.units().string() + "/*").exit_code
+                          == 0,
+                      systemd.shell("systemd-analyze verify --man=no " + systemd.units().string() + "/*").err);
+    auto application = systemd.swarm.application();
+    const auto before = application.status("worker-1").pid;
+    ::kill(static_cast<pid_t>(before), SIGKILL);
+    CHECK(eventually(
+        [&] {
+            const auto answer = application.status(std::vector<std::string>{"worker-1"}).at(0);
+            return !answer.error && answer.status.pid != before && !answer.status.inputs.empty()
+                   && answer.status.inputs.at(0).received > 0;
+        },
+        10'000ms));
+    CHECK(lines_of(systemd.shell_done("hivectl down")) == 3);
+    CHECK(systemd.swarm.application().drones().empty());
+}
+
+TEST_CASE("up under systemd: what cannot run is said with the last lines of its log, and no unit is left")
+{
+    const Systemd systemd;
+    auto content = work();
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", "tcp://127.0.0.1:1"}};  // without a key
+    const auto refused = systemd.shell("hivectl up " + systemd.write(content));
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "zlast ended with exit code"), refused.err);
+    CHECK_MESSAGE(has(refused.err, "key"), refused.err);
+    CHECK(fs::is_empty(systemd.units()));
+    CHECK(systemd.swarm.application().drones().empty());
+
+    write_falling_drone(systemd.file("programs"));
+    content = work();
+    content["drones"]["brief"] = {{"kind", "falls"}};  // when it has its name, before it is ready
+    const auto path = "HIVE_DRONE_PATH=" + systemd.file("programs").string();
+    const auto fallen = systemd.shell(path + " hivectl up " + systemd.write(content) + " --timeout 50");
+    CHECK(fallen.exit_code == 5);
+    CHECK_MESSAGE(has(fallen.err, "brief ended with exit code 7"), fallen.err);
+    CHECK(fs::is_empty(systemd.units()));
+
+    content = work();
+    content["drones"]["worker"]["restart"] = "always";
+    const auto always = systemd.shell("hivectl up " + systemd.write(content));
+    CHECK(always.exit_code == 5);
+    CHECK_MESSAGE(has(always.err, "on-failure"), always.err);
+    CHECK(fs::is_empty(systemd.units()));
+
+    std::ofstream(systemd.file("broken")) << "";
+    const auto silent = systemd.shell("hivectl up " + systemd.write(work()));
+    CHECK(silent.exit_code == 5);
+    CHECK_MESSAGE(has(silent.err, "Failed to connect to bus"), silent.err);
+    fs::remove(systemd.file("broken"));
+}

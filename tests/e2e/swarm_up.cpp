@@ -1,0 +1,423 @@
+// Whole swarms from one file: up again changes nothing, a change is one step, a failure leaves nothing behind, and
+// whoever is killed in between leaves what the next one completes.
+#include "falling_drone.hpp"
+#include "measure.hpp"
+#include "programs_for_tests.hpp"
+#include "status_sums.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <random>
+#include <set>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// A source on demand, so many workers that share it, and somebody who counts what they make.
+Json workers_file(int workers)
+{
+    return {{"swarm", "work"},
+            {"drones",
+             {{"source", {{"kind", "ticker"}, {"set", {{"fps", 50}, {"bytes", 100}}}}},
+              {"worker", {{"kind", "sleeper"}, {"count", workers}, {"set", {{"work_ms", 1}}}}},
+              {"sink", {{"kind", "sleeper"}}}}},
+            {"connections",
+             {{{"from", "source"}, {"to", "worker-*"}, {"share", true}, {"window", 2}},
+              {{"from", "worker-*"}, {"to", "sink"}, {"stream", true}}}}};
+}
+
+class File {
+public:
+    File(const Swarm& swarm, const Json& content) : path_((swarm.home() / "swarm.json").string()) { write(content); }
+    void write(const Json& content) const { std::ofstream(path_) << content.dump(2); }
+    operator std::string() const { return path_; }
+
+private:
+    std::string path_;
+};
+
+std::vector<std::string> steps(const Swarm& swarm, const File& file)
+{
+    std::istringstream lines(swarm.hivectl_done({"up", file}, 60'000ms));
+    std::vector<std::string> steps;
+    for (std::string line; std::getline(lines, line);)
+        steps.push_back(line);
+    return steps;
+}
+
+/// Process ids by name.
+std::map<std::string, std::int64_t> running(const Swarm& swarm)
+{
+    std::map<std::string, std::int64_t> pids;
+    for (const auto& row : Json::parse(swarm.hivectl_done({"ps", "--json", "--timeout", "10"})))
+        pids[row.at("name")] = row.at("pid").is_null() ? -1 : row.at("pid").get<std::int64_t>();
+    return pids;
+}
+
+/// Processes of drones whose home this is, whether they answer or not.
+std::size_t count_processes(const Swarm& swarm)
+{
+    std::size_t count = 0;
+    const std::string mine = "HIVE_HOME=" + swarm.home().string();
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
+        const auto command = text_of(entry.path() / "cmdline");
+        if (has(command.substr(0, command.find('\0')), "/hive-")
+            && has(text_of(entry.path() / "environ") + '\0', mine + '\0'))
+            ++count;
+    }
+    return count;
+}
+
+/// A drone that has given back its name may take a moment to end.
+bool has_processes(const Swarm& swarm, std::size_t count)
+{
+    return eventually([&] { return count_processes(swarm) == count; });
+}
+
+/// Children that have ended and that nobody has looked for.
+std::size_t zombies_of(pid_t parent)
+{
+    const auto number = std::to_string(parent), children = text_of("/proc/" + number + "/task/" + number + "/children");
+    std::istringstream pids(children);
+    std::size_t count = 0;
+    for (std::string pid; pids >> pid;)
+        count += has(text_of("/proc/" + pid + "/stat"), ") Z ") ? 1 : 0;
+    return count;
+}
+
+std::int64_t edges(const Swarm& swarm)
+{
+    std::int64_t connected = 0;
+    for (const auto& row : Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"})))
+        connected += row.at("state") == "connected" && row.at("known_by") == "both";
+    return connected;
+}
+
+}  // namespace
+
+TEST_CASE("up: starts, sets and connects what the file says, and a second up finds nothing to do")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(3));
+    CHECK(lines_of(swarm.hivectl_done({"up", file, "--dry-run"})) == 11);
+    CHECK(has_processes(swarm, 0));
+    CHECK(steps(swarm, file).size() == 11);
+    const auto pids = running(swarm);
+    CHECK(pids.size() == 5);
+    CHECK(edges(swarm) == 6);
+    CHECK(swarm.hivectl_done({"get", "source", "fps"}) == "50.0\n");
+    CHECK(steps(swarm, file).empty());
+    CHECK(running(swarm) == pids);
+    CHECK(lines_of(swarm.hivectl_done({"results", "worker-*", "-n", "10"})) == 10);
+    CHECK(lines_of(swarm.hivectl_done({"down"})) == 5);
+    CHECK(has_processes(swarm, 0));
+    CHECK(swarm.hivectl_done({"down", file}).empty());
+}
+
+TEST_CASE("up: of a changed file only the change is made, and nothing is started again")
+{
+    const Swarm swarm;
+    auto content = workers_file(3);
+    const File file(swarm, content);
+    steps(swarm, file);
+    const auto pids = running(swarm);
+
+    content["drones"]["worker"]["set"]["work_ms"] = 2;
+    content["drones"]["source"]["set"]["fps"] = "40";
+    file.write(content);
+    CHECK(swarm.hivectl_done({"up", file})
+          == "set source fps=40\nset worker-1 work_ms=2\nset worker-2 work_ms=2\nset worker-3 work_ms=2\n");
+    CHECK(steps(swarm, file).empty());
+    CHECK(running(swarm) == pids);
+
+    content["connections"][0]["window"] = 4;
+    file.write(content);
+    CHECK(steps(swarm, file).size() == 3);
+    content["connections"].erase(1);
+    file.write(content);
+    CHECK(swarm.hivectl_done({"up", file})
+          == "disconnect worker-1.result -> sink.image\ndisconnect worker-2.result -> sink.image\n"
+             "disconnect worker-3.result -> sink.image\n");
+    content["drones"]["worker"]["count"] = 1;
+    content["drones"].erase("sink");
+    file.write(content);
+    const auto fewer = steps(swarm, file);
+    CHECK(std::ranges::count_if(fewer, [](const auto& step) { return step.starts_with("stop "); }) == 3);
+    CHECK(running(swarm).size() == 2);
+    CHECK(steps(swarm, file).empty());
+}
+
+TEST_CASE("up: what was connected or set by hand beside the file is left alone, and what fell is started again")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(2));
+    steps(swarm, file);
+    const auto extra = swarm.drone("sleeper", "extra");
+    swarm.hivectl_done({"connect", "source", "extra"});
+    swarm.hivectl_done({"set", "worker-1", "throw_at=1000000"});
+    CHECK(steps(swarm, file).empty());
+
+    const auto before = running(swarm);
+    ::kill(static_cast<pid_t>(before.at("worker-2")), SIGKILL);
+    REQUIRE(eventually([&] { return running(swarm).count("worker-2") == 0; }));
+    CHECK(steps(swarm, file).front() == "start worker-2");
+    CHECK(steps(swarm, file).empty());
+    auto after = running(swarm);
+    CHECK(after.at("worker-1") == before.at("worker-1"));
+    CHECK(swarm.hivectl_done({"down", file}) != "");
+    CHECK(running(swarm).size() == 1);
+}
+
+TEST_CASE("up: when the last drone does not start, nothing is left of the others, and the log says why")
+{
+    const Swarm swarm;
+    auto content = workers_file(3);
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", "tcp://127.0.0.1:1"}};  // without a key
+    const File file(swarm, content);
+    const auto refused = swarm.hivectl({"up", file}, 60'000ms);
+    CHECK(refused.exit_code == 5);
+    CHECK(refused.out.empty());
+    CHECK_MESSAGE(has(refused.err, "zlast"), refused.err);
+    CHECK_MESSAGE(has(refused.err, "key"), refused.err);
+    CHECK(has_processes(swarm, 0));
+    CHECK(swarm.hivectl_done({"down"}).empty());
+}
+
+TEST_CASE("up: a drone that falls when it has its name, before it is ready, is told at once, and nothing is left")
+{
+    const Swarm swarm;
+    write_falling_drone(swarm.home() / "programs");
+    auto content = workers_file(2);
+    content["drones"]["brief"] = {{"kind", "falls"}};
+    const File file(swarm, content);
+    const auto refused = swarm.run({"/usr/bin/env", "HIVE_DRONE_PATH=" + (swarm.home() / "programs").string(),
+                                    swarm.program("hivectl").string(), "up", file, "--timeout", "50"},
+                                   60'000ms);
+    CHECK_MESSAGE(refused.exit_code == 5, refused.err);
+    CHECK_MESSAGE(has(refused.err, "brief ended with exit code 7"), refused.err);
+    CHECK_MESSAGE(has(refused.err, "no film left"), refused.err);
+    CHECK(has_processes(swarm, 0));
+}
+
+TEST_CASE("up: when a running drone refuses a value, the values and connections made before are taken back")
+{
+    const Swarm swarm;
+    auto content = workers_file(2);
+    content["drones"]["worker"]["set"]["most_ms"] = 100;
+    const File file(swarm, content);
+    steps(swarm, file);
+    const auto pids = running(swarm);
+
+    content["drones"]["source"]["set"]["fps"] = 10;
+    content["drones"]["more"] = {{"kind", "sleeper"}};
+    content["drones"]["worker"]["set"]["work_ms"] = 200;
+    file.write(content);
+    const auto refused = swarm.hivectl({"up", file}, 60'000ms);
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "work_ms 200 is more than 100"), refused.err);
+    CHECK(swarm.hivectl_done({"get", "source", "fps"}) == "50.0\n");
+    CHECK(swarm.hivectl_done({"get", "worker-1", "work_ms"}) == "1\n");
+    CHECK(running(swarm) == pids);
+    CHECK(has_processes(swarm, 5 - 1));
+}
+
+TEST_CASE("up: a name that another drone has is refused before anything is begun")
+{
+    const Swarm swarm;
+    const auto other = swarm.drone("ticker", "sink");
+    const File file(swarm, workers_file(1));
+    const auto refused = swarm.hivectl({"up", file});
+    CHECK(refused.exit_code != 0);
+    CHECK_MESSAGE(has(refused.err, "sink runs already and is a ticker, not a sleeper"), refused.err);
+    CHECK(has_processes(swarm, 1));
+}
+
+TEST_CASE("up: killed at any moment, the next one completes it, no drone twice and none left over")
+{
+    const char* const told = std::getenv("HIVE_TEST_SEED");
+    const std::uint64_t seed = told ? std::stoull(told) : std::random_device{}();
+    INFO("HIVE_TEST_SEED=" << seed);
+    std::mt19937_64 random(seed);
+    const Swarm swarm;
+    const File file(swarm, workers_file(4));
+    const char* const more = std::getenv("HIVE_TEST_ROUNDS");
+    const int rounds = more ? std::stoi(more) : sanitized() ? 5 : 20;
+    const auto took = std::chrono::microseconds(swarm.hivectl({"up", file}, 60'000ms).took).count();
+    swarm.hivectl_done({"down"});
+    for (int round = 0; round < rounds; ++round) {
+        auto up = swarm.hivectl_running({"up", file}, "up");
+        std::this_thread::sleep_for(std::chrono::microseconds(random() % static_cast<std::uint64_t>(took)));
+        up.kill();
+        const auto again = swarm.hivectl({"up", file}, 60'000ms);
+        REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+        CHECK(steps(swarm, file).empty());
+        CHECK(running(swarm).size() == 6);
+        CHECK(edges(swarm) == 8);
+        CHECK(has_processes(swarm, 6));
+        if (random() % 2 == 0) {
+            swarm.hivectl_done({"down"});
+            CHECK(has_processes(swarm, 0));
+        }
+    }
+}
+
+TEST_CASE("up: Ctrl-C undoes what was begun")
+{
+    // One that is never ready, so it comes before the end.
+    const Programs programs({"hive-slow"}, R"(#!/bin/sh
+case "$*" in *--describe*) echo '{"kind": "slow", "inputs": [], "outputs": [], "parameters": []}'; exit ;; esac
+exec sleep 60
+)");
+    const Swarm swarm;
+    auto content = workers_file(60);
+    content["drones"]["slow"] = {{"kind", "slow"}};
+    const File file(swarm, content);
+    auto up = swarm.hivectl_running({"up", file}, "up");
+    REQUIRE(eventually([&] { return std::filesystem::exists(swarm.home() / "worker-5.sock"); }));
+    up.signal(SIGINT);
+    CHECK(up.wait(patient(20'000ms)) == 130);
+    CHECK(has_processes(swarm, 0));
+    CHECK(swarm.hivectl_done({"down"}).empty());
+}
+
+TEST_CASE(
+    "up --stay: what falls is started again with its wires, what was stopped is not, and who falls too often is failed")
+{
+    const Swarm swarm;
+    auto content = workers_file(3);
+    content["drones"]["worker"]["restart"] = "on-failure";
+    const File file(swarm, content);
+    auto up = swarm.hivectl_running({"up", file, "--stay"}, "up");
+    REQUIRE(eventually([&] { return running(swarm).size() == 5 && edges(swarm) == 6; }));
+    const auto before = running(swarm);
+    auto application = swarm.application();  // quicker than hivectl: all the falls must be within 60 s
+    auto pid = before.at("worker-1");
+    const auto runs_again = [&] {
+        const auto answer = application.status(std::vector<std::string>{"worker-1"}).at(0);
+        const auto& now = answer.status;
+        const bool again = !answer.error && now.pid != pid && now.inputs.size() == 1 && now.inputs[0].connected
+                           && connected_edges(now.outputs.at(0)) == 1;
+        pid = again ? now.pid : pid;
+        return again;
+    };
+    for (int fall = 0; fall < 5; ++fall) {
+        ::kill(static_cast<pid_t>(pid), SIGKILL);
+        REQUIRE_MESSAGE(eventually(runs_again, 10'000ms), "after ", fall, " falls: ", swarm.log("up"));
+    }
+    CHECK(eventually([&] { return edges(swarm) == 6; }));
+    ::kill(static_cast<pid_t>(pid), SIGKILL);
+    const auto failed_row = [&] {
+        for (const auto& row : Json::parse(swarm.hivectl_done({"ps", "--json", "--timeout", "10"})))
+            if (row.at("state") == "failed")
+                return row;
+        return Json();
+    };
+    REQUIRE(eventually([&] { return !failed_row().is_null(); }, 10'000ms));
+    CHECK(failed_row().at("name") == "worker-1");
+    CHECK_MESSAGE(has(failed_row().at("note"), "fell 6 times within 60 s"), failed_row().dump());
+    CHECK(failed_row().at("log") != "");
+
+    swarm.hivectl_done({"stop", "worker-2"});
+    ::kill(static_cast<pid_t>(before.at("sink")), SIGKILL);  // its file does not say that it is to come back
+    std::this_thread::sleep_for(500ms);
+    CHECK(running(swarm).contains("worker-1"));  // the row of the failed one
+    CHECK(!running(swarm).contains("worker-2"));
+    CHECK(!running(swarm).contains("sink"));
+    CHECK(eventually([&] { return zombies_of(up.pid()) == 0; }));
+    up.signal(SIGINT);
+    CHECK(up.wait(patient(10'000ms)) == 0);
+    CHECK(swarm.application().drones().size() == 2);
+    CHECK(steps(swarm, file).size() > 0);
+    CHECK(failed_row().is_null());
+    CHECK(running(swarm).size() == 5);
+}
+
+TEST_CASE("up --stay: a drone that does not answer keeps no other one from coming back, which is said")
+{
+    const Swarm swarm;
+    auto content = workers_file(2);
+    content["drones"]["worker"]["restart"] = "on-failure";
+    const File file(swarm, content);
+    auto up = swarm.hivectl_running({"up", file, "--stay"}, "up");
+    REQUIRE(eventually([&] { return running(swarm).size() == 4 && edges(swarm) == 4; }));
+    const auto before = running(swarm);
+    const auto sink = static_cast<pid_t>(before.at("sink"));
+    ::kill(sink, SIGSTOP);
+    ::kill(static_cast<pid_t>(before.at("worker-1")), SIGKILL);
+    CHECK(eventually([&] { return has(swarm.log("up"), "worker-1 had fallen and runs again"); }, 10'000ms));
+    CHECK(eventually([&] { return has(swarm.log("up"), "hivectl up: sink: "); }, 10'000ms));
+    ::kill(sink, SIGCONT);
+    CHECK_MESSAGE(eventually([&] { return edges(swarm) == 4; }, 10'000ms), swarm.log("up"));
+    CHECK(running(swarm).at("worker-1") != before.at("worker-1"));
+    CHECK(zombies_of(up.pid()) == 0);
+    up.signal(SIGINT);
+    CHECK(up.wait(patient(10'000ms)) == 0);
+}
+
+TEST_CASE("up: two at once make one swarm")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(4));
+    auto one = swarm.hivectl_running({"up", file}, "one"), two = swarm.hivectl_running({"up", file}, "two");
+    const auto first = one.wait(patient(30'000ms)), second = two.wait(patient(30'000ms));
+    CHECK((first == 0 || second == 0));
+    CHECK(steps(swarm, file).empty());
+    CHECK(has_processes(swarm, 6));
+}
+
+TEST_CASE("down: nothing lossless that was on its way is lost")
+{
+    const Swarm swarm;
+    auto content = workers_file(2);
+    content["drones"]["source"]["set"] = {{"pace", "demand"}, {"bytes", 100}};
+    content["drones"]["worker"]["set"]["work_ms"] = 20;
+    const File file(swarm, content);
+    steps(swarm, file);
+    auto application = swarm.application();
+    const auto results = application.collect({application.endpoint("sink")}, {});
+    std::int64_t produced = 0, taken = 0;
+    std::set<std::int64_t> indexes;
+    const auto look = [&] {
+        for (const auto& answer : application.status(std::vector<std::string>{"source"}))
+            if (!answer.error)
+                produced = answer.status.outputs.at(0).produced;
+        for (; const auto result = results->next(1ms); ++taken)
+            indexes.insert(result->header.at("index").get<std::int64_t>());
+    };
+    REQUIRE(eventually([&] { return look(), taken > 20; }));
+    auto down = swarm.hivectl_running({"down"}, "down");
+    std::optional<int> code;
+    REQUIRE(eventually([&] { return look(), (code = down.wait(0ms)).has_value(); }, 20'000ms));
+    CHECK(code == 0);
+    CHECK(eventually([&] { return look(), taken >= produced; }));  // it may have made more since it last answered
+    CHECK(std::ssize(indexes) == taken);
+    CHECK(*indexes.rbegin() == taken);  // none is missing in between
+    CHECK(results->counts().missing == 0);
+    CHECK(has_processes(swarm, 0));
+}
+
+TEST_CASE("export: up of it changes nothing here, and elsewhere makes a swarm with the same export")
+{
+    const Swarm here, there;
+    auto content = workers_file(2);
+    content["drones"]["worker"]["restart"] = "on-failure";
+    const File file(here, content);
+    steps(here, file);
+    here.hivectl_done({"set", "worker-2", "work_ms=3"});
+    here.hivectl_done({"halt", "sink"});
+    const auto text = here.hivectl_done({"export"});
+    const File same(here, Json::parse(text));
+    CHECK(steps(here, same).empty());
+    const File copy(there, Json::parse(text));
+    CHECK(steps(there, copy).size() == 4 + 4);
+    CHECK(there.hivectl_done({"export"}) == text);
+}

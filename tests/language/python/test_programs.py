@@ -1,0 +1,193 @@
+"""Drones in Python that are programs of their own."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+import unittest
+
+import hive
+from hive import _library
+from world import PATIENCE, PROGRAMS, World, eventually
+
+
+class Programs(World):
+    """Drones that are programs of their own."""
+
+    BODY = """
+        import time, hive
+        drone = hive.Drone("thing", "Does things.")
+        work_ms = drone.parameter("work_ms", 0, least=0, help="how long each event takes")
+        result = drone.output("result", "application/json", "results")
+
+        @drone.on_event("in", "*/*")
+        def work(event):
+            "anything"
+            time.sleep(work_ms.value / 1000)
+            if event.header.get("raise"):
+                raise KeyError("missing")
+            while event.header.get("spin"):
+                pass
+            result.emit({"n": event.header.get("index", 0)})
+
+        drone.run()
+        print("ran to its end")
+        """
+
+    def script(self, body=BODY):
+        path = os.path.join(self.home, "thing.py")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(textwrap.dedent(body))
+        return path
+
+    def thing(self, name="thing", *more, wait=True):
+        return self.process(sys.executable, "-u", self.script(), *more, name=name, wait=wait)
+
+    def run_thing(self, *words):
+        return subprocess.run([sys.executable, self.script(), *words], capture_output=True, text=True, timeout=60)
+
+    def test_the_command_line_is_that_of_every_drone(self):
+        told = self.run_thing("--describe")
+        self.assertEqual(told.returncode, 0, told.stderr)
+        described = _library.json.loads(told.stdout.replace("ran to its end\n", ""))
+        self.assertEqual(described["inputs"], [{"name": "in", "type": "*/*", "help": "anything"}])
+        self.assertEqual(self.run_thing("--help").returncode, 0)
+        self.assertIn("Does things.", self.run_thing("--help").stdout)
+        self.assertTrue(self.run_thing("--version").stdout.startswith(hive.__version__))
+        self.assertNotEqual(self.run_thing("--no-such-flag").returncode, 0)
+        wrong = self.run_thing("--set", "work_ms=-1")
+        self.assertEqual((wrong.returncode, wrong.stderr.count("Traceback")), (5, 0), wrong.stderr)
+        self.assertIn("hive-thing: ", wrong.stderr)
+
+    def test_hivectl_starts_a_file_with_parameters(self):
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        words = [hivectl, "start", self.script(), "work_ms=3"]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout), (0, "thing\n"), done.stderr)
+        self.addCleanup(lambda: subprocess.run([hivectl, "stop", "--all"], env={**os.environ, "HIVE_HOME": self.home}))
+        self.assertEqual(self.swarm.get("thing"), {"work_ms": 3})
+        self.swarm.stop("thing")
+        missing = subprocess.run([hivectl, "start", "missing.py"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(missing.returncode, 3)
+        self.assertIn("missing.py", missing.stderr)
+
+    def test_hivectl_says_why_a_file_does_not_start(self):
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        reasons = {
+            "drone = (": "SyntaxError",
+            "import nothing_of_this_name": "ModuleNotFoundError: No module named 'nothing_of_this_name'",
+            "import sys; sys.exit('no camera here')": "no camera here",
+            "import hive; hive.Drone('thing')": "ended with exit code 0 before it was ready",
+            "import hive; hive.Drone('thing').on_event('../x', 'a/b')(print)": "hive._errors.Error",
+        }
+        for body, reason in reasons.items():
+            with self.subTest(reason):
+                words = [hivectl, "start", self.script(body)]
+                done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertIn(reason, done.stderr)
+        self.assertEqual(self.swarm.drones(), [])
+
+    def test_without_numpy_it_starts_and_says_what_pictures_need(self):
+        os.mkdir(os.path.join(self.home, "numpy"))
+        with open(os.path.join(self.home, "numpy", "__init__.py"), "w", encoding="utf-8") as file:
+            file.write("raise ImportError('not installed')")
+        look = "event.type == 'image/raw' and event.image()\n            if event.header.get"
+        body = self.BODY.replace("if event.header.get", look, 1)
+        path = self.script(body)
+        search = os.pathsep.join([self.home, os.environ["PYTHONPATH"]])
+        self.process(sys.executable, path, name="thing", env={**os.environ, "PYTHONPATH": search})
+        exceptions, results = self.swarm.exceptions("thing"), self.swarm.collect("thing")
+        picture = {"width": 1, "height": 1, "pixel_format": "gray8"}
+        self.swarm.put("thing", b"x", "image/raw", picture)
+        text = exceptions.next(PATIENCE).header["text"]
+        self.assertEqual(text, "pictures need NumPy; install python3-numpy")
+        self.swarm.put("thing", b"x", "text/plain", {"index": 3})
+        self.assertEqual(results.next(PATIENCE).header["n"], 3)
+
+    def test_two_drones_in_one_program(self):
+        body = """
+            import hive, threading
+            ends = hive.Drone("first", arguments=["--name", "first"])
+            other = hive.Drone("second", embedded=True)
+            thread = threading.Thread(target=other.run)
+            thread.start()
+            ends.run()
+            other.stop()
+            thread.join()
+            print("both ended")
+            """
+        process = self.process(sys.executable, "-u", self.script(body), name="first")
+        self.await_drone("second")
+        self.assertEqual(self.swarm.drones(), ["first", "second"])
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertIn("both ended", self.log("first"))
+        self.assertEqual(self.swarm.drones(), [])
+
+    def test_what_it_was_told_before_a_crash_is_remembered(self):
+        told = "print(drone.given('work_ms'), drone.remembered('work_ms'))\n        result = drone"
+        body = self.BODY.replace("result = drone", told)
+        process = self.process(sys.executable, "-u", self.script(body), name="thing")
+        self.swarm.set("thing", work_ms=2)
+        process.kill()
+        process.wait()
+        self.process(sys.executable, "-u", self.script(body), name="thing")
+        self.assertIn("None False", self.log("thing"))
+        self.assertIn("2 True", self.log("thing"))
+
+    def test_signals_and_stop_end_it_well(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            process = self.thing()
+            process.send_signal(number)
+            self.assertEqual(process.wait(PATIENCE), 0)
+        process = self.thing()
+        self.swarm.stop("thing")
+        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertEqual(self.log("thing").count("ran to its end"), 3)
+
+    def test_a_callback_that_never_returns_does_not_keep_it_alive(self):
+        process = self.thing()
+        self.swarm.put("thing", b"", header={"spin": True})
+        self.assertTrue(eventually(lambda: self.swarm.status("thing").get("busy_for_us", 0) > 0))
+        self.assertEqual(self.swarm.describe("thing")["kind"], "thing")
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(PATIENCE), 0)
+        process = self.thing()
+        self.swarm.put("thing", b"", header={"spin": True})
+        self.assertTrue(eventually(lambda: self.swarm.status("thing").get("busy_for_us", 0) > 0))
+        self.swarm.stop("thing")
+        self.assertEqual(process.wait(PATIENCE), 0)
+
+    def test_an_exception_halts_when_it_is_told_to_and_the_log_has_the_traceback(self):
+        self.thing("thing", "--on-exception", "halt")
+        exceptions = self.swarm.exceptions("thing")
+        self.swarm.put("thing", b"", header={"raise": True})
+        self.assertEqual(exceptions.next(PATIENCE).header["text"], "KeyError: 'missing'")
+        self.swarm.wait("thing", "halted")
+        self.assertIn('raise KeyError("missing")', self.log("thing"))
+
+    def test_a_worker_that_is_killed_loses_nothing_of_shared_work(self):
+        source = self.drone("ticker", "source", "pace=demand", "count=60", "bytes=5000")
+        workers = [self.thing(name, "--set", "work_ms=5") for name in ("one", "two")]
+        self.drone("sleeper", "three", "work_ms=5")
+        results = self.swarm.collect("one", "two", "three", ordered=True)
+        self.swarm.halt("source")
+        for name in ("one", "two", "three"):
+            self.swarm.connect("source", name, group="workers")
+        self.swarm.resume("source")
+        numbers = []
+        for number in range(60):
+            if number == 20:
+                workers[0].kill()
+            event = results.next(PATIENCE)
+            self.assertIsNotNone(event, f"no result {number + 1}")
+            numbers.append(event.sequence)
+        self.assertEqual(numbers, list(range(1, 61)))
+        self.assertIsNone(source.poll())
+
+
+if __name__ == "__main__":
+    unittest.main()

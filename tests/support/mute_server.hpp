@@ -1,0 +1,36 @@
+// A server that takes connections at any address of this machine, and never says a word.
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace hive::test {
+
+class MuteServer {
+public:
+    MuteServer() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
+    {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        socklen_t size = sizeof address;
+        auto* any = reinterpret_cast<sockaddr*>(&address);
+        if (::bind(socket_, any, size) != 0 || ::listen(socket_, 8) != 0 || ::getsockname(socket_, any, &size) != 0)
+            throw std::runtime_error("cannot listen");
+        port_ = ntohs(address.sin_port);
+    }
+    ~MuteServer() { ::close(socket_); }
+    MuteServer(const MuteServer&) = delete;
+    MuteServer& operator=(const MuteServer&) = delete;
+    [[nodiscard]] std::string port() const { return std::to_string(port_); }
+    [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + port() + "/video"; }
+
+private:
+    int socket_;
+    int port_ = 0;
+};
+
+}  // namespace hive::test

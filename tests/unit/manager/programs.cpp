@@ -1,0 +1,51 @@
+// Tests of finding the programs of drones.
+#include "programs_for_tests.hpp"
+
+#include <hive/error.hpp>
+#include <hive/program.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+
+using namespace std::chrono_literals;
+
+TEST_CASE("programs: what is called hive-KIND is a drone's, but for emulators of devices")
+{
+    const Programs programs({"hive-toy", "hive-toy-emulator", "beehive-toy"});
+    const auto kinds = hive::kinds();
+    CHECK(std::ranges::count(kinds, "toy") == 1);
+    CHECK(std::ranges::count(kinds, "toy-emulator") == 0);
+    CHECK(hive::program_of("toy"));
+    CHECK_FALSE(hive::program_of("toy-emulator"));
+    CHECK_FALSE(hive::program_of("toys"));
+}
+
+TEST_CASE("programs: a kind is asked for its interface")
+{
+    const Programs programs({"hive-toy"}, "#!/bin/sh\n"
+                                          "[ \"$1\" = --describe ] || exit 1\n"
+                                          "echo '{\"kind\": \"toy\", \"version\": \"1\", \"summary\": \"A toy.\","
+                                          " \"inputs\": [{\"name\": \"image\", \"type\": \"image/*\"}],"
+                                          " \"outputs\": [], \"parameters\": []}'\n");
+    const auto interface = hive::interface_of("toy");
+    CHECK(interface.kind == "toy");
+    REQUIRE(interface.inputs.size() == 1);
+    CHECK(interface.inputs[0].type == "image/*");
+    CHECK_THROWS_WITH_AS(hive::interface_of("toys"), doctest::Contains("there is no drone hive-toys"), hive::Error);
+}
+
+TEST_CASE("programs: one that does not tell its interface is an error, and one that says nothing is not waited for")
+{
+    {
+        const Programs programs({"hive-toy"}, "#!/bin/sh\necho 'no such camera' >&2\nexit 3\n");
+        CHECK_THROWS_WITH_AS(hive::interface_of("toy"), doctest::Contains("exit code 3: no such camera"), hive::Error);
+    }
+    {
+        const Programs programs({"hive-toy"}, "#!/bin/sh\necho Hello\n");
+        CHECK_THROWS_WITH_AS(hive::interface_of("toy"), doctest::Contains("does not print an interface"), hive::Error);
+    }
+    const Programs programs({"hive-toy"}, "#!/bin/sh\nexec sleep 60\n");
+    CHECK_THROWS_WITH_AS(hive::interface_of("toy", 50ms), doctest::Contains("has not answered in time"), hive::Error);
+}

@@ -1,0 +1,214 @@
+// Swarms as units, manifests and scripts: the command lines in them, and what a form cannot say.
+#include "writers/command_lines.hpp"
+#include "writers/yaml.hpp"
+
+#include <hive/protocol/connect_text.hpp>
+#include <hive/swarm_export.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace hive;
+
+namespace {
+
+SwarmPlan doorway()
+{
+    const ConnectionOptions shared{.window = 2, .group = "camera", .lease = std::chrono::milliseconds(1500)};
+    return {.name = "doorway",
+            .drones = {{.name = "camera",
+                        .kind = "camera",
+                        .host = "user@cam1",
+                        .set = {{"fps", 30}, {"source", "/dev/video0"}}},
+                       {.name = "face-1", .kind = "face", .host = "gpu1", .restart = Restart::on_failure},
+                       {.name = "face-2",
+                        .kind = "face",
+                        .host = "gpu1",
+                        .restart = Restart::always,
+                        .listen = "tcp://0.0.0.0:7700"},
+                       {.name = "track", .kind = "track", .set = {{"title", "100% $HOME \"door\""}}, .halted = true}},
+            .connections = {{{"camera", "image"}, {"face-1", "image"}, shared},
+                            {{"camera", "image"}, {"face-2", ""}, shared},
+                            {{"face-1", "faces"}, {"track", "in"}, {}}},
+            .engines = {{"gpu*", {"slurm", {{"partition", "gpu"}, {"options", {"--gres=gpu:1"}}}}}}};
+}
+
+std::string joined(const std::vector<std::string>& words)
+{
+    std::string text;
+    for (const auto& word : words)
+        text += (text.empty() ? "" : " ") + word;
+    return text;
+}
+
+std::string file_of(const std::vector<ExportedFile>& files, const std::string& name)
+{
+    const auto found = std::ranges::find(files, name, &ExportedFile::name);
+    REQUIRE_MESSAGE(found != files.end(), name);
+    return found->text;
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("command lines: parameters, ports that receivers know, and connections")
+{
+    const auto plan = doorway();
+    const CommandLines lines(plan, CommandLines::Machines::as_planned);
+    CHECK_EQ(joined(lines.of(plan.drones[0])),
+             "hive-camera --name camera --set fps=30 --set source=/dev/video0 --listen tcp://0.0.0.0:7700");
+    CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-face --name face-1 --listen tcp://0.0.0.0:7701 --connect "
+                                               "image=camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
+    CHECK_EQ(joined(lines.of(plan.drones[2])), "hive-face --name face-2 --listen tcp://0.0.0.0:7700 --connect "
+                                               "camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
+    CHECK_EQ(joined(lines.of(plan.drones[3])), "hive-track --name track --set title=100% $HOME \"door\" --halted "
+                                               "--connect in=face-1.faces,at=tcp://gpu1:7701");
+}
+
+TEST_CASE("command lines: on one machine drones meet without a port")
+{
+    SwarmPlan plan{.name = "s",
+                   .drones = {{.name = "a", .kind = "edges.py"}, {.name = "b", .kind = "view"}},
+                   .connections = {{{"a", "out"}, {"b", "in"}, {}}},
+                   .engines = {}};
+    const CommandLines lines(plan, CommandLines::Machines::as_planned);
+    CHECK_EQ(joined(lines.of(plan.drones[0])), "python3 -u edges.py --name a");
+    CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-view --name b --connect in=a.out");
+}
+
+TEST_CASE("command lines: in containers each is found by its name")
+{
+    auto plan = doorway();
+    plan.drones[1].key = "/home/user/key";
+    const CommandLines lines(plan, CommandLines::Machines::one_each);
+    CHECK_EQ(joined(lines.of(plan.drones[1])),
+             "hive-face --name face-1 --listen tcp://0.0.0.0:7700 --advertise tcp://face-1:7700 --connect "
+             "image=camera.image,at=tcp://camera:7700,window=2,group=camera,lease=1.5");
+}
+
+TEST_CASE("command lines: every connection is read as what the plan says")
+{
+    const auto plan = doorway();
+    const CommandLines lines(plan, CommandLines::Machines::as_planned);
+    for (const auto& connection : plan.connections) {
+        const auto words = lines.of(*plan.drone(connection.to.drone));
+        const auto read = protocol::connect_from_text(words.back());
+        CHECK_EQ(read.drone, connection.from.drone);
+        CHECK_EQ(read.output, connection.from.port);
+        CHECK_EQ(read.input, connection.to.port);
+        CHECK(read.options == connection.options);
+    }
+}
+
+TEST_CASE("command lines: a sender that nobody finds, and an output that nobody knows")
+{
+    auto plan = doorway();
+    plan.drones[0].host = Place::here;
+    CHECK_THROWS_WITH_AS(CommandLines(plan, CommandLines::Machines::as_planned).of(plan.drones[1]),
+                         "drones of other machines do not know where camera is", Error);
+    plan.drones[0].advertise = "tcp://door.example";
+    plan.drones[0].listen = "tcp://0.0.0.0";
+    CHECK(has(joined(CommandLines(plan, CommandLines::Machines::as_planned).of(plan.drones[1])),
+              "at=tcp://door.example:7700"));
+    plan.connections[0].from.port.clear();
+    CHECK_THROWS_WITH_AS(CommandLines(plan, CommandLines::Machines::as_planned).of(plan.drones[1]),
+                         "which output of camera face-1 receives from is not known here", Error);
+}
+
+TEST_CASE("command lines: no two drones of a machine have one port, and there are only so many")
+{
+    SwarmPlan plan{.name = "s", .drones = {}, .connections = {}, .engines = {}};
+    for (int i = 0; i < 256; ++i)
+        plan.drones.push_back({.name = "a" + std::to_string(i), .kind = "k", .host = "m"});
+    const CommandLines lines(plan, CommandLines::Machines::as_planned);
+    std::vector<std::string> listening;
+    for (const auto& drone : plan.drones)
+        listening.push_back(lines.of(drone).back());
+    std::ranges::sort(listening);
+    CHECK(std::ranges::adjacent_find(listening) == listening.end());
+    plan.drones.push_back({.name = "one-more", .kind = "k", .host = "m"});
+    CHECK_THROWS_AS(CommandLines(plan, CommandLines::Machines::as_planned), Error);
+}
+
+TEST_CASE("export: a form that there is not")
+{
+    CHECK_THROWS_WITH_AS(export_swarm(doorway(), "nomad"), "a swarm cannot be written as \"nomad\"", Error);
+    auto plan = doorway();
+    plan.engines.clear();
+    for (const auto& form : export_forms())
+        CHECK_FALSE(export_swarm(plan, form).empty());
+}
+
+TEST_CASE("export: units of systemd, a folder for each machine")
+{
+    const auto files = export_swarm(doorway(), "systemd", {.programs = "/opt/hive/bin"});
+    CHECK_EQ(files.size(), 7u);  // 3 targets, 4 services
+    CHECK(has(file_of(files, "gpu1/hive-doorway.target"),
+              "Wants=hive-doorway-face-1.service\nWants=hive-doorway-face-2.service\n"));
+    CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "Restart=on-failure\n"));
+    CHECK(has(file_of(files, "local/hive-doorway-track.service"), "\nRestart=no\n"));
+    CHECK(has(file_of(files, "local/hive-doorway-track.service"),
+              "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --halted "));
+}
+
+TEST_CASE("export: a compose file has the devices, and the key unless nobody needs it")
+{
+    auto plan = doorway();
+    const auto text = file_of(export_swarm(plan, "compose", {.image = "registry/hive:1"}), "compose.yaml");
+    CHECK(has(text, "    devices: [\"/dev/video0:/dev/video0\"]\n"));
+    CHECK(has(text, "    image: \"registry/hive:1\"\n"));
+    CHECK(has(text, "\"title=100% $$HOME \\\"door\\\"\""));
+    CHECK(has(text, "secrets:\n  hive-key:\n    file: \"./swarm.key\"\n"));
+    for (auto& drone : plan.drones)
+        drone.insecure = true;
+    CHECK_FALSE(has(file_of(export_swarm(plan, "compose"), "compose.yaml"), "key"));
+}
+
+TEST_CASE("export: manifests of Kubernetes, with names that it takes")
+{
+    auto plan = doorway();
+    plan.drones[0].name = plan.connections[0].from.drone = plan.connections[1].from.drone = "Door_Cam";
+    plan.connections[0].options.group = plan.connections[1].options.group = "Door_Cam";
+    const auto files = export_swarm(plan, "kubernetes");
+    const auto text = file_of(files, "doorway.yaml");
+    CHECK(has(text, "kind: \"Service\"\nmetadata:\n  name: \"door-cam\"\n"));
+    CHECK(has(text, "image=door-cam.image,at=tcp://door-cam:7700,window=2,group=door-cam,lease=1.5"));
+    CHECK(has(text, "kind: \"Deployment\""));
+    CHECK(has(text, "restartPolicy: \"OnFailure\""));
+    CHECK(has(text, "kubernetes.io/hostname: \"gpu1\""));
+    plan.drones[3].name = "door.cam";
+    CHECK_THROWS_WITH_AS(export_swarm(plan, "kubernetes"), "two drones would be called door-cam in Kubernetes", Error);
+    plan.drones[3].name = "7th";
+    CHECK_THROWS_AS(export_swarm(plan, "kubernetes"), Error);
+}
+
+TEST_CASE("export: a script for sbatch has the steps of the machines that Slurm has")
+{
+    const auto text = file_of(export_swarm(doorway(), "slurm"), "doorway.sbatch");
+    CHECK(has(text, "#SBATCH --job-name=doorway\n#SBATCH --partition=gpu\n#SBATCH --gres=gpu:1\n#SBATCH "
+                    "--nodes=1\n#SBATCH --nodelist=gpu1\n"));
+    CHECK(has(text, "HIVE_HOME=$home-gpu1 keep on-failure srun --nodes=1 --ntasks=1 --overlap --job-name=face-1 "
+                    "--nodelist=gpu1 hive-face "));
+    CHECK_FALSE(has(text, "hive-camera"));
+}
+
+TEST_CASE("export: a script of hivectl")
+{
+    auto plan = doorway();
+    CHECK_THROWS_WITH_AS(export_swarm(plan, "shell"), "face-1 is started by Slurm, which hivectl start does not do",
+                         Error);
+    plan.engines.clear();
+    const auto text = file_of(export_swarm(plan, "shell"), "doorway.sh");
+    CHECK(has(text, "hivectl start camera --as camera --on user@cam1 "));
+    CHECK(has(text, " 'title=100% $HOME \"door\"' "));
+    CHECK(has(text, "hivectl connect camera.image face-1.image --window 2 --group camera --lease 1.5\n"));
+}
+
+TEST_CASE("yaml: blocks, lists of objects, and texts in quotation marks")
+{
+    const OrderedJson value{
+        {"a", "no"}, {"b", {1, "x: y"}}, {"c", {{{"d", 1}, {"e", OrderedJson::object()}}, {{"f", {{"g", true}}}}}}};
+    CHECK_EQ(yaml_text(value), "a: \"no\"\nb: [1,\"x: y\"]\nc:\n  - d: 1\n    e: {}\n  - f:\n      g: true\n");
+}

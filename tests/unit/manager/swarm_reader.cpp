@@ -1,0 +1,323 @@
+// Mistakes in swarm files: each is found, where it is, and with what to do about it.
+#include <hive/swarm_plan.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace hive;
+
+namespace {
+
+ParameterInfo number(const std::string& name, double least, double most)
+{
+    ParameterInfo info;
+    info.name = name;
+    info.type = ParameterType::number;
+    info.least = least;
+    info.most = most;
+    return info;
+}
+
+ParameterInfo text(const std::string& name)
+{
+    ParameterInfo info;
+    info.name = name;
+    return info;
+}
+
+Interface camera()
+{
+    return {.kind = "camera",
+            .summary = {},
+            .version = {},
+            .inputs = {},
+            .outputs = {{"image", "image/jpeg,image/png,image/raw", ""}},
+            .parameters = {number("fps", 0, 1000), text("source")}};
+}
+
+Interface face()
+{
+    return {.kind = "face",
+            .summary = {},
+            .version = {},
+            .inputs = {{"image", "image/jpeg,image/png,image/raw", ""}},
+            .outputs = {{"faces", "application/json", ""}, {"annotated", "image/jpeg", ""}},
+            .parameters = {number("scale", 1.01, 2)}};
+}
+
+Interface track()
+{
+    auto interface = face();
+    interface.kind = "track";
+    interface.stateful = true;
+    return interface;
+}
+
+Interface known(const std::string& kind)
+{
+    for (const auto& interface : {camera(), face(), track()})
+        if (interface.kind == kind)
+            return interface;
+    throw Error(Errc::not_found, "there is no drone hive-" + kind, "build it");
+}
+
+/// "LINE:COLUMN: text; advice", a line each.
+std::string mistakes(const std::string& text, const InterfaceOfKind& interface_of = {})
+{
+    std::string lines;
+    for (const auto& mistake : read_swarm(text, interface_of).mistakes)
+        lines += std::to_string(mistake.line) + ":" + std::to_string(mistake.column) + ": " + mistake.text
+                 + (mistake.advice.empty() ? "" : "; " + mistake.advice) + "\n";
+    return lines;
+}
+
+/// A file whose drones are these lines, and then whatever else.
+std::string with(const std::string& drones, const std::string& rest = "")
+{
+    return "{\"swarm\": \"s\", \"drones\": {\n" + drones + "\n}" + (rest.empty() ? "" : ",\n" + rest) + "}";
+}
+
+const std::string two = "\"camera\": {\"kind\": \"camera\"}, \"face\": {\"kind\": \"face\"}";
+
+}  // namespace
+
+TEST_CASE("swarm file: what it says")
+{
+    const auto reading = read_swarm(R"({
+      "swarm": "doorway",
+      "drones": {
+        "zoom": {"kind": "camera", "on": "cam1", "set": {"fps": 30}, "listen": "tcp://0.0.0.0:7700",
+                 "log_level": "debug"},
+        "face": {"kind": "face", "count": 3, "on": ["gpu1", "gpu2"], "restart": "on-failure", "on_exception": "halt"}
+      },
+      "connections": [
+        {"from": "zoom.image", "to": "face-*", "share": true, "window": 2, "lease": 1.5},
+        {"from": "zoom", "to": ["face-1.image"], "notify": true}
+      ],
+      "engines": {"cam1": {"ssh": "lab-cam1"}, "gpu*": {"slurm": {"partition": "gpu"}}}
+    })");
+    REQUIRE(reading.mistakes.empty());
+    const auto& plan = reading.plan;
+    CHECK_EQ(plan.name, "doorway");
+    REQUIRE_EQ(plan.drones.size(), 4u);
+    CHECK_EQ(plan.drones[0], SwarmDrone{.name = "zoom",
+                                        .kind = "camera",
+                                        .host = "cam1",
+                                        .set = {{"fps", 30}},
+                                        .listen = "tcp://0.0.0.0:7700",
+                                        .log_level = "debug"});
+    CHECK_EQ(plan.drones[3].name, "face-3");
+    CHECK_EQ(plan.drones[3].host, "gpu1");
+    CHECK_EQ(plan.drones[2].host, "gpu2");
+    CHECK_EQ(plan.drones[2].restart, Restart::on_failure);
+    REQUIRE_EQ(plan.connections.size(), 4u);
+    using namespace std::chrono_literals;
+    const ConnectionOptions shared{.window = 2, .group = "zoom", .lease = 1500ms};
+    CHECK(plan.connections[1] == SwarmConnection{{"zoom", "image"}, {"face-2", ""}, shared});
+    CHECK(plan.connections[3]
+          == SwarmConnection{{"zoom", ""}, {"face-1", "image"}, {.delivery = Delivery::notification}});
+    CHECK(plan.engine_of("gpu7") == SwarmEngine{"slurm", {{"partition", "gpu"}}});
+    CHECK(plan.engine_of("cam1") == SwarmEngine{"ssh", "lab-cam1"});
+    CHECK(plan.engine_of("cam2") == SwarmEngine{"ssh", "cam2"});
+    CHECK(plan.engine_of(Place::here) == SwarmEngine{"local", Json::object()});
+    CHECK_EQ(plan.drone("face-2"), &plan.drones[2]);
+    CHECK_EQ(plan.drone("face"), nullptr);
+}
+
+TEST_CASE("swarm file: what is no JSON is said where it is")
+{
+    CHECK_EQ(mistakes("{\n  // the camera\n}"), "2:3: JSON has no comments; leave it out\n");
+    CHECK_EQ(mistakes("{\"swarm\": \"s\", /* */ \"drones\": {}}"), "1:16: JSON has no comments; leave it out\n");
+    CHECK_EQ(mistakes("{\"swarm\": \"s\",\n \"drones\": {},\n}"),
+             "3:1: a comma before }; there is none behind the last one of a list\n");
+    CHECK_EQ(mistakes("{\"swarm\": \"s\""), "1:14: the file ends too early; see that every { and [ is closed\n");
+    CHECK_EQ(mistakes("{'swarm': 's'}"), "1:2: in JSON, texts stand in \"double\" quotation marks\n");
+    CHECK_EQ(mistakes("{\"a\": 1, \"\xC3\xA4\xC3\xB6\": 2, \"a\": 3}"),
+             "1:19: JSON with the key \"a\" twice in one object\n");
+    CHECK_EQ(mistakes("\xEF\xBB\xBF{}"), "1:1: JSON with a byte order mark\n");
+    CHECK_EQ(mistakes(std::string("{}\n \0", 5)), "2:2: JSON with a NUL byte\n");
+    CHECK_EQ(mistakes("{\"swarm\" \"s\"}"), "1:10: JSON with something that does not belong here\n");
+    CHECK_EQ(mistakes("{} {}"), "1:4: JSON with something that does not belong here\n");
+    CHECK_EQ(mistakes(std::string(17, '[')), "1:17: JSON with more than 16 levels\n");
+    CHECK_EQ(mistakes(""), "1:1: the file ends too early; see that every { and [ is closed\n");
+}
+
+TEST_CASE("swarm file: every mistake is told, in the order of the file, with the place of its key or value")
+{
+    CHECK_EQ(
+        mistakes(R"({"swarm": "a b", "drones": {
+  "camera": {"kind": "camera", "cuont": 2, "on": 3},
+  "face": {"kind": "face", "count": "four"},
+  "-x": {"kind": "face"}
+}, "conections": []})"),
+        "1:11: \"a b\" is not a name for a swarm; use 1 to 64 letters, digits, '_', '.' or '-', and begin with a "
+        "letter or digit\n"
+        "2:32: a drone has no key \"cuont\"; did you mean \"count\"?\n"
+        "2:50: \"on\" must be a text or a list of texts, not 3\n"
+        "3:37: \"count\" must be a whole number from 1 to 1000, not \"four\"\n"
+        "4:3: \"-x\" is not a drone name: 1 to 64 letters, digits, '_', '.' or '-', starting with a letter or digit\n"
+        "5:4: a swarm file has no key \"conections\"; did you mean \"connections\"?\n");
+}
+
+TEST_CASE("swarm file: the path of a mistake")
+{
+    const auto found = read_swarm(with("\"a\": {\"kind\": \"k\", \"set\": {\"x\": []}}",
+                                       "\"connections\": [{\"from\": \"a\", \"to\": [\"a\", 1]}]"))
+                           .mistakes;
+    REQUIRE_EQ(found.size(), 3u);
+    CHECK_EQ(found[0].at, "drones.a.set.x");
+    CHECK_EQ(found[1].at, "connections[0].to[0]");
+    CHECK_EQ(found[2].at, "connections[0].to[1]");
+}
+
+TEST_CASE("swarm file: names that two drones have, and references that nobody has")
+{
+    CHECK_EQ(mistakes(with("\"a-2\": {\"kind\": \"k\"},\n\"a\": {\"kind\": \"k\", \"count\": 2}")),
+             "3:1: two drones are called a-2; the other one comes from drones.a-2\n");
+    const auto connection = [](const std::string& from, const std::string& to) {
+        return mistakes(with("\"camera\": {\"kind\": \"c\"}, \"face\": {\"kind\": \"f\", \"count\": 2}",
+                             "\"connections\": [{\"from\": \"" + from + "\", \"to\": \"" + to + "\"}]"));
+    };
+    CHECK_EQ(connection("camera", "face-*"), "");
+    CHECK_EQ(connection("camera.image", "face-*.image"), "");
+    CHECK_EQ(connection("camra", "face-1"), "4:26: there is no drone \"camra\" in this file; did you mean camera?\n");
+    CHECK_EQ(connection("camera", "face"),
+             "4:42: face has a count, and none of its drones is called just face; write \"face-*\" for all of them\n");
+    CHECK_EQ(connection("camera", "view-*"), "4:42: no drone of this file fits \"view-*\"\n");
+    CHECK_EQ(connection("camera", "camera"), "4:42: camera cannot be connected to itself\n");
+    CHECK_EQ(connection("camera", "face-1.a b"),
+             "4:42: \"a b\" is not the name of a port; write DRONE or DRONE.PORT\n");
+}
+
+TEST_CASE("swarm file: what a drone that cannot be read was called is not missed as well")
+{
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\"}, \"b\": {\"kind\": \"k\", \"count\": 0}",
+                           "\"connections\": [{\"from\": \"a\", \"to\": \"b-1\"}]")),
+             "2:49: \"count\" must be a whole number from 1 to 1000, not 0\n");
+}
+
+TEST_CASE("swarm file: the same connection twice")
+{
+    CHECK_EQ(mistakes(with(two, "\"connections\": [{\"from\": \"camera\", \"to\": [\"face\", \"face\"]}]")),
+             "4:51: camera is connected to face already\n");
+    const auto again = with(
+        two,
+        "\"connections\": [{\"from\": \"camera\", \"to\": \"face\"},\n{\"from\": \"camera.image\", \"to\": \"face\"}]");
+    CHECK_EQ(mistakes(again), "");
+    CHECK_EQ(mistakes(again, known), "5:32: camera.image is connected to face.image already\n");
+}
+
+TEST_CASE("swarm file: options that do not go together")
+{
+    const auto options = [](const std::string& text) {
+        return mistakes(with(two, "\"connections\": [{\"from\": \"camera\", \"to\": \"face\", " + text + "}]"));
+    };
+    CHECK_EQ(options("\"stream\": true, \"window\": 2"), "4:66: \"window\" does not go with \"stream\"\n");
+    CHECK_EQ(options("\"stream\": false, \"window\": 2"), "");
+    CHECK_EQ(options("\"lease\": 2"), "4:50: \"lease\" is for shared work; add \"share\": true, or a \"group\"\n");
+    CHECK_EQ(options("\"lease\": 0, \"share\": true"),
+             "4:59: \"lease\" must be a number of seconds from 0.05 to 86400, not 0\n");
+}
+
+TEST_CASE("swarm file: two drones of one machine at one port")
+{
+    CHECK_EQ(
+        mistakes(with(
+            "\"a\": {\"kind\": \"k\", \"count\": 3, \"on\": [\"m1\", \"m2\"], \"listen\": \"tcp://0.0.0.0:7700\"}")),
+        "2:62: a-3 and a-1 both listen at port 7700 of m1; leave the port out, and each takes a free one from 7700 "
+        "on\n");
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"count\": 3, \"listen\": \"tcp://0.0.0.0\"}")), "");
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"listen\": \"tcp://10.0.0.1:7700\"}, \"b\": {\"kind\": \"k\", "
+                           "\"listen\": \"tcp://10.0.0.2:7700\"}")),
+             "");
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"listen\": \"tcp://10.0.0.1:7700\"},\n\"b\": {\"kind\": \"k\", "
+                           "\"listen\": \"tcp://[::]:7700\"}")),
+             "3:30: b and a both listen at port 7700 of this machine; leave the port out, and each takes a free one "
+             "from 7700 on\n");
+}
+
+TEST_CASE("swarm file: where a drone is found, when nobody could find it there")
+{
+    const auto drone = [](const std::string& keys) { return mistakes(with("\"a\": {\"kind\": \"k\", " + keys + "}")); };
+    CHECK_EQ(drone("\"advertise\": \"tcp://cam1\""),
+             "2:20: \"advertise\" says where a port is found, but there is none; add \"listen\": \"tcp://0.0.0.0\"\n");
+    CHECK_EQ(drone("\"advertise\": \"tcp://cam1\", \"on\": \"cam1\""), "");  // there it listens without being told
+    CHECK_EQ(drone("\"listen\": \"tcp://h\", \"advertise\": \"tcp://0.0.0.0\""),
+             "2:54: \"tcp://0.0.0.0\": nobody could dial that; write tcp://HOST or tcp://HOST:PORT, as other machines "
+             "know this one\n");
+    CHECK_EQ(drone("\"listen\": \"in-process:x\""),
+             "2:30: \"in-process:x\" is no address on the network; write tcp://HOST or tcp://HOST:PORT\n");
+    CHECK_EQ(drone("\"listen\": \"tcp://h:99999\""), "2:30: address 'tcp://h:99999': the port must be a number from 0 "
+                                                     "to 65535; write tcp://HOST or tcp://HOST:PORT\n");
+}
+
+TEST_CASE("swarm file: engines for machines that no drone is on")
+{
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"cam1\"}", "\"engines\": {\"cma1\": {\"ssh\": \"x\"}}")),
+             "4:13: no drone of this file is on a machine that fits \"cma1\"; did you mean cam1?\n");
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\"}", "\"engines\": {\"local\": {\"ssh\": \"x\", \"local\": {}}}")),
+             "4:22: an engine is exactly one of local, ssh, systemd or slurm\n");
+}
+
+TEST_CASE("swarm file: with interfaces, parameters are checked")
+{
+    const auto settings = [](const std::string& text) {
+        return mistakes(with("\"camera\": {\"kind\": \"camera\", \"set\": {" + text + "}}"), known);
+    };
+    CHECK_EQ(settings("\"fps\": 30, \"source\": \"/dev/video0\""), "");
+    CHECK_EQ(settings("\"fps\": \"30\""), "");
+    CHECK_EQ(settings("\"fsp\": 30"), "2:38: a drone of the kind camera has no parameter \"fsp\"; did you mean fps?\n");
+    CHECK_EQ(settings("\"fps\": 3000"), "2:45: fps=3000: must be a number, 0 to 1000\n");
+    CHECK_EQ(settings("\"source\": 3"), "2:48: source=3: must be a text\n");
+}
+
+TEST_CASE("swarm file: with interfaces, ports and their types are checked")
+{
+    const auto connection = [](const std::string& text) {
+        return mistakes(with(two
+                                 + ", \"track\": {\"kind\": \"track\", \"count\": 2}, \"other\": {\"kind\": "
+                                   "\"elsewhere\", \"on\": \"m1\"}",
+                             "\"connections\": [{" + text + "}]"),
+                        known);
+    };
+    CHECK_EQ(connection("\"from\": \"camera\", \"to\": \"face\""), "");
+    CHECK_EQ(connection("\"from\": \"other\", \"to\": \"face\""), "");  // nobody here knows its ports
+    CHECK_EQ(connection("\"from\": \"camera.imag\", \"to\": \"other\""),
+             "4:47: camera has no output imag; did you mean image?\n");
+    CHECK_EQ(connection("\"from\": \"face.faces\", \"to\": \"track-1.image\""),
+             "4:46: face.faces is application/json, but track-1.image takes image/jpeg,image/png,image/raw\n");
+    CHECK_EQ(connection("\"from\": \"camera\", \"to\": \"track-*\", \"share\": true"),
+             "4:42: track-1 keeps state between events, so it must see every one: it cannot share\n");
+}
+
+TEST_CASE("swarm file: each kind is asked for once")
+{
+    int asked = 0;
+    const auto reading =
+        read_swarm(with("\"a\": {\"kind\": \"camera\", \"count\": 50}, \"b\": {\"kind\": \"face\", \"count\": 50}",
+                        "\"connections\": [{\"from\": \"a-*\", \"to\": \"b-*\"}]"),
+                   [&](const std::string& kind) {
+                       ++asked;
+                       return known(kind);
+                   });
+    CHECK(reading.mistakes.empty());
+    REQUIRE_EQ(reading.plan.connections.size(), 2500u);
+    CHECK(reading.plan.connections[2499] == SwarmConnection{{"a-50", "image"}, {"b-50", "image"}, {}});
+    CHECK_EQ(asked, 2);
+}
+
+TEST_CASE("swarm file: a kind that is not here is a mistake where its drone is, and a note for another machine")
+{
+    const auto file = [](const std::string& engines) {
+        return with("\"a\": {\"kind\": \"nosuch\", \"on\": \"m1\", \"set\": {\"x\": 1}},\n\"b\": {\"kind\": "
+                    "\"nosuch\", \"on\": \"m2\"}",
+                    "\"engines\": {" + engines + "}");
+    };
+    const auto elsewhere = read_swarm(file("\"m1\": {\"slurm\": {}}"), known);
+    CHECK(elsewhere.mistakes.empty());
+    REQUIRE_EQ(elsewhere.notes.size(), 1u);
+    CHECK_EQ(elsewhere.notes[0].line, 2u);
+    CHECK_EQ(elsewhere.notes[0].at, "drones.a.kind");
+    CHECK_EQ(mistakes(file("\"m2\": {\"local\": {}}"), known), "3:15: there is no drone hive-nosuch; build it\n");
+    CHECK_EQ(mistakes(with("\"c\": {\"kind\": \"nosuch\"}"), known), "2:15: there is no drone hive-nosuch; build it\n");
+    CHECK_EQ(mistakes(with("\"c\": {\"kind\": \"nosuch\"}")), "");
+}

@@ -1,0 +1,37 @@
+// Units of systemd: every word comes through as it is.
+#include "engines/systemd_unit.hpp"
+
+#include <hive/error.hpp>
+
+#include <doctest/doctest.h>
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("systemd unit: what systemd would read otherwise is quoted")
+{
+    const hive::SwarmDrone drone{.name = "cam.1", .kind = "camera", .restart = hive::Restart::on_failure};
+    const auto text = hive::unit_text(drone,
+                                      {.program = "/opt/my drones/hive-camera",
+                                       .arguments = {"--set", "source=a \"b\" \\c $HOME 100%\nd"},
+                                       .environment = {"HIVE_HOME=/run/100%/$x"}},
+                                      "/run/100%/cam.1.log");
+    CHECK(hive::unit_name(drone.name) == "hive-cam.1.service");
+    CHECK(has(text, "\nExecStart=\"/opt/my drones/hive-camera\" \"--set\" "
+                    "\"source=a \\\"b\\\" \\\\c $$HOME 100%%\\nd\"\n"));
+    CHECK(has(text, "\nEnvironment=\"HIVE_HOME=/run/100%%/$x\"\n"));
+    CHECK(has(text, "\nStandardOutput=append:/run/100%%/cam.1.log\n"));
+    CHECK(has(text, "\nRestart=on-failure\n"));
+}
+
+TEST_CASE("systemd unit: what could not be stopped is refused")
+{
+    hive::SwarmDrone drone{.name = "camera", .kind = "camera"};
+    CHECK(has(hive::unit_text(drone, {"/bin/hive-camera", {}, {}}, "/log"), "\nRestart=no\n"));
+    drone.restart = hive::Restart::always;
+    CHECK_THROWS_WITH_AS(hive::unit_text(drone, {"/bin/hive-camera", {}, {}}, "/log"),
+                         doctest::Contains("cannot be ended"), hive::Error);
+}
