@@ -177,6 +177,31 @@ TEST_CASE("up: what was connected or set by hand beside the file is left alone, 
     CHECK(running(swarm).size() == 1);
 }
 
+TEST_CASE(
+    "up: a value that a drone rounds is set once, also by its command line, and is in the export as it was asked for")
+{
+    const Swarm swarm;
+    auto content = workers_file(1);
+    content["drones"]["worker"]["set"] = {{"work_ms", 17}, {"step_ms", 10}};
+    const File file(swarm, content);
+    steps(swarm, file);
+    CHECK(swarm.hivectl_done({"get", "worker-1", "work_ms"}) == "10\n");
+    CHECK(steps(swarm, file).empty());
+
+    content["drones"]["worker"]["set"]["work_ms"] = 23;
+    file.write(content);
+    CHECK(swarm.hivectl_done({"up", file}) == "set worker-1 work_ms=23\n");
+    CHECK(swarm.hivectl_done({"get", "worker-1", "work_ms"}) == "20\n");
+    CHECK(steps(swarm, file).empty());
+    CHECK(Json::parse(swarm.hivectl_done({"export"}))["drones"]["worker-1"]["set"]["work_ms"] == 23);
+
+    ::kill(static_cast<pid_t>(running(swarm).at("worker-1")), SIGKILL);
+    REQUIRE(eventually([&] { return running(swarm).count("worker-1") == 0; }));
+    const auto again = swarm.drone("sleeper", "worker-1");  // with what it was told, and nothing from the file
+    CHECK(swarm.hivectl_done({"get", "worker-1", "work_ms"}) == "20\n");
+    CHECK(steps(swarm, file).empty());
+}
+
 TEST_CASE("up: when the last drone does not start, nothing is left of the others, and the log says why")
 {
     const Swarm swarm;

@@ -128,6 +128,13 @@ std::vector<Answer> Application::get(const std::vector<std::string>& drones, con
     return answers;
 }
 
+std::vector<Answer> Application::asked(const std::vector<std::string>& drones)
+{
+    auto answers = core_->ask_all(drones, PacketType::get, Json{{"asked", true}});
+    keep_parameters(answers);
+    return answers;
+}
+
 void Application::put(const Endpoint& input, const Json& header, Body body, const std::string& type)
 {
     std::string name = input.port;

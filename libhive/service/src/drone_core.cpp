@@ -182,10 +182,10 @@ void DroneCore::prepare()
 
 void DroneCore::begin_work()
 {
-    take_values(running_->left, settings_.take_over.has_value());
+    const auto values = take_values(running_->left, settings_.take_over.has_value());
     declaration_.on_start();
     declaration_.on_change();
-    declaration_.parameters.read_back();
+    declaration_.parameters.read_back(values);
     running_->module.start();
     if (settings_.take_over)
         take_over();
@@ -207,14 +207,15 @@ void DroneCore::take_over()
         return;
     running.left = std::move(left);
     running.wish = service::wished(settings_.listen, running.left);
-    take_values(running.left, false);
+    const auto values = take_values(running.left, false);
     declaration_.on_change();
-    declaration_.parameters.read_back();
+    declaration_.parameters.read_back(values);
 }
 
 /// What the drone was told before a crash holds, unless it is told otherwise now.
 /// @param all  throws when the drone does not take one of the values, instead of leaving it out
-void DroneCore::take_values(const Json& state, bool all)
+/// @return     what the parameters were given
+Json DroneCore::take_values(const Json& state, bool all)
 {
     auto& parameters = declaration_.parameters;
     board_.policy(settings_.policy ? *settings_.policy
@@ -225,6 +226,7 @@ void DroneCore::take_values(const Json& state, bool all)
     Json values = all ? parameters.checked(saved) : service::still_taken(saved, parameters, reporter_);
     values.update(parameters.checked(settings_.parameters));
     parameters.assign(values);
+    return values;
 }
 
 void DroneCore::serve()

@@ -69,7 +69,7 @@ private:
     struct Running;  ///< what there is between run() and the end
 
     void prepare();
-    void take_values(const Json& state, bool all);
+    Json take_values(const Json& state, bool all);
     void begin_work();
     void take_over();
     void serve();

@@ -34,7 +34,7 @@ void ParameterRequests::on_get(const Incoming& incoming) const
                 throw Error(Errc::malformed, "get: \"names\" must be an array of texts");
             names.push_back(name.get<std::string>());
         }
-    auto values = parts_.parameters.values(names);
+    auto values = fields.flag_or("asked", false) ? parts_.parameters.asked(names) : parts_.parameters.values(names);
     if (incoming.role == Role::viewer)
         for (const auto& parameter : parts_.parameters.declared())
             if (parameter.for_operator && values.erase(parameter.name) > 0 && !names.empty())
@@ -209,7 +209,7 @@ bool ParameterRequests::settle(Worker& worker, const ProposalPtr& proposal)
         return false;
     }
     const Json before = present_values(proposal->values());
-    worker.keep();
+    worker.keep(proposal->values());
     parts_.state_file.remember();
     proposal->confirm({{"parameters", present_values(proposal->values())}, {"previous", before}});
     forget(proposal);

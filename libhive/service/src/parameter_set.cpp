@@ -53,11 +53,22 @@ Json ParameterSet::assigned(const Json& wanted) const
     return values;
 }
 
-void ParameterSet::read_back()
+void ParameterSet::read_back(const Json& checked_values)
 {
+    constexpr std::size_t most_bytes = 8 * 1024;  // told in the place of values, which have their own limit
     const std::lock_guard lock(mutex_);
     for (const auto& [name, read] : read_)
-        values_[name] = read();
+        if (auto now = read(); values_[name] != now) {
+            values_[name] = std::move(now);
+            asked_.erase(name);
+        }
+    for (const auto& [name, value] : checked_values.items())
+        if (values_.at(name) != value)
+            asked_[name] = value;
+        else
+            asked_.erase(name);
+    if (to_text(asked_).size() > most_bytes)
+        asked_.clear();
 }
 
 Json ParameterSet::values(const std::vector<std::string>& names) const
@@ -71,13 +82,22 @@ Json ParameterSet::values(const std::vector<std::string>& names) const
     return some;
 }
 
+Json ParameterSet::asked(const std::vector<std::string>& names) const
+{
+    Json some = values(names);
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, value] : asked_.items())
+        if (some.contains(name))
+            some[name] = value;
+    return some;
+}
+
 Json ParameterSet::changed() const
 {
-    const std::lock_guard lock(mutex_);
-    Json some = Json::object();
+    Json some = asked();
     for (const auto& parameter : declared_)
-        if (values_.at(parameter.name) != parameter.default_value)
-            some[parameter.name] = values_.at(parameter.name);
+        if (some.at(parameter.name) == parameter.default_value)
+            some.erase(parameter.name);
     return some;
 }
 

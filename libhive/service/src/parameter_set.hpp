@@ -30,7 +30,8 @@ public:
     /// The user thread. Gives checked values to the variables; what is told stays as it was until read_back().
     void assign(const Json& checked_values);
     /// The user thread. What the variables hold now is what is told from now on.
-    void read_back();
+    /// @param checked_values  what they were given before the drone's code made of them what they are
+    void read_back(const Json& checked_values);
     /// The user thread. The variables hold again what is told.
     void put_back() { assign(values()); }
     /// The user thread. What the variables hold of the parameters that `wanted` names.
@@ -40,7 +41,9 @@ public:
     void require_tellable() const;
     /// All, or those named. Throws Errc::not_found.
     [[nodiscard]] Json values(const std::vector<std::string>& names = {}) const;
-    /// The values that differ from the defaults.
+    /// The same as they were asked for: the drone's code may have made another value of one, for example by rounding.
+    [[nodiscard]] Json asked(const std::vector<std::string>& names = {}) const;
+    /// What was asked for that is not the default.
     [[nodiscard]] Json changed() const;
 
 private:
@@ -51,6 +54,7 @@ private:
     std::map<std::string, std::function<Json()>> read_;
     mutable std::mutex mutex_;
     Json values_ = Json::object();
+    Json asked_ = Json::object();  ///< where that is not the value
 };
 
 }  // namespace hive

@@ -31,7 +31,7 @@ public:
     /// What the parameters that `wanted` names are while they are tried out.
     [[nodiscard]] Json tried(const Json& wanted) const { return parts_.declaration.parameters.assigned(wanted); }
     /// What was tried out is told from now on.
-    void keep() { parts_.declaration.parameters.read_back(); }
+    void keep(const Json& values) { parts_.declaration.parameters.read_back(values); }
     /// The values from before are back, and on_change is called again.
     void put_back();
     void resume() { parts_.halting.resume(); }

@@ -22,8 +22,10 @@ bool as_it_was_sent(const hive::Event& event)
 
 void sleeper(hive::Drone& drone)
 {
-    int work_ms = 0, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
+    int work_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
+    drone.parameter("step_ms", step_ms, hive::at_least(1).in("ms"),
+                    "this drone's own code rounds work_ms down to a multiple of it");
     drone.parameter("most_ms", most_ms, hive::at_least(0).in("ms"),
                     "a longer work_ms is refused by this drone's own code");
     drone.parameter("throw_at", throw_at, hive::at_least(0),
@@ -33,6 +35,7 @@ void sleeper(hive::Drone& drone)
     const auto result = drone.output("result", "application/json",
                                      "in the header: seq and index of the input, its age when the work was done");
     drone.on_change([&] {
+        work_ms -= work_ms % step_ms;
         if (work_ms > most_ms)
             throw std::runtime_error("work_ms " + std::to_string(work_ms) + " is more than " + std::to_string(most_ms));
     });

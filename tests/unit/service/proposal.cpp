@@ -153,8 +153,23 @@ TEST_CASE("parameter set: what is tried is told only once it is read back, and c
     }
     SUBCASE("kept")
     {
-        parameters.read_back();
+        parameters.read_back(wanted);
         CHECK(parameters.values() == Json{{"value", 2}, {"word", "changed by on_change"}});
+        CHECK(parameters.asked() == parameters.values());
         CHECK(parameters.changed().size() == 2);
+    }
+    SUBCASE("kept as another value: what was asked for is remembered until the drone's code changes it again")
+    {
+        value = 3;
+        parameters.read_back(wanted);
+        CHECK(parameters.values({"value"}) == Json{{"value", 3}});
+        CHECK(parameters.asked({"value"}) == wanted);
+        CHECK(parameters.changed().at("value") == 2);
+        parameters.read_back({{"word", "new"}});
+        CHECK(parameters.asked() == Json{{"value", 2}, {"word", "new"}});
+        value = 4;
+        parameters.read_back({{"word", std::string(10'000, 'x')}});  // too much to be remembered
+        CHECK(parameters.asked() == parameters.values());
+        CHECK(parameters.values({"value"}) == Json{{"value", 4}});
     }
 }

@@ -209,6 +209,8 @@ public:
     /// The present values: of all parameters, or of those named.
     Json get(const std::string& drone, const std::vector<std::string>& names = {});
     std::vector<Answer> get(const std::vector<std::string>& drones, const std::vector<std::string>& names = {});
+    /// All values as they were asked for: a drone may have made another value of one, for example by rounding.
+    std::vector<Answer> asked(const std::vector<std::string>& drones);
 
     // --- collect ---
 

@@ -23,7 +23,8 @@ bool meets(const Endpoint& one, const Endpoint& other)
     return one.drone == other.drone && (one.port == other.port || one.port.empty() || other.port.empty());
 }
 
-/// The planned values of a running drone that are not its present ones, and those.
+/// The planned values of a running drone that were not asked of it last, and what was. What it then made of a value,
+/// for example by rounding, is its own affair: another `set` would not change that.
 class ParameterDifferences {
 public:
     ParameterDifferences(Application& application, const std::vector<const SwarmDrone*>& drones)
@@ -35,7 +36,7 @@ public:
     {
         std::vector<std::string> names;
         std::ranges::transform(drones_, std::back_inserter(names), &SwarmDrone::name);
-        const auto answers = application_.get(names);
+        const auto answers = application_.asked(names);
         for (std::size_t i = 0; i < drones_.size(); ++i) {
             if (answers[i].error)
                 throw *answers[i].error;

@@ -80,7 +80,7 @@ SwarmPlan running_plan(Application& application, const std::string& name, const 
     const auto remembered = Record(application.home(), name).read();
     SwarmPlan plan{.name = name, .drones = {}, .connections = {}, .engines = remembered.engines};
     const auto answers = application.status(drones);
-    const auto values = application.get(drones);
+    const auto values = application.asked(drones);
     for (std::size_t i = 0; i < answers.size(); ++i) {
         for (const auto* error : {&answers[i].error, &values[i].error})
             if (*error)
