@@ -145,10 +145,17 @@ std::optional<int> Process::wait(Milliseconds patience)
         return exit_code_;
     pollfd ended{watch_, POLLIN, 0};
     const auto end = Clock::now() + patience;
-    for (auto left = patience; ::poll(&ended, 1, static_cast<int>(left.count())) < 0 && errno == EINTR;)
+    int count = 0;
+    for (auto left = patience; (count = ::poll(&ended, 1, static_cast<int>(left.count()))) < 0 && errno == EINTR;)
         left = std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(end - Clock::now()));
-    int status = 0;
-    if (::waitpid(pid_, &status, WNOHANG) == pid_)
+    if (count <= 0)
+        return std::nullopt;
+    // It has ended, but if it was killed while its search for leaks held it by ptrace, it is given to us a moment
+    // later.
+    int status = 0, reaped = 0;
+    while ((reaped = ::waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
+    }
+    if (reaped == pid_)
         exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
     return exit_code_;
 }
