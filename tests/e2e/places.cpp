@@ -3,7 +3,11 @@
 #include "measure.hpp"
 #include "rows.hpp"
 
+#include <mute_server.hpp>
+
 #include <doctest/doctest.h>
+
+#include <list>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -222,6 +226,24 @@ TEST_CASE("places: a drone takes its port from 7700 on, and has it again after a
     far.hivectl_done({"stop", "source"});
     const auto afresh = far.drone("ticker", "source");
     CHECK(port_of(far, "source").empty());
+}
+
+TEST_CASE("places: the last of many drones of one machine finds its port about as soon as the first")
+{
+    const Swarm swarm;
+    auto ms_to_begin = [&, number = 0]() mutable {
+        const auto name = "source-" + std::to_string(++number);  // none has the port of one before it
+        const auto begin = Clock::now();
+        const auto drone = on_port(swarm, "ticker", name);
+        return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    };
+    const auto first = std::min({ms_to_begin(), ms_to_begin(), ms_to_begin()});
+    std::list<MuteServer> others;
+    for (std::uint16_t port = 7700; port < 7950; ++port)
+        others.emplace_back(port);
+    const auto last = std::min({ms_to_begin(), ms_to_begin(), ms_to_begin()});
+    MESSAGE(first, " ms, and behind 250 others ", last, " ms");
+    CHECK(last < 3 * first + 30);
 }
 
 TEST_CASE("replace: the new one has the port of the old one, and its receivers in another home")

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -12,10 +13,14 @@ namespace hive::test {
 
 class MuteServer {
 public:
-    MuteServer() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
+    /// @param port  0: any free one
+    explicit MuteServer(std::uint16_t port = 0) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
     {
+        const int again = 1;  // connections of an earlier listener do not keep the port
+        ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
         sockaddr_in address{};
         address.sin_family = AF_INET;
+        address.sin_port = htons(port);
         socklen_t size = sizeof address;
         auto* any = reinterpret_cast<sockaddr*>(&address);
         if (::bind(socket_, any, size) != 0 || ::listen(socket_, 8) != 0 || ::getsockname(socket_, any, &size) != 0)

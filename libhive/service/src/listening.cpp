@@ -1,6 +1,8 @@
 // Chooses ports, and takes those of before a crash again.
 #include "listening.hpp"
 
+#include <hive/transport/port_holder.hpp>
+
 #include <algorithm>
 
 namespace hive::service {
@@ -112,10 +114,22 @@ void Listening::announce()
                                    .log = [this](const std::string& text) { reporter_.log(text); }});
 }
 
+/// At a port that is named, or on a unix socket.
+Address Listening::listen_there(const Address& wanted)
+try {
+    return module_.listen(wanted);
+} catch (const Error& error) {
+    const bool taken = error.code() == Errc::name_taken && wanted.scheme == Address::Scheme::tcp;
+    const auto holder = taken ? transport::holder_of_port(wanted.port) : "";
+    if (holder.empty())
+        throw;
+    throw error.reworded(std::string(error.what()) + " by " + holder);
+}
+
 Address Listening::listen(const Address& wanted, const std::vector<std::string>& before)
 {
     if (wanted.scheme != Address::Scheme::tcp || wanted.port != 0)
-        return module_.listen(wanted);
+        return listen_there(wanted);
     for (const auto port : ports_to_try(wanted.host, before))
         try {
             return module_.listen({wanted.scheme, wanted.host, port});

@@ -47,6 +47,7 @@ public:
 
 private:
     void announce();
+    transport::Address listen_there(const transport::Address& wanted);
     transport::Address listen(const transport::Address& wanted, const std::vector<std::string>& before);
 
     event::Module& module_;

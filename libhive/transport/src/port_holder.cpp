@@ -1,5 +1,5 @@
 // Finds the socket that listens in the kernel's tables, and the process that has it open.
-#include "port_holder.hpp"
+#include <hive/transport/port_holder.hpp>
 
 #include <charconv>
 #include <filesystem>

@@ -2,7 +2,6 @@
 #include "accept_loop.hpp"
 #include "dial_attempt.hpp"
 #include "name_lookup.hpp"
-#include "port_holder.hpp"
 #include "schemes.hpp"
 #include "tls_handshake.hpp"
 #include "unsent_limit.hpp"
@@ -118,11 +117,8 @@ Endpoint listening_endpoint(asio::io_context& context, const Address& address)
 Error listen_failure(const Address& address, int error)
 {
     const auto text = "cannot listen on " + to_text(address) + ": ";
-    if (error == EADDRINUSE) {
-        const auto holder = holder_of_port(address.port);
-        return {Errc::name_taken,
-                text + "port " + std::to_string(address.port) + " is taken" + (holder.empty() ? "" : " by " + holder)};
-    }
+    if (error == EADDRINUSE)
+        return {Errc::name_taken, text + "port " + std::to_string(address.port) + " is taken"};
     return {error == EACCES ? Errc::not_permitted : Errc::io, text + os_text(error)};
 }
 
