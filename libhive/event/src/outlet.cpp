@@ -277,22 +277,27 @@ void Outlet::refresh()
 
 OutputStatus Outlet::status() const
 {
-    OutputStatus status{.name = port_.name,
-                        .type = port_.type,
-                        .produced = produced_,
-                        .unreceived = table_.unreceived(),
-                        .last_emitted_us = last_emitted_us_,
-                        .edges = {},
-                        .why = table_.why()};
+    return {.name = port_.name,
+            .type = port_.type,
+            .produced = produced_,
+            .unreceived = table_.unreceived(),
+            .last_emitted_us = last_emitted_us_,
+            .edges = {},
+            .why = table_.why()};
+}
+
+std::vector<EdgeStatus> Outlet::edges() const
+{
+    std::vector<EdgeStatus> edges;
     for (auto& row : table_.rows()) {
         if (const auto place = places_.find(row.id); place != places_.end()) {
             row.status.encoding = place->second.encoding.word();
             row.status.shared = place->second.shared;
             row.status.fallback = place->second.fallback;
         }
-        status.edges.push_back(std::move(row.status));
+        edges.push_back(std::move(row.status));
     }
-    return status;
+    return edges;
 }
 
 }  // namespace hive::event

@@ -23,6 +23,7 @@ public:
     [[nodiscard]] Status page(std::int64_t skip_edges) const;
 
 private:
+    [[nodiscard]] Status without_edges() const;
     [[nodiscard]] std::vector<InputStatus> inputs() const;
     [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
     [[nodiscard]] Reason why(const StatusBoard::Values& board) const;

@@ -70,7 +70,9 @@ public:
     /// Does anybody receive bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool timed() const { return table_.timed(); }
+    /// Without edges, which are as many as there are receivers.
     [[nodiscard]] OutputStatus status() const;
+    [[nodiscard]] std::vector<EdgeStatus> edges() const;
 
 private:
     void require_modest(const protocol::Registration& registration) const;
