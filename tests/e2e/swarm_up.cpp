@@ -1,108 +1,19 @@
 // Whole swarms from one file: up again changes nothing, a change is one step, a failure leaves nothing behind, and
 // whoever is killed in between leaves what the next one completes.
 #include "falling_drone.hpp"
-#include "measure.hpp"
 #include "programs_for_tests.hpp"
-#include "status_sums.hpp"
+#include "worker_swarm.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
-#include <map>
 #include <random>
 #include <set>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
-
-namespace {
-
-/// A source on demand, so many workers that share it, and somebody who counts what they make.
-Json workers_file(int workers)
-{
-    return {{"swarm", "work"},
-            {"drones",
-             {{"source", {{"kind", "ticker"}, {"set", {{"fps", 50}, {"bytes", 100}}}}},
-              {"worker", {{"kind", "sleeper"}, {"count", workers}, {"set", {{"work_ms", 1}}}}},
-              {"sink", {{"kind", "sleeper"}}}}},
-            {"connections",
-             {{{"from", "source"}, {"to", "worker-*"}, {"share", true}, {"window", 2}},
-              {{"from", "worker-*"}, {"to", "sink"}, {"stream", true}}}}};
-}
-
-class File {
-public:
-    File(const Swarm& swarm, const Json& content) : path_((swarm.home() / "swarm.json").string()) { write(content); }
-    void write(const Json& content) const { std::ofstream(path_) << content.dump(2); }
-    operator std::string() const { return path_; }
-
-private:
-    std::string path_;
-};
-
-std::vector<std::string> steps(const Swarm& swarm, const File& file)
-{
-    std::istringstream lines(swarm.hivectl_done({"up", file}, 60'000ms));
-    std::vector<std::string> steps;
-    for (std::string line; std::getline(lines, line);)
-        steps.push_back(line);
-    return steps;
-}
-
-/// Process ids by name.
-std::map<std::string, std::int64_t> running(const Swarm& swarm)
-{
-    std::map<std::string, std::int64_t> pids;
-    for (const auto& row : Json::parse(swarm.hivectl_done({"ps", "--json", "--timeout", "10"})))
-        pids[row.at("name")] = row.at("pid").is_null() ? -1 : row.at("pid").get<std::int64_t>();
-    return pids;
-}
-
-/// Processes of drones whose home this is, whether they answer or not.
-std::size_t count_processes(const Swarm& swarm)
-{
-    std::size_t count = 0;
-    const std::string mine = "HIVE_HOME=" + swarm.home().string();
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
-        const auto command = text_of(entry.path() / "cmdline");
-        if (has(command.substr(0, command.find('\0')), "/hive-")
-            && has(text_of(entry.path() / "environ") + '\0', mine + '\0'))
-            ++count;
-    }
-    return count;
-}
-
-/// A drone that has given back its name may take a moment to end.
-bool has_processes(const Swarm& swarm, std::size_t count)
-{
-    return eventually([&] { return count_processes(swarm) == count; });
-}
-
-/// Children that have ended and that nobody has looked for.
-std::size_t zombies_of(pid_t parent)
-{
-    const auto number = std::to_string(parent), children = text_of("/proc/" + number + "/task/" + number + "/children");
-    std::istringstream pids(children);
-    std::size_t count = 0;
-    for (std::string pid; pids >> pid;)
-        count += has(text_of("/proc/" + pid + "/stat"), ") Z ") ? 1 : 0;
-    return count;
-}
-
-std::int64_t edges(const Swarm& swarm)
-{
-    std::int64_t connected = 0;
-    for (const auto& row : Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"})))
-        connected += row.at("state") == "connected" && row.at("known_by") == "both";
-    return connected;
-}
-
-}  // namespace
 
 TEST_CASE("up: starts, sets and connects what the file says, and a second up finds nothing to do")
 {
@@ -312,80 +223,6 @@ exec sleep 60
     CHECK(up.wait(patient(20'000ms)) == 130);
     CHECK(has_processes(swarm, 0));
     CHECK(swarm.hivectl_done({"down"}).empty());
-}
-
-TEST_CASE(
-    "up --stay: what falls is started again with its wires, what was stopped is not, and who falls too often is failed")
-{
-    const Swarm swarm;
-    auto content = workers_file(3);
-    content["drones"]["worker"]["restart"] = "on-failure";
-    const File file(swarm, content);
-    auto up = swarm.hivectl_running({"up", file, "--stay"}, "up");
-    REQUIRE(eventually([&] { return running(swarm).size() == 5 && edges(swarm) == 6; }));
-    const auto before = running(swarm);
-    auto application = swarm.application();  // quicker than hivectl: all the falls must be within 60 s
-    auto pid = before.at("worker-1");
-    const auto runs_again = [&] {
-        const auto answer = application.status(std::vector<std::string>{"worker-1"}).at(0);
-        const auto& now = answer.status;
-        const bool again = !answer.error && now.pid != pid && now.inputs.size() == 1 && now.inputs[0].connected
-                           && connected_edges(now.outputs.at(0)) == 1;
-        pid = again ? now.pid : pid;
-        return again;
-    };
-    for (int fall = 0; fall < 5; ++fall) {
-        ::kill(static_cast<pid_t>(pid), SIGKILL);
-        REQUIRE_MESSAGE(eventually(runs_again, 10'000ms), "after ", fall, " falls: ", swarm.log("up"));
-    }
-    CHECK(eventually([&] { return edges(swarm) == 6; }));
-    ::kill(static_cast<pid_t>(pid), SIGKILL);
-    const auto failed_row = [&] {
-        for (const auto& row : Json::parse(swarm.hivectl_done({"ps", "--json", "--timeout", "10"})))
-            if (row.at("state") == "failed")
-                return row;
-        return Json();
-    };
-    REQUIRE(eventually([&] { return !failed_row().is_null(); }, 10'000ms));
-    CHECK(failed_row().at("name") == "worker-1");
-    CHECK_MESSAGE(has(failed_row().at("note"), "fell 6 times within 60 s"), failed_row().dump());
-    CHECK(failed_row().at("log") != "");
-
-    swarm.hivectl_done({"stop", "worker-2"});
-    ::kill(static_cast<pid_t>(before.at("sink")), SIGKILL);  // its file does not say that it is to come back
-    std::this_thread::sleep_for(500ms);
-    CHECK(running(swarm).contains("worker-1"));  // the row of the failed one
-    CHECK(!running(swarm).contains("worker-2"));
-    CHECK(!running(swarm).contains("sink"));
-    CHECK(eventually([&] { return zombies_of(up.pid()) == 0; }));
-    up.signal(SIGINT);
-    CHECK(up.wait(patient(10'000ms)) == 0);
-    CHECK(swarm.application().drones().size() == 2);
-    CHECK(steps(swarm, file).size() > 0);
-    CHECK(failed_row().is_null());
-    CHECK(running(swarm).size() == 5);
-}
-
-TEST_CASE("up --stay: a drone that does not answer keeps no other one from coming back, which is said")
-{
-    const Swarm swarm;
-    auto content = workers_file(2);
-    content["drones"]["worker"]["restart"] = "on-failure";
-    const File file(swarm, content);
-    auto up = swarm.hivectl_running({"up", file, "--stay"}, "up");
-    REQUIRE(eventually([&] { return running(swarm).size() == 4 && edges(swarm) == 4; }));
-    const auto before = running(swarm);
-    const auto sink = static_cast<pid_t>(before.at("sink"));
-    ::kill(sink, SIGSTOP);
-    ::kill(static_cast<pid_t>(before.at("worker-1")), SIGKILL);
-    CHECK(eventually([&] { return has(swarm.log("up"), "worker-1 had fallen and runs again"); }, 10'000ms));
-    CHECK(eventually([&] { return has(swarm.log("up"), "hivectl up: sink: "); }, 10'000ms));
-    ::kill(sink, SIGCONT);
-    CHECK_MESSAGE(eventually([&] { return edges(swarm) == 4; }, 10'000ms), swarm.log("up"));
-    CHECK(running(swarm).at("worker-1") != before.at("worker-1"));
-    CHECK(zombies_of(up.pid()) == 0);
-    up.signal(SIGINT);
-    CHECK(up.wait(patient(10'000ms)) == 0);
 }
 
 TEST_CASE("up: two at once make one swarm")

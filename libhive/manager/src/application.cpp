@@ -178,7 +178,7 @@ std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
     std::vector<std::string> running;
     const swarm::FailedDrones failed(home());
     for (const auto& drone : drones) {
-        const bool given_up = failed.forget(drone);
+        const bool given_up = failed.forget(drone) && !core_->directory.home().alive(drone);
         if (core_->remembers(drone))
             core_->directory.home().forget_state(drone);
         else if (!given_up)

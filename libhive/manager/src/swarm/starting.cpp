@@ -16,11 +16,11 @@ using namespace std::chrono_literals;
 Starting::Starting(Application& application, const SwarmPlan& plan) : application_(application), plan_(plan) {}
 
 std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
-                                        const SwarmWatch& watch)
+                                        const SwarmWatch& watch, AtFailure at_failure)
 {
     const auto end = event::Clock::now() + patience;
     begin(drones);
-    while (!waiting_.empty() && failures_.empty()) {
+    while (!waiting_.empty() && (failures_.empty() || at_failure == AtFailure::go_on)) {
         hear_engines();
         look_who_is_ready();
         if (watch.on_progress)

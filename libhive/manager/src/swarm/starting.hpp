@@ -16,11 +16,13 @@ namespace hive::swarm {
 
 class Starting {
 public:
+    enum class AtFailure { end, go_on };
+
     Starting(Application& application, const SwarmPlan& plan);
 
-    /// Returns when all are ready, or when it is known that not all will be.
+    /// Returns when all are ready, or when it is known that not all will be: at the first failure, or of all.
     std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
-                                  const SwarmWatch& watch);
+                                  const SwarmWatch& watch, AtFailure at_failure = AtFailure::end);
     /// Ends what was begun. What cannot be ended is told.
     std::vector<SwarmFailure> undo();
 

@@ -86,7 +86,7 @@ void Staying::start(const std::vector<std::string>& drones, const SwarmWatch& wa
     unsettled_.insert(drones.begin(), drones.end());
     settle_at_ = {};
     Starting starting(application_, plan_);
-    const auto failures = starting.run(drones, 60s, watch);
+    const auto failures = starting.run(drones, 60s, watch, Starting::AtFailure::go_on);
     for (const auto& drone : drones) {
         const auto failure = std::ranges::find(failures, drone, &SwarmFailure::drone);
         told_(drone
