@@ -11,7 +11,7 @@
 
 namespace hive {
 
-/// Nothing here waits: one thread drives the engines of all machines in turn.
+/// begin() and poll() wait for moments at most: one thread drives the engines of all machines in turn.
 class Engine {
 public:
     /// What has become of a drone that was begun.

@@ -63,7 +63,7 @@ private:
     };
 
     bool find_node(std::vector<Report>& reports);
-    void start(SwarmDrone drone, std::vector<Report>& reports);
+    void start(const SwarmDrone& drone, std::vector<Report>& reports);
     [[nodiscard]] std::vector<std::string> words_of(SwarmDrone drone, int port) const;
     [[nodiscard]] int free_port(const SwarmDrone& drone) const;
     [[nodiscard]] std::optional<Report> look(Step& step) const;
@@ -103,7 +103,7 @@ std::vector<Engine::Report> SlurmEngine::poll()
         }
     auto not_met = std::ranges::count(steps_, false, &Step::met);
     for (; !waiting_.empty() && not_met < static_cast<std::ptrdiff_t>(steps_at_once); waiting_.pop_front(), ++not_met)
-        start(std::move(waiting_.front()), reports);
+        start(waiting_.front(), reports);
     return reports;
 }
 
@@ -135,7 +135,7 @@ try {
     return false;
 }
 
-void SlurmEngine::start(SwarmDrone drone, std::vector<Report>& reports)
+void SlurmEngine::start(const SwarmDrone& drone, std::vector<Report>& reports)
 try {
     const int port = free_port(drone);
     const auto words = words_of(drone, port);
@@ -144,8 +144,8 @@ try {
     auto environment = command_of(drone.kind).environment;
     environment.push_back("HIVE_HOME=" + home);
     const auto log = home_ / (drone.name + ".log");
-    steps_.push_back({std::move(drone), port,
-                      BackgroundProcess("/usr/bin/env", words, environment, log, BackgroundProcess::Life::own)});
+    steps_.push_back(
+        {drone, port, BackgroundProcess("/usr/bin/env", words, environment, log, BackgroundProcess::Life::own)});
 } catch (const Error& error) {
     reports.push_back({.drone = drone.name, .error = error});
 }
@@ -173,8 +173,9 @@ int SlurmEngine::free_port(const SwarmDrone& drone) const
             throw Error(Errc::invalid_argument, drone.name + ": under Slurm \"listen\" needs a port, or is left out");
         return port;
     }
+    const auto given = [&](int port) { return std::ranges::find(steps_, port, &Step::port) != steps_.end(); };
     for (int attempt = 0; attempt < port_tries; ++attempt)
-        if (const int port = port_of(job_, drone.name, attempt); !reachable(address_, port))
+        if (const int port = port_of(job_, drone.name, attempt); !given(port) && !reachable(address_, port))
             return port;
     throw Error(Errc::name_taken, "other programs on " + node_ + " have the ports that " + drone.name + " would take");
 }
