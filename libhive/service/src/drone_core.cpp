@@ -205,6 +205,13 @@ void DroneCore::take_over()
     auto left = left_state(running.home);
     if (left == running.left)
         return;
+    // What has its default again is not in the state any more.
+    auto parameters = left.value("parameters", Json::object());
+    const auto before = running.left.value("parameters", Json::object());
+    for (const auto& parameter : declaration_.parameters.declared())
+        if (before.contains(parameter.name) && !parameters.contains(parameter.name))
+            parameters[parameter.name] = parameter.default_value;
+    left["parameters"] = std::move(parameters);
     running.left = std::move(left);
     running.wish = service::wished(settings_.listen, running.left);
     const auto values = take_values(running.left, false);

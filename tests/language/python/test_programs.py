@@ -73,6 +73,32 @@ class Programs(World):
         self.assertEqual(missing.returncode, 3)
         self.assertIn("missing.py", missing.stderr)
 
+    def test_what_is_set_to_its_default_while_the_next_one_prepares_is_not_lost(self):
+        slow = """
+        @drone.on_start
+        def start():
+            import os
+            path = os.path.join(os.environ["HIVE_HOME"], "slow")
+            if os.path.exists(path):
+                os.rename(path, path + "-begun")
+                time.sleep(1)
+
+        drone.run()
+        """
+        script = self.script(self.BODY[: self.BODY.index("drone.run()")] + slow.lstrip())
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        subprocess.run([hivectl, "start", script, "work_ms=3"], check=True, capture_output=True, timeout=60)
+        self.addCleanup(lambda: subprocess.run([hivectl, "stop", "--all"], env={**os.environ, "HIVE_HOME": self.home}))
+        before = self.swarm.status("thing")["pid"]
+        mark = os.path.join(self.home, "slow")
+        open(mark, "w", encoding="utf-8").close()
+        with subprocess.Popen([hivectl, "replace", "thing", "--kind", script], stdout=subprocess.DEVNULL) as replacing:
+            self.assertTrue(eventually(lambda: os.path.exists(mark + "-begun")))
+            self.swarm.set("thing", work_ms=0)
+            self.assertEqual(replacing.wait(PATIENCE), 0)
+        self.assertNotEqual(self.swarm.status("thing")["pid"], before)
+        self.assertEqual(self.swarm.get("thing"), {"work_ms": 0})
+
     def test_hivectl_says_why_a_file_does_not_start(self):
         hivectl = os.path.join(PROGRAMS, "hivectl")
         reasons = {
