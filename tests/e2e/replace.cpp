@@ -184,7 +184,7 @@ TEST_CASE("replace: without places, events are lost")
     Line line({"only"}, {.environment = {"HIVE_TEST_NO_PLACES=1"}});
     std::int64_t last = line.taken();
     bool lost = false;
-    for (int i = 1; i <= 50 && !lost; ++i) {
+    for (int i = 1; i <= 1000 && !lost; ++i) {  // about one in twenty catches an event on its way
         auto command = line.swarm().hivectl_running({"replace", "only"}, "replace");
         while (!command.wait(0ms))
             if (const auto event = line.collector().next(5ms))
