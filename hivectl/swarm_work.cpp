@@ -48,8 +48,9 @@ int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {
     for (const auto& failure : outcome.failures)
         complain_in_lines(verb, failure.drone, with_advice(failure.error));
+    const std::string remains = outcome.failures.empty() ? "could not be ended: " : "not undone: ";
     for (const auto& failure : outcome.remains)
-        complain_in_lines(verb, failure.drone, "not undone: " + with_advice(failure.error));
+        complain_in_lines(verb, failure.drone, remains + with_advice(failure.error));
     if (interrupt::requested())
         return interrupt::exit_code();
     if (!outcome.failures.empty())

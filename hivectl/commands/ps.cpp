@@ -105,8 +105,9 @@ Row row_of(const hive::StatusAnswer& answer)
 /// The last line of its log says most about why.
 Row failed_row(const hive::FailedDrone& failed)
 {
-    const auto end = failed.log.find_last_not_of('\n');
-    const auto line = end == std::string::npos ? "" : failed.log.substr(failed.log.rfind('\n', end) + 1, end + 1);
+    const auto last = failed.log.find_last_not_of('\n');
+    const auto begin = last == std::string::npos ? 0 : failed.log.rfind('\n', last) + 1;
+    const auto line = failed.log.substr(begin, last + 1 - begin);
     return Row{{"name", failed.drone},    {"host", hive::Place::here},
                {"kind", nullptr},         {"state", "failed"},
                {"pid", nullptr},          {"uptime_us", nullptr},

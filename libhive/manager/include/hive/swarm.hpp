@@ -34,7 +34,7 @@ struct SwarmFailure {
 struct SwarmOutcome {
     std::vector<SwarmStep> steps;        ///< what was done; of what failed, what would have been
     std::vector<SwarmFailure> failures;  ///< empty: all is done
-    std::vector<SwarmFailure> remains;   ///< what could not be undone
+    std::vector<SwarmFailure> remains;   ///< what could not be undone; without failures, what could not be ended
 };
 
 /// How the caller goes along with work that takes a while.
