@@ -60,6 +60,8 @@ void install()
 Deferred::Deferred() { ++deferred; }
 Deferred::~Deferred() { --deferred; }
 
+void defer_until_exit() { ++deferred; }
+
 bool requested() { return first != 0; }
 int exit_code() { return 128 + (requested() ? first.load() : SIGINT); }
 

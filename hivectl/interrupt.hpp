@@ -17,6 +17,8 @@ public:
     Deferred(const Deferred&) = delete;
     Deferred& operator=(const Deferred&) = delete;
 };
+/// As a Deferred that lives until the process exits: whatever the verb has done by then decides its exit code.
+void defer_until_exit();
 bool requested();
 /// 128 + the signal that came; 130 if none did.
 int exit_code();

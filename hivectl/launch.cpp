@@ -172,6 +172,7 @@ bool found_here(Session& session, const LaunchPlan& plan)
 
 int start_newly(Session& session, const LaunchPlan& plan)
 {
+    interrupt::defer_until_exit();  // a drone that runs and an exit code of 130 would contradict each other
     Launch launch(session, plan);
     if (const auto failure = launch.await(session.timeout(10s)))
         return *failure;

@@ -11,6 +11,8 @@
 #include <hive/version.hpp>
 
 #include <csignal>
+#include <fcntl.h>
+#include <unistd.h>
 
 namespace hivectl {
 namespace {
@@ -73,8 +75,19 @@ int dispatch(int argc, char** argv)
 }  // namespace
 }  // namespace hivectl
 
+/// Whoever starts us without one of them would have its text in a socket or file that gets its number. Opened the wrong
+/// way around, so that using it fails.
+static void take_standard_descriptors()
+{
+    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(descriptor, F_GETFD) < 0)
+            static_cast<void>(::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+}
+
 int main(int argc, char** argv)
 {
+    take_standard_descriptors();
+    std::signal(SIGCHLD, SIG_DFL);  // where it is ignored, every child seems to have ended well
     std::signal(SIGPIPE, SIG_IGN);  // write_out notices; a peer that goes away must not end us
     hivectl::interrupt::install();
     try {

@@ -13,7 +13,9 @@
 #include <hive/remote.hpp>
 
 #include <algorithm>
+#include <future>
 #include <sstream>
+#include <utility>
 
 namespace hivectl {
 namespace {
@@ -63,11 +65,22 @@ int start_remotely(Session& session, const RemotePlan& plan)
                                    "--timeout",
                                    std::to_string(std::max<std::int64_t>(1, limit / 1s))};
     words.insert(words.end(), plan.words.begin(), plan.words.end());
-    const auto result = remote.hivectl(words, limit + 12s);
+    interrupt::defer_until_exit();  // what has begun there comes up, whether somebody waits for it here or not
+    auto starting = std::async(std::launch::async, [&] { return remote.hivectl(words, limit + 12s); });
+    for (bool told = false; starting.wait_for(50ms) != std::future_status::ready;)
+        if (interrupt::requested() && !std::exchange(told, true))
+            complain("start", "interrupted: " + plan.name + " is ended as soon as " + remote.host()
+                                  + " has started it; Ctrl-C again leaves it there");
+    const auto result = starting.get();
     repeat_complaints("start", remote.host(), result.err);
     if (result.exit_code != exit_code::done) {
         advise_key(plan, result);
-        return result.exit_code;
+        return interrupt::requested() ? interrupt::exit_code() : result.exit_code;
+    }
+    if (interrupt::requested()) {
+        const auto ended = remote.hivectl({"stop", plan.name}, limit + 12s);
+        repeat_complaints("stop", remote.host(), ended.err);
+        return interrupt::exit_code();
     }
     const hive::Json started = hive::parse_json(result.out);
     const auto places =

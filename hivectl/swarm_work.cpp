@@ -8,6 +8,7 @@
 #include <iostream>
 #include <sstream>
 #include <unistd.h>
+#include <utility>
 
 namespace hivectl {
 namespace {
@@ -28,9 +29,13 @@ std::string with_advice(const hive::Error& error)
 
 }  // namespace
 
-SwarmWork::SwarmWork()
+SwarmWork::SwarmWork(const std::string& verb)
 {
     watch_.cancelled = interrupt::requested;
+    watch_.told = [this, verb](const std::string& text) {
+        clear();
+        complain(verb, printable(text));
+    };
     if (::isatty(STDERR_FILENO) != 0)
         watch_.on_progress = [this](std::size_t done, std::size_t all, const std::string& what) {
             shown_ = true;
@@ -38,9 +43,11 @@ SwarmWork::SwarmWork()
         };
 }
 
-SwarmWork::~SwarmWork()
+SwarmWork::~SwarmWork() { clear(); }
+
+void SwarmWork::clear()
 {
-    if (shown_)
+    if (std::exchange(shown_, false))
         std::cerr << "\r\x1b[K" << std::flush;
 }
 

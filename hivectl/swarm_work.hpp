@@ -5,14 +5,16 @@
 
 #include <hive/swarm.hpp>
 
+#include <string>
 #include <string_view>
 
 namespace hivectl {
 
-/// The first Ctrl-C undoes what was begun. On a terminal, stderr has a line of progress, which goes with this.
+/// The first Ctrl-C undoes what was begun. On a terminal, stderr has a line of progress, which goes with this. What
+/// is waited for is said there, too.
 class SwarmWork {
 public:
-    SwarmWork();
+    explicit SwarmWork(const std::string& verb);
     ~SwarmWork();
     SwarmWork(const SwarmWork&) = delete;
     SwarmWork& operator=(const SwarmWork&) = delete;
@@ -20,6 +22,8 @@ public:
     [[nodiscard]] const hive::SwarmWatch& watch() const { return watch_; }
 
 private:
+    void clear();
+
     interrupt::Deferred deferred_;
     hive::SwarmWatch watch_;
     bool shown_ = false;

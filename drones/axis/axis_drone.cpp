@@ -173,6 +173,8 @@ void AxisDrone::open()
         require_own_login(*found);
     link_.reset();
     told_ = wanted();
+    if (opened_ && opened_->url != place_.url)
+        image_.begin_source();
     if (found)
         link_ = std::make_unique<CameraLink>(
             LinkSettings{std::move(*found), place_.credentials, place_.pace == "live" ? Pace::live : Pace::demand,

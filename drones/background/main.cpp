@@ -64,7 +64,8 @@ void background_drone(hive::Drone& drone)
     drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"),
                     "smallest area of foreground that makes a box");
     drone.parameter("light", finder.light, hive::between(1, 100).in("%"),
-                    "so much foreground may be a change of the light, to which the model is moved; 100: nothing is");
+                    "if more than this share of the picture is foreground, it may be a change of the light, and the "
+                    "model is adapted to that; 100: never");
     const hive::Output boxes =
         drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
     const hive::Output mask =

@@ -2,6 +2,7 @@
 #include "camera_drone.hpp"
 
 #include <hive/vision/encoder.hpp>
+#include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -16,7 +17,8 @@ using namespace std::chrono_literals;
 
 constexpr double usual_fps = 30;  ///< of the scene and of pictures
 
-/// The size a picture of size `own` is sent with; a side of 0 follows the other, or stays as it is.
+/// The size a picture of size `own` is sent with; a side of 0 follows the other, or stays as it is. Throws
+/// Errc::too_large when nobody would take it.
 cv::Size size_to_send(cv::Size own, int width, int height)
 {
     const double ratio = static_cast<double>(own.width) / own.height;
@@ -24,6 +26,9 @@ cv::Size size_to_send(cv::Size own, int width, int height)
         width = height == 0 ? own.width : std::max(1, static_cast<int>(std::lround(height * ratio)));
     if (height == 0)
         height = width == own.width ? own.height : std::max(1, static_cast<int>(std::lround(width / ratio)));
+    if (std::int64_t{width} * height > hive::vision::DecodeLimits().pixels && cv::Size(width, height) != own)
+        throw hive::Error(hive::Errc::too_large,
+                          std::to_string(width) + "x" + std::to_string(height) + " px are more than 40 Mpixel");
     return {width, height};
 }
 
@@ -89,7 +94,7 @@ void CameraDrone::declare()
     drone_.parameter("loop", loop_, hive::anything(), "start files again at their end");
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}),
                      "live never waits; demand publishes the next picture when all receivers have asked");
-    drone_.parameter("credentials", credentials_, hive::anything(),
+    drone_.parameter("credentials", credentials_, hive::anything().by_operator(),
                      "of a network camera: file with user:password, chmod 600; empty: HIVE_CAMERA_USER and "
                      "HIVE_CAMERA_PASSWORD");
     drone_.parameter("transport", transport_, hive::one_of({"tcp", "udp"}),
@@ -205,12 +210,16 @@ void CameraDrone::end(const std::string& cut_short)
 /// So has a file that cannot be decoded.
 std::chrono::microseconds CameraDrone::send(const Frame& frame, bool lossless)
 {
+    if (frame.begins_again)
+        image_.begin_source();
+    const auto named = [&](const char* problem) { return (frame.file.empty() ? "" : frame.file + ": ") + problem; };
     try {
         emit(frame, lossless);
         return 0s;
     } catch (const hive::Error& problem) {
-        return lack(frame.captured, lossless, problem.code(),
-                    (frame.file.empty() ? "" : frame.file + ": ") + problem.what());
+        return lack(frame.captured, lossless, problem.code(), named(problem.what()));
+    } catch (const std::exception& problem) {
+        return lack(frame.captured, lossless, hive::Errc::failed, named(problem.what()));
     }
 }
 
@@ -248,8 +257,6 @@ void CameraDrone::emit(const Frame& frame, bool lossless)
                                                      frame.image.depth() == CV_16U ? 16 : 8);
     hive::Json header = form.header;
     header.update(about(frame));
-    if (frame.begins_again)
-        image_.begin_source();
     image_.emit_captured(
         frame.captured, lossless, std::move(header),
         [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);

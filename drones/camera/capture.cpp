@@ -120,6 +120,7 @@ private:
         logins_refused_ = 0;
         gives_pictures_ = true;
         const std::lock_guard lock(mutex_);
+        frame.begins_again |= newest_ && newest_->begins_again;  // that one was not taken
         newest_ = std::move(frame);
         trouble_.clear();
         last_news_ = Clock::now();

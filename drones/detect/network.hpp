@@ -31,7 +31,6 @@ public:
     double min_score = 0.5;  ///< 0 to 1
     double overlap =
         0.45;  ///< of two boxes of one class that overlap more (intersection over union), the better one is kept
-    static constexpr std::size_t most_objects = 300;  ///< of one picture; the best
 
     /// Reads the files and runs the model once, to see that it can run and what its output is.
     /// @throws std::runtime_error  a sentence about what is wrong

@@ -14,6 +14,8 @@ struct Object {
     double score = 0;  ///< of a network 0 to 1; of the people finder the margin of its classifier, mostly 0 to 4
 };
 
+constexpr std::size_t most_objects = 300;  ///< of one picture; the best
+
 /// The best first; of equal ones from top to bottom, then from left to right.
 void sort(std::vector<Object>& objects);
 /// Frames and names the objects in a BGR picture.

@@ -37,6 +37,7 @@ std::vector<Object> PeopleFinder::find(const cv::Mat& picture) const
         if (const cv::Rect box = in_picture(boxes[i]) & cv::Rect({}, picture.size()); !box.empty())
             people.push_back({box, "person", weights[i]});
     sort(people);
+    people.resize(std::min(people.size(), most_objects));
     return people;
 }
 

@@ -90,7 +90,7 @@ public:
         if (landmarks_.empty())
             search_.landmarks.reset();
         else if (landmarks_ != loaded_landmarks_)
-            search_.landmarks.emplace(landmarks_);
+            search_.landmarks = gesture::HandLandmarks(landmarks_);  // made first: if it cannot be, the old one stays
         loaded_landmarks_ = landmarks_;
         search_.region = region;
         search_.range = silhouette_.skin;
@@ -112,9 +112,9 @@ private:
                         "of the search: where skin is to be seen, x,y,w,h in px; empty: look for a face");
         drone.parameter("tolerance", search_.tolerance, hive::between(0.5, 10),
                         "of the search: how far a colour may be from that skin, in standard deviations");
-        drone.parameter("cascade", cascade_, hive::anything(),
+        drone.parameter("cascade", cascade_, hive::anything().by_operator(),
                         "of the search: file of the cascade that finds faces; empty: look for none");
-        drone.parameter("landmarks", landmarks_, hive::anything(),
+        drone.parameter("landmarks", landmarks_, hive::anything().by_operator(),
                         "of the search: ONNX file of a model of hand landmarks; empty: the outline tells the fingers");
     }
 

@@ -1,6 +1,8 @@
 // Writes one file at a time. When the disk fails the recording ends, but never the drone.
 #include "record_drone.hpp"
 
+#include <next_free.hpp>
+
 #include <hive/recording/event_record.hpp>
 
 #include <algorithm>
@@ -13,25 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
-
-/// "run-2.hive" for "run.hive", "run-3.hive" for that; the first that is not there.
-std::string next_free(const fs::path& folder, const fs::path& file)
-{
-    auto stem = file.stem().string();
-    int number = 2;
-    const auto dash = stem.rfind('-');
-    const auto digits = dash == std::string::npos ? std::string() : stem.substr(dash + 1);
-    if (!digits.empty() && digits.size() < 6 && digits.find_first_not_of("0123456789") == std::string::npos) {
-        number = std::stoi(digits) + 1;
-        stem.resize(dash);
-    }
-    std::error_code ignored;
-    fs::path next;
-    do
-        next = file.parent_path() / (stem + "-" + std::to_string(number++) + file.extension().string());
-    while (fs::exists(folder / next, ignored));
-    return next.string();
-}
 
 /// Events that came and that the drone's code has not seen.
 std::int64_t queued(const hive::Status& status)
@@ -68,6 +51,7 @@ RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.
 void RecordDrone::run()
 {
     drone_.run();
+    part();
     close("stopped");
 }
 
@@ -84,7 +68,9 @@ void RecordDrone::apply()
         choose_folder();
     if (std::exchange(remembered_, false))
         spare_what_was_recorded();
-    if (file_ != opened_)
+    if (former_ && file_ == former_->opened)
+        put_back();
+    else if (file_ != opened_)
         open();
     if (writer_)
         writer_->limits(limits());
@@ -117,7 +103,7 @@ void RecordDrone::spare_what_was_recorded()
 {
     if (std::error_code none; !fs::exists(folder_ / file_, none))
         return;
-    const auto before = std::exchange(file_, next_free(folder_, file_));
+    const auto before = std::exchange(file_, next_free::after(folder_, file_));
     drone_.log(before + " was being recorded when the drone was killed, and stays as it is; goes on in " + file_);
 }
 
@@ -135,13 +121,38 @@ std::unique_ptr<hive::recording::Writer> RecordDrone::writer_of(const std::strin
     }
 }
 
-/// The new file first: if it cannot be, the old one goes on.
+/// The new file first: if it cannot be, the old one goes on. That one is not ended yet: the set may still be aborted.
 void RecordDrone::open()
 {
+    part();
     auto fresh = file_.empty() ? nullptr : writer_of(file_);
-    close("another file was set");
+    count_dropped();
+    former_ = Former{opened_, writes_, ended_, std::move(writer_), dropped_, reported_};
     opened_ = file_;
     begin(file_, std::move(fresh));
+}
+
+/// The set of another file was aborted: the former recording goes on, and nothing is left of the new one, which has no
+/// event yet.
+void RecordDrone::put_back()
+{
+    if (std::error_code ignored; writer_)
+        fs::remove(folder_ / writes_, ignored);
+    opened_ = former_->opened;
+    writes_ = former_->writes;
+    ended_ = former_->ended;
+    writer_ = std::move(former_->writer);
+    dropped_ = std::move(former_->dropped);
+    reported_ = former_->reported;
+    former_.reset();
+}
+
+/// The set of another file holds, because no other code of the drone runs before that is decided.
+void RecordDrone::part()
+{
+    const auto former = std::exchange(former_, std::nullopt);
+    if (former && former->writer)
+        finish(*former->writer, former->writes, "another file was set");
 }
 
 void RecordDrone::begin(const std::string& file, std::unique_ptr<hive::recording::Writer> writer)
@@ -158,6 +169,7 @@ void RecordDrone::begin(const std::string& file, std::unique_ptr<hive::recording
 /// A file that has everything of its sources is complete: it gets its index and its end.
 void RecordDrone::end(const std::string& text)
 {
+    part();
     if (!writer_ || !writer_->ended().empty() || writer_->summary().events() == 0)
         return;
     const auto how = text.empty() ? "end of source" : "end of source: " + text;
@@ -169,7 +181,7 @@ void RecordDrone::end(const std::string& text)
 /// A source that begins once more, or another one, is recorded too, and spoils nothing of what is complete.
 void RecordDrone::go_on()
 {
-    const auto next = next_free(folder_, writes_);
+    const auto next = next_free::after(folder_, writes_);
     begin(next, writer_of(next));
     drone_.log("more came after the end: goes on in " + next);
 }
@@ -182,13 +194,19 @@ void RecordDrone::close(const std::string& how)
     if (how == "stopped")
         if (const auto waiting = queued(drone_.status()); waiting > 0 && writer_->ended().empty())
             writer_->lost("*", "still waiting when the drone was stopped", waiting);
-    writer_->finish(how);
-    drone_.log(writes_ + ": " + std::to_string(writer_->summary().events()) + " events, ended: " + writer_->ended());
+    finish(*writer_, writes_, how);
     writer_.reset();
+}
+
+void RecordDrone::finish(hive::recording::Writer& writer, const std::string& file, const std::string& how)
+{
+    writer.finish(how);
+    drone_.log(file + ": " + std::to_string(writer.summary().events()) + " events, ended: " + writer.ended());
 }
 
 void RecordDrone::take(const hive::Event& event)
 {
+    part();
     if (!writer_ && !ended_.empty())
         go_on();
     if (!writer_)
@@ -201,6 +219,7 @@ void RecordDrone::take(const hive::Event& event)
 /// Looks a few times a second, so that a limit or a failed disk is noticed without an event.
 std::chrono::microseconds RecordDrone::look()
 {
+    part();
     if (!writer_)
         return 1s;
     writer_->look(Clock::now());

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace record {
@@ -25,10 +26,13 @@ private:
     [[nodiscard]] std::string below_folder(const std::string& file) const;
     [[nodiscard]] std::unique_ptr<hive::recording::Writer> writer_of(const std::string& file) const;
     void open();
+    void put_back();
+    void part();
     void begin(const std::string& file, std::unique_ptr<hive::recording::Writer> writer);
     void end(const std::string& text);
     void go_on();
     void close(const std::string& how);
+    void finish(hive::recording::Writer& writer, const std::string& file, const std::string& how);
     void take(const hive::Event& event);
     std::chrono::microseconds look();
     void count_dropped();
@@ -51,6 +55,13 @@ private:
     };
     std::map<std::string, Dropped> dropped_;  ///< by where the connection comes from
     bool reported_ = false;                   ///< that the disk failed
+    struct Former {                           ///< the members of these names, as they were before another file was set
+        std::string opened, writes, ended;
+        std::unique_ptr<hive::recording::Writer> writer;
+        std::map<std::string, Dropped> dropped;
+        bool reported;
+    };
+    std::optional<Former> former_;  ///< while nobody has decided yet whether the set holds
     std::chrono::steady_clock::time_point next_count_{};
 };
 

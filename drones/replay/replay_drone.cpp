@@ -93,7 +93,10 @@ void ReplayDrone::apply()
     const Opened wanted{file_, range()};
     if (wanted != opened_ || ended_)
         open(wanted);
+    event_.reset();  // prepared once more, for the pace that holds now
     timeline_.restart();
+    const bool whole = playback_ && opened_.range == Range{};
+    drone_.source_events(whole && !loop_ ? playback_->reader().summary().events() : 0);
     if (!playback_)
         drone_.condition("no file: set one, file=PATH");
 }
@@ -115,11 +118,8 @@ void ReplayDrone::open(const Opened& wanted)
     playback_ = std::move(fresh);
     output_of_ = std::move(output_of);
     opened_ = wanted;
-    event_.reset();
     damaged_ = without_body_ = 0;
     begun_ = ended_ = asked_before_ = false;
-    const bool whole = playback_ && wanted.range == Range{};
-    drone_.source_events(whole && !loop_ ? playback_->reader().summary().events() : 0);
     drone_.condition("waiting for a receiver");
 }
 
@@ -170,7 +170,8 @@ std::chrono::microseconds ReplayDrone::step()
     if (!playback_->current())
         return at_end();
     if (!event_ && !prepare())
-        return 0s;
+        return std::chrono::microseconds(loop_ ? 10'000
+                                               : 0);  // where nothing but damage comes, that is no reason to spin
     const bool wanted = output().wanted();
     const auto step = next_step();
     drone_.condition(step == Step::none ? "waiting for a receiver of bodies" : "");

@@ -10,15 +10,9 @@ namespace {
 
 Answer sentence(unsigned code, std::string text) { return {code, "text/plain; charset=utf-8", std::move(text) + "\n"}; }
 
-Answer picture(const Exchange::Newest& newest, bool plain)
-{
-    if (newest.number == 0)
-        return sentence(503, "There is no picture yet.");
-    const auto& jpeg = plain ? *newest.picture->plain_jpeg() : *newest.picture->jpeg();
-    return {200, "image/jpeg", {jpeg.begin(), jpeg.end()}};
-}
-
 }  // namespace
+
+Answer not_ready() { return sentence(503, "The picture is not ready yet; ask again."); }
 
 Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
                  Browsers browsers)
@@ -43,9 +37,10 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
         return {200, "application/json", status_of(exchange.newest(), browsers.now).dump()};
     const bool plain = request.path.starts_with("/plain/");  // what the page shows: it says itself what a caption would
     if (request.path == "/picture.jpg" || request.path == "/plain/picture.jpg")
-        return picture(exchange.newest(), plain);
+        return exchange.newest().number > 0 ? Answer{200, "image/jpeg", {}, Answer::picture, plain}
+                                            : sentence(503, "There is no picture yet.");
     if (request.path == "/stream.mjpg" || request.path == "/plain/stream.mjpg")
-        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, true, plain}
+        return browsers.now < browsers.most ? Answer{200, Stream::type, {}, Answer::stream, plain}
                                             : sentence(503, "Too many are looking.");
     return sentence(404, "There is nothing here.");
 }

@@ -28,12 +28,14 @@ struct Answer {
     unsigned code = 200;
     std::string type;  ///< media type
     std::string body;
-    bool stream = false;      ///< the body is a Stream instead
-    bool plain = false;       ///< of pictures without captions
-    std::string cookie = {};  ///< to be set; the browser then goes on to "/"
+    enum { text, picture, stream } what = text;  ///< a picture or a Stream takes the place of the body
+    bool plain = false;                          ///< of pictures without captions
+    std::string cookie = {};                     ///< to be set; the browser then goes on to "/"
 };
 
 Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
                  Browsers browsers);
+/// Who waited too long for a picture gets this instead.
+Answer not_ready();
 
 }  // namespace view

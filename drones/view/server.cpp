@@ -1,7 +1,9 @@
 // Runs GNU libmicrohttpd in a loop of ours. Everything but wake() happens on one thread, so nothing here needs a lock.
+// A request for a picture is suspended until the encoder has that, a stream until it has a newer one.
 #include "server.hpp"
 
 #include "answer.hpp"
+#include "encoder.hpp"
 #include "listener.hpp"
 #include "stream.hpp"
 
@@ -47,6 +49,18 @@ Response response_of(const std::string& body)
             MHD_destroy_response};
 }
 
+Response response_of(Jpeg jpeg)
+{
+    auto kept = std::make_unique<Jpeg>(std::move(jpeg));
+    Response response(MHD_create_response_from_buffer_with_free_callback_cls(
+                          (*kept)->size(), const_cast<unsigned char*>((*kept)->data()),
+                          [](void* of_response) { delete static_cast<Jpeg*>(of_response); }, kept.get()),
+                      MHD_destroy_response);
+    if (response)
+        kept.release();  // until the response is destroyed
+    return response;
+}
+
 }  // namespace
 
 class Server::Core {
@@ -61,7 +75,8 @@ private:
     struct Visitor {
         int socket = -1;
         Clock::time_point since;
-        enum { asking, answering, streaming, ended } doing = asking;
+        enum { asking, waiting, answering, streaming, ended } doing = asking;
+        std::uint64_t version = 0;  ///< of the newest picture when it had asked
     };
     /// The answer to one request for the stream.
     struct Streaming {
@@ -72,11 +87,13 @@ private:
 
     void loop();
     int patience() const;
-    void resume_streams();
+    void resume();
     void end_the_late();
     void make_room();
     [[nodiscard]] bool full() const;
     MHD_Result answer(MHD_Connection* connection, const Request& request);
+    MHD_Result send(MHD_Connection* connection, const Answer& answer, Jpeg jpeg);
+    void suspend(MHD_Connection* connection);
     Response begin_stream(MHD_Connection* connection, bool plain);
     void visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what);
 
@@ -90,11 +107,12 @@ private:
     const Exchange& exchange_;
     Address address_;
     Descriptor wakes_;
+    Encoder encoder_;
     int port_ = 0;
     Pass pass_{"", 0};
     MHD_Daemon* daemon_ = nullptr;
     std::unordered_map<MHD_Connection*, Visitor> visitors_;
-    std::set<MHD_Connection*> waiting_;  ///< suspended: streams that have sent the newest picture
+    std::set<MHD_Connection*> waiting_;  ///< suspended
     std::size_t streams_ = 0;
     bool deserted_ = false;  ///< nobody was there when the library last had its turn
     Clock::time_point ticked_{};
@@ -106,7 +124,8 @@ Server::Core::Core(const Settings& settings, const Exchange& exchange)
     : settings_(settings),
       exchange_(exchange),
       address_(settings.bind, settings.port),
-      wakes_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))
+      wakes_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      encoder_(exchange, [this] { wake(); })
 {
     Descriptor socket = listen_at(address_, url_of(settings_.bind, settings_.port));
     port_ = port_of(socket);
@@ -128,7 +147,7 @@ Server::Core::~Core()
     ending_ = true;
     wake();
     thread_.join();
-    resume_streams();  // what is suspended cannot be closed
+    resume();  // what is suspended cannot be closed
     MHD_stop_daemon(daemon_);
 }
 
@@ -163,14 +182,21 @@ void Server::Core::loop()
         if (woken || Clock::now() - ticked_ >= tick) {
             ticked_ = Clock::now();
             end_the_late();
-            resume_streams();
+            resume();
         }
         deserted_ = visitors_.empty();
         MHD_run(daemon_);
     }
 }
 
-void Server::Core::resume_streams()
+void Server::Core::suspend(MHD_Connection* connection)
+{
+    waiting_.insert(connection);
+    MHD_suspend_connection(connection);
+}
+
+/// All of them; who still has to wait is suspended again.
+void Server::Core::resume()
 {
     for (auto* connection : std::exchange(waiting_, {}))
         MHD_resume_connection(connection);
@@ -181,7 +207,8 @@ void Server::Core::end_the_late()
 {
     for (const auto& [connection, visitor] : visitors_) {
         const auto limit = visitor.doing == Visitor::asking ? settings_.asking : settings_.answering;
-        if (visitor.doing != Visitor::streaming && Clock::now() - visitor.since > limit)
+        if (visitor.doing != Visitor::waiting && visitor.doing != Visitor::streaming
+            && Clock::now() - visitor.since > limit)
             ::shutdown(visitor.socket, SHUT_RDWR);
     }
 }
@@ -220,16 +247,44 @@ void Server::Core::make_room()
 bool Server::Core::full() const
 {
     const auto answered = std::ranges::count_if(visitors_, [](const auto& row) {
-        return row.second.doing == Visitor::answering || row.second.doing == Visitor::streaming;
+        return row.second.doing != Visitor::asking && row.second.doing != Visitor::ended;
     });
     return static_cast<std::size_t>(answered) > settings_.connections;
 }
 
+/// Called again when a request that waits for a picture is resumed.
 MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
 {
-    const Answer answer = full() ? Answer{503, "text/plain; charset=utf-8", "Too many are looking.\n"}
-                                 : answer_to(request, exchange_, address_, pass_, {streams_, settings_.streams});
-    const Response response = answer.stream ? begin_stream(connection, answer.plain) : response_of(answer.body);
+    auto& visitor = visitors_.at(connection);
+    const bool again = visitor.doing == Visitor::waiting;
+    const auto now = Clock::now();
+    if (!again) {
+        visitor.doing = Visitor::answering;
+        visitor.since = now;
+        visitor.version = exchange_.newest(now).version;
+    }
+    const Answer answer = !again && full()
+                              ? Answer{503, "text/plain; charset=utf-8", "Too many are looking.\n"}
+                              : answer_to(request, exchange_, address_, pass_, {streams_, settings_.streams});
+    Encoded picture;
+    if (answer.what != Answer::text)
+        picture = encoder_.newest(answer.plain, now);
+    const bool ready = answer.what == Answer::text || (picture.jpeg && picture.version >= visitor.version);
+    if (!ready && now - visitor.since < settings_.preparing) {
+        visitor.doing = Visitor::waiting;
+        suspend(connection);
+        return MHD_YES;
+    }
+    visitor.doing = Visitor::answering;
+    visitor.since = now;
+    return send(connection, ready ? answer : not_ready(), std::move(picture.jpeg));
+}
+
+MHD_Result Server::Core::send(MHD_Connection* connection, const Answer& answer, Jpeg jpeg)
+{
+    const Response response = answer.what == Answer::stream    ? begin_stream(connection, answer.plain)
+                              : answer.what == Answer::picture ? response_of(std::move(jpeg))
+                                                               : response_of(answer.body);
     if (!response)
         return MHD_NO;
     MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
@@ -244,8 +299,9 @@ MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& reque
 
 Response Server::Core::begin_stream(MHD_Connection* connection, bool plain)
 {
+    auto newest = [this, plain](Clock::time_point now) { return encoder_.newest(plain, now); };
     auto streaming =
-        std::make_unique<Streaming>(Streaming{*this, connection, Stream(exchange_, settings_.repeat, plain)});
+        std::make_unique<Streaming>(Streaming{*this, connection, Stream(std::move(newest), settings_.repeat)});
     Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read,
                                                         streaming.get(), &Core::on_stream_end),
                       MHD_destroy_response);
@@ -264,10 +320,8 @@ ssize_t Server::Core::on_read(void* state, std::uint64_t, char* to, std::size_t 
         return MHD_CONTENT_READER_END_OF_STREAM;
     try {
         const auto count = stream.read({to, size}, Clock::now());
-        if (count == 0) {
-            core.waiting_.insert(connection);
-            MHD_suspend_connection(connection);
-        }
+        if (count == 0)
+            core.suspend(connection);
         return static_cast<ssize_t>(count);
     } catch (const std::exception&) {  // no memory: this stream ends, the others go on
         return MHD_CONTENT_READER_END_WITH_ERROR;
@@ -281,15 +335,13 @@ void Server::Core::on_stream_end(void* state)
     --streaming->core.streams_;
 }
 
-/// Called when the head of a request is complete, before any body: every request is answered at once, with or without
-/// one.
+/// Called when the head of a request is complete, before any body: it is answered then, with or without one.
 MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
                                     const char*, const char*, std::size_t*, void**)
 {
     auto& core = *static_cast<Core*>(self);
-    auto& visitor = core.visitors_.at(connection);
-    visitor.doing = Visitor::answering;
-    visitor.since = Clock::now();
+    if (core.ending_)
+        return MHD_NO;
     const auto value = [&](MHD_ValueKind kind, const char* name) -> std::optional<std::string_view> {
         const char* const text = MHD_lookup_connection_value(connection, kind, name);
         return text ? std::optional<std::string_view>(text) : std::nullopt;

@@ -10,9 +10,9 @@
 
 namespace view {
 
-/// One thread serves all browsers and never waits for one of them. Only GET; a request is small, soon complete, and
-/// says a Host of ours and the token; each connection is one request. Who has not shown the token yet takes no place
-/// of those who have.
+/// One thread serves all browsers and never waits for one of them; another one prepares the pictures that they ask for.
+/// Only GET; a request is small, soon complete, and says a Host of ours and the token; each connection is one request.
+/// Who has not shown the token yet takes no place of those who have.
 class Server {
 public:
     struct Settings {
@@ -23,6 +23,7 @@ public:
         std::size_t strangers = 16;                   ///< that have not asked yet; one more, and the oldest is closed
         std::size_t streams = 8;                      ///< at once; more are answered 503
         std::chrono::milliseconds asking{5000};       ///< until the request is complete
+        std::chrono::milliseconds preparing{20'000};  ///< until the picture that was asked for is; then 503
         std::chrono::milliseconds answering{30'000};  ///< until the answer is read, but that of a stream
         std::chrono::seconds stalled{10};             ///< without a byte read
         std::chrono::milliseconds repeat{2000};       ///< of the last picture, when there is no newer one

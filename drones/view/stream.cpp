@@ -15,11 +15,11 @@ constexpr std::string_view boundary = "--picture\r\n", end = "\r\n--picture\r\n"
 
 bool Stream::begin_part(Exchange::Time now)
 {
-    const auto newest = exchange_.newest(now);
+    auto newest = newest_(now);
     const bool first = !jpeg_;
-    if (!first && newest.version == version_ && now - begun_ < repeat_)
+    if (!newest.jpeg || (!first && newest.version == version_ && now - begun_ < repeat_))
         return false;
-    jpeg_ = plain_ ? newest.picture->plain_jpeg() : newest.picture->jpeg();
+    jpeg_ = std::move(newest.jpeg);
     version_ = newest.version;
     begun_ = now;
     sent_ = 0;

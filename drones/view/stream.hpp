@@ -2,9 +2,11 @@
 // is ready for one.
 #pragma once
 
-#include "exchange.hpp"
+#include "encoder.hpp"
 
+#include <functional>
 #include <span>
+#include <utility>
 
 namespace view {
 
@@ -13,22 +15,20 @@ class Stream {
 public:
     static constexpr const char* type = "multipart/x-mixed-replace; boundary=picture";
 
+    using Newest = std::function<Encoded(Exchange::Time now)>;
+
+    /// @param newest  the newest picture that is ready; null while there is none
     /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that
     /// readers that are gone are noticed
-    /// @param plain   without the caption
-    Stream(const Exchange& exchange, std::chrono::milliseconds repeat, bool plain = false)
-        : exchange_(exchange), repeat_(repeat), plain_(plain)
-    {
-    }
+    Stream(Newest newest, std::chrono::milliseconds repeat) : newest_(std::move(newest)), repeat_(repeat) {}
     /// Copies the next bytes; returns how many. 0: nothing to send at this time.
     std::size_t read(std::span<char> to, Exchange::Time now);
 
 private:
     bool begin_part(Exchange::Time now);
 
-    const Exchange& exchange_;
+    Newest newest_;
     std::chrono::milliseconds repeat_;
-    bool plain_;
     // What is on its way: the JPEG alone, so that a slow reader keeps no pixels of anybody.
     std::string head_;
     Jpeg jpeg_;

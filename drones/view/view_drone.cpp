@@ -47,9 +47,9 @@ void ViewDrone::declare()
     drone_.parameter("http", http_, hive::between(0, 65535).by_operator(), "port of the page for browsers; 0: none");
     drone_.parameter("bind", bind_, hive::anything().by_operator(),
                      "address of that page; 0.0.0.0: every address of this machine");
-    drone_.parameter(
-        "token", token_, hive::anything().by_operator(),
-        "what browsers must say, as in http://127.0.0.1:8080/?token=TOKEN; empty: one is drawn, see the log");
+    drone_.parameter("token", token_, hive::anything().by_operator(),
+                     "the token that browsers must send, as in http://127.0.0.1:8080/?token=TOKEN; empty: a random "
+                     "one, which the log tells");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
     drone_.parameter("overlay", overlay_, hive::anything(),
                      "write names, rate and age on the pictures, but not on those of the page, which says so itself");
@@ -109,7 +109,7 @@ void ViewDrone::take(const hive::Event& event)
     hold(event);
 }
 
-/// Decoding waits until somebody looks, which is on a thread of whoever looks.
+/// Decoding waits until somebody looks: then it is done on the thread of the window, or of the encoder.
 Picture::Content ViewDrone::content_of(const hive::Event& event) const
 {
     hive::Event picture = event;

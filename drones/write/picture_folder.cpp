@@ -45,11 +45,31 @@ std::string numbered(std::int64_t number, const std::string& ending)
     return name.data() + ending;
 }
 
+bool is_numbered(const fs::path& name)
+{
+    const auto stem = name.stem().string(), ending = name.extension().string();
+    return stem.size() == 8 && stem.find_first_not_of("0123456789") == std::string::npos
+           && (ending == ".jpg" || ending == ".png");
+}
+
+/// Pictures of before would mix with those that come, of which there may be fewer. Whatever else lies there stays.
+void remove_numbered(const fs::path& folder)
+{
+    std::vector<fs::path> old;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (is_numbered(entry.path().filename()) && !fs::is_directory(entry.symlink_status()))
+            old.push_back(entry.path());
+    for (const auto& path : old)
+        fs::remove(path);
+}
+
 }  // namespace
 
 void PictureFolder::begin()
 {
     fs::create_directories(settings_.path);
+    if (settings_.overwrite)
+        remove_numbered(settings_.path);
     const fs::path table = fs::path(settings_.path) / "times.csv";
     times_.open(table, std::ios::trunc);
     times_ << "file,seq,time_us\n";

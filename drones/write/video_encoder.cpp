@@ -57,6 +57,8 @@ bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, c
     if (container.flags & AVFMT_GLOBALHEADER)
         context->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     if (codec.id == AV_CODEC_ID_H264) {
+        if (std::max(context->width, context->height) > 16'384)
+            return false;  // libx264 takes no more, and would leak a little when it says so
         av_opt_set(context->priv_data, "preset", "veryfast", 0);
         av_opt_set(context->priv_data, "tune", "zerolatency", 0);
         av_opt_set(context->priv_data, "crf", rate_factor(settings.quality).c_str(), 0);

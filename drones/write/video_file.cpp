@@ -125,6 +125,7 @@ void VideoFile::begin(const Picture& picture)
     const int code = avformat_write_header(file_, &options);
     av_dict_free(&options);
     checked(code, settings_.path);
+    begun_ = true;
 }
 
 void VideoFile::add(const Picture& picture, std::chrono::microseconds time)
@@ -158,8 +159,8 @@ void VideoFile::write(AVPacket& packet)
 
 void VideoFile::close()
 {
-    if (!file_)
-        return;
+    if (!begun_)
+        return abandon();
     try {
         encoder_->finish([this](AVPacket& packet) { write(packet); });
         checked(av_write_trailer(file_), settings_.path);
@@ -180,6 +181,7 @@ void VideoFile::abandon()
         avio_closep(&file_->pb);
     avformat_free_context(file_);
     file_ = nullptr;
+    begun_ = false;
 }
 
 }  // namespace writing

@@ -30,6 +30,7 @@ private:
 
     Settings settings_;
     AVFormatContext* file_ = nullptr;
+    bool begun_ = false;  ///< with a header and an encoder: only what has begun can be completed
     AVStream* stream_ = nullptr;
     std::optional<VideoEncoder> encoder_;
     std::optional<std::int64_t> last_, last_key_;  ///< times of pictures, in the time base of the encoder

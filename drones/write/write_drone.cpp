@@ -2,12 +2,14 @@
 #include "write_drone.hpp"
 
 #include <ffmpeg.hpp>
+#include <next_free.hpp>
 
 #include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
 
 #include <csignal>
+#include <filesystem>
 
 namespace writing {
 namespace {
@@ -20,16 +22,14 @@ std::int64_t number_in(const hive::Json& header, const char* field)
     return found != header.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
 }
 
+// No source has a rate beyond these bounds, and times that are counted by one would not fit into their numbers.
+constexpr double lowest_fps = 0.01, highest_fps = 1000;
+
 double fps_in(const hive::Json& header)
 {
     const auto found = header.find("fps");
-    return found != header.end() && found->is_number() ? found->get<double>() : 0;
-}
-
-std::string text_in(const hive::Json& header, const char* field)
-{
-    const auto found = header.find(field);
-    return found != header.end() && found->is_string() ? found->get<std::string>() : "";
+    const double fps = found != header.end() && found->is_number() ? found->get<double>() : 0;
+    return fps >= lowest_fps && fps <= highest_fps ? fps : 0;
 }
 
 std::string ending_of(const std::string& type) { return type == "image/jpeg" ? ".jpg" : ".png"; }
@@ -37,7 +37,9 @@ std::string ending_of(const std::string& type) { return type == "image/jpeg" ? "
 }  // namespace
 
 WriteDrone::WriteDrone(hive::Drone& drone)
-    : drone_(drone), files_(drone.output("files", "application/json", "what has been written, when a file is complete"))
+    : drone_(drone),
+      files_(drone.output("files", "application/json", "what has been written, when a file is complete")),
+      remembered_(drone.remembered("file"))
 {
     declare();
     drone_.on_start([] {
@@ -48,38 +50,70 @@ WriteDrone::WriteDrone(hive::Drone& drone)
     drone_.on_change([this] { apply(); });
     drone_.on_event(
         "image", hive::vision::image_types, [this](const hive::Event& event) { take(event); }, "what is written");
-    drone_.on_end([this](const std::string& text) { close("end of source", text); });
+    drone_.on_end([this](const std::string& text) {
+        end_former();
+        close(present_, "end of source", text);
+    });
+    drone_.main([this] {
+        end_former();
+        return std::chrono::hours(1);  // a set calls it at once
+    });
 }
 
 void WriteDrone::declare()
 {
-    drone_.parameter("file", file_, hive::anything(),
+    drone_.parameter("file", file_, hive::anything().by_operator(),
                      "path of the video (.mp4 .mov .mkv .avi), or of a folder of pictures (NAME/); another path ends "
                      "it and begins another; empty: ends it");
-    drone_.parameter("overwrite", overwrite_, hive::anything(), "replace what is there already");
-    drone_.parameter("quality", quality_, hive::between(1, 100), "of the pictures; more takes more room");
+    drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace what is there already");
+    drone_.parameter("quality", quality_, hive::between(1, 100),
+                     "of the pictures; more takes more room; counts from the next file on");
     drone_.parameter(
-        "fps", fps_, hive::between(0, 1000).in("fps"),
-        "write pictures at this rate; 0: each keeps its time, in the file it comes from or of its capture");
+        "fps", fps_, hive::between(0, highest_fps).in("fps"),
+        "write pictures at this rate, 0.01 or more; 0: each keeps its time, in the file it comes from or of its "
+        "capture");
     drone_.parameter("count", count_, hive::at_least(0), "end after this many pictures; 0: no limit");
 }
 
 void WriteDrone::run()
 {
     drone_.run();
-    close("stopped");
+    end_former();
+    close(present_, "stopped");
 }
 
 void WriteDrone::apply()
 {
-    if (file_ != opened_)
+    if (fps_ > 0 && fps_ < lowest_fps)
+        throw hive::Error(hive::Errc::refused, "fps is 0, or 0.01 or more");
+    if (std::exchange(remembered_, false))
+        spare_what_was_written();
+    if (file_ != present_.path)
         open();
     say();
 }
 
-/// The new file first: if it cannot be, the old one goes on.
+/// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite`
+/// says.
+void WriteDrone::spare_what_was_written()
+{
+    namespace fs = std::filesystem;
+    std::error_code none;
+    const bool is_folder = fs::is_directory(file_, none);
+    if (!fs::exists(file_, none) || (is_folder && fs::is_empty(file_, none)))
+        return;
+    const auto before = std::exchange(file_, next_free::after({}, is_folder ? fs::path(file_) / "" : fs::path(file_)));
+    drone_.log(before + " was being written when the drone was killed, and stays as it is; goes on in " + file_);
+}
+
+/// The new file first: if it cannot be, the old one goes on. A set that is put back, because another drone refuses it,
+/// comes before the next picture and finds the old one as it was; of the new one nothing is there yet.
 void WriteDrone::open()
 {
+    if (former_ && former_->path == file_) {
+        present_ = *std::exchange(former_, std::nullopt);
+        return;
+    }
     std::unique_ptr<Sink> fresh;
     if (!file_.empty())
         try {
@@ -87,26 +121,29 @@ void WriteDrone::open()
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
         }
-    close("another file was set");
-    opened_ = file_;
-    sink_ = std::move(fresh);
-    times_ = {};
-    written_ = later_ = 0;
-    last_ = std::chrono::microseconds(0);
-    ended_.clear();
+    auto before = std::exchange(present_, File{.path = file_, .sink = std::move(fresh)});
+    if (!former_)
+        former_ = std::move(before);
+}
+
+void WriteDrone::end_former()
+{
+    if (auto former = std::exchange(former_, std::nullopt))
+        close(*former, "another file was set");
 }
 
 void WriteDrone::take(const hive::Event& event)
 {
-    if (!sink_) {
+    end_former();
+    if (!present_.sink) {
         static_cast<void>(
             hive::vision::view(event, {.sixteen_bits = true}));  // what is no picture is told all the same
-        later_ += opened_.empty() ? 0 : 1;
+        present_.later += present_.path.empty() ? 0 : 1;
         return say();
     }
     write(event);
-    if (sink_ && count_ > 0 && written_ >= count_)
-        close("count reached");
+    if (present_.sink && count_ > 0 && present_.written >= count_)
+        close(present_, "count reached");
 }
 
 /// A picture that cannot be read is an exception of its own, and the next one is written; but not where the disk fails.
@@ -114,34 +151,35 @@ void WriteDrone::write(const hive::Event& event)
 {
     Picture picture{.pixels = {}, .sequence = event.identity.sequence, .fps = fps_in(event.header)};
     const auto ending = ending_of(event.type);
-    if (event.type != "image/raw" && sink_->takes_encoded(ending)) {
+    if (event.type != "image/raw" && present_.sink->takes_encoded(ending)) {
         static_cast<void>(hive::vision::size_of(event.body, event.type));
         picture.encoded = {event.body.data(), event.body.size()};
         picture.ending = ending;
     } else {
         picture.pixels = hive::vision::view(event, {.sixteen_bits = true});
     }
-    const auto time = times_.next(moment_of(event));
+    const auto time = present_.times.next(moment_of(event));
     try {
-        sink_->add(picture, time);
+        present_.sink->add(picture, time);
     } catch (const std::exception& error) {
         return fail(error.what());
     }
-    ++written_;
-    last_ = time;
+    ++present_.written;
+    present_.last = time;
 }
 
 /// What a picture from a file says of its time there; of others, when they were captured. A source on demand captures
-/// as fast as the swarm works, which says nothing.
+/// as fast as the swarm works, which says nothing. The epoch tells one file from the next, and each round of one; the
+/// name would not do, for in a folder every picture has its own.
 Moment WriteDrone::moment_of(const hive::Event& event) const
 {
     const auto& identity = event.identity;
-    const auto source = identity.source + "/" + std::to_string(identity.epoch) + "/" + text_in(event.header, "file");
+    const auto source = identity.source + "/" + std::to_string(identity.epoch);
     const auto counted = [&](double fps) {
         return Moment{source, static_cast<std::int64_t>(static_cast<double>(identity.sequence) / fps * 1e6), fps};
     };
     if (fps_ > 0)
-        return {"count", static_cast<std::int64_t>(static_cast<double>(written_) / fps_ * 1e6), fps_};
+        return {"count", static_cast<std::int64_t>(static_cast<double>(present_.written) / fps_ * 1e6), fps_};
     const double fps = fps_in(event.header);
     if (const auto own = number_in(event.header, "media_time_us"); own >= 0)
         return {source, own, fps};
@@ -153,12 +191,12 @@ Moment WriteDrone::moment_of(const hive::Event& event) const
 void WriteDrone::fail(const std::string& problem)
 {
     drone_.report(hive::Errc::io, problem + "; the file has ended and holds what came before");
-    close("failed", problem);
+    close(present_, "failed", problem);
 }
 
-void WriteDrone::close(const std::string& how, const std::string& problem)
+void WriteDrone::close(File& file, const std::string& how, const std::string& problem)
 {
-    const auto sink = std::exchange(sink_, nullptr);
+    const auto sink = std::exchange(file.sink, nullptr);
     if (!sink)
         return;
     std::string trouble = problem;
@@ -170,12 +208,12 @@ void WriteDrone::close(const std::string& how, const std::string& problem)
             drone_.report(hive::Errc::io, error.what());
         trouble += (trouble.empty() ? "" : "; ") + std::string(error.what());
     }
-    ended_ = how;
-    drone_.log(opened_ + ": " + std::to_string(written_) + " pictures, ended: " + how);
+    file.ended = how;
+    drone_.log(file.path + ": " + std::to_string(file.written) + " pictures, ended: " + how);
     if (!drone_.stopping())
-        files_.emit({{"file", opened_},
-                     {"frames", written_},
-                     {"duration_us", last_.count()},
+        files_.emit({{"file", file.path},
+                     {"frames", file.written},
+                     {"duration_us", file.last.count()},
                      {"encoder", encoder},
                      {"ended", how},
                      {"problem", trouble}});
@@ -184,12 +222,14 @@ void WriteDrone::close(const std::string& how, const std::string& problem)
 
 void WriteDrone::say()
 {
-    if (opened_.empty())
+    if (present_.path.empty())
         return drone_.condition("no file: set one, file=PATH");
-    if (sink_)
+    if (present_.sink)
         return drone_.condition("");
-    drone_.condition("ended: " + ended_
-                     + (later_ > 0 ? "; " + std::to_string(later_) + " pictures came later and are not written" : ""));
+    drone_.condition("ended: " + present_.ended
+                     + (present_.later > 0
+                            ? "; " + std::to_string(present_.later) + " pictures came later and are not written"
+                            : ""));
 }
 
 }  // namespace writing

@@ -7,9 +7,20 @@
 #include <hive/drone.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace writing {
+
+/// One that is being written, or has been.
+struct File {
+    std::string path;            ///< empty: none
+    std::unique_ptr<Sink> sink;  ///< gone when the file has ended
+    FileTimes times;
+    std::int64_t written = 0, later = 0;  ///< pictures
+    std::chrono::microseconds last{0};    ///< the time of the last one
+    std::string ended;                    ///< how
+};
 
 /// On the user thread.
 class WriteDrone {
@@ -20,27 +31,28 @@ public:
 private:
     void declare();
     void apply();
+    void spare_what_was_written();
     void open();
+    void end_former();
     void take(const hive::Event& event);
     void write(const hive::Event& event);
-    void close(const std::string& how, const std::string& problem = "");
+    void close(File& file, const std::string& how, const std::string& problem = "");
     void fail(const std::string& problem);
     void say();
     [[nodiscard]] Moment moment_of(const hive::Event& event) const;
 
     hive::Drone& drone_;
     hive::Output files_;
+    bool remembered_;  ///< is `file` what the drone was told before a crash?
     std::string file_;
     bool overwrite_ = false;
     int quality_ = 80, count_ = 0;
     double fps_ = 0;
 
-    std::string opened_;
-    std::unique_ptr<Sink> sink_;  ///< gone when the file has ended
-    FileTimes times_;
-    std::int64_t written_ = 0, later_ = 0;
-    std::chrono::microseconds last_{0};
-    std::string ended_;  ///< how
+    File present_;
+    /// What was being written when `file` was set, until that holds: the drone's code is not called before it does, but
+    /// to put the parameters back.
+    std::optional<File> former_;
 };
 
 }  // namespace writing

@@ -78,7 +78,9 @@ Run declare(CommandLine& line, Session& session)
     const auto first_frame = line.flag("--first-frame", options->first_frame,
                                        "begin with the newest event that exists already; not for shared work");
     line.flag("--share", options->share,
-              "the receivers share the work: each event goes to exactly one of them, the one waiting longest")
+              "the receivers share the work: each event goes to exactly one of them, the one with the fewest events in "
+              "hand, or "
+              "of these the one waiting longest")
         .excludes(stream)
         .excludes(notify)
         .excludes(first_frame);

@@ -1,6 +1,7 @@
 // hivectl down: ends the drones of a swarm.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
+#include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../swarm_file.hpp"
@@ -34,8 +35,13 @@ int run(const std::string& file, Session& session)
         complain("down", "no swarm was brought up from here");
     int code = exit_code::done;
     for (const auto& plan : plans) {
+        if (interrupt::requested()) {
+            complain("down", plan.name + " was left as it is");
+            code = interrupt::exit_code();
+            continue;
+        }
         const auto outcome = [&] {
-            const SwarmWork work;
+            const SwarmWork work("down");
             return hive::Swarm(application, plan).down(session.timeout(10s), work.watch());
         }();
         for (const auto& step : outcome.steps)
@@ -63,7 +69,7 @@ Verb down_verb()
             .summary = "Ends all drones of a swarm",
             .details = "Prints the names of the drones that ended. Sources take nothing more, and each drone ends as "
                        "soon as it has handed on what it had, so that nothing lossless is lost unless its receiver "
-                       "does not take it in time.",
+                       "does not take it in time. Ctrl-C has it wait no longer, and leaves the swarms that come after.",
             .examples = "hivectl down\n"
                         "hivectl down doorway.json",
             .timeout = "for events on their way; then they are lost (default 10)",

@@ -90,6 +90,8 @@ int run(const Options& options, Session& session)
     hive::SwarmPlan plan;
     if (options.from.empty()) {
         plan = running_plan(options, session, outcome);
+        if (!options.names.empty() && plan.drones.empty())
+            return outcome.exit_code();  // an empty swarm, brought up, would end all that has its name
     } else {
         const auto reading = hive::check_swarm(swarm_text(options.from), session.timeout(std::chrono::seconds(10)));
         for (const auto& mistake : reading.mistakes)
@@ -111,13 +113,17 @@ Run declare(CommandLine& line, Session& session)
     line.option("NAME", options->names, "only these drones or globs (default: all of the swarm, or all that run)");
     line.option("--swarm", options->swarm, "the name of the swarm (default: the one that was brought up from here)")
         .type_name("NAME");
-    line.option("--as", options->form,
+    const auto form =
+        line.option(
+                "--as", options->form,
                 "write it for what is to run it: units of systemd, a compose file, manifests of Kubernetes, a script "
                 "for sbatch, or a script of hivectl")
-        .type_name("FORM")
-        .one_of(hive::export_forms());
+            .type_name("FORM")
+            .one_of(hive::export_forms());
     line.option("--from", options->from, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
-    line.option("--to", options->folder, "write the files there, and print their names").type_name("FOLDER");
+    line.option("--to", options->folder, "write the files of --as there, and print their names")
+        .type_name("FOLDER")
+        .needs(form);
     line.option("--image", options->image, "of the containers (default hive:latest)").type_name("NAME");
     return [options, &session] { return run(*options, session); };
 }

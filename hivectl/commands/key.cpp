@@ -140,9 +140,10 @@ int run(const Options& options, const Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("ACTION", options->action,
-                "new: make the swarm's key; view: make a weaker one of it; rotate: change it; "
-                "show: say which there are, and not their secrets")
+    line.option(
+            "ACTION", options->action,
+            "new: make the swarm's key; view: derive a key that only lets its holder look and receive; rotate: replace "
+            "the key; show: list the keys without their secrets")
         .required()
         .one_of({"new", "view", "rotate", "show"});
     line.option("--file", options->file, "the key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
@@ -173,7 +174,7 @@ Verb key_verb()
                         "hivectl key show\n"
                         "hivectl key view  for who may look only\n"
                         "hivectl key rotate --keep 3600  the old key holds for one more hour",
-            .timeout = "not used: nobody is asked",
+            .timeout = "has no effect here",
             .operands = {Operand::other},
             .declare = declare};
 }

@@ -33,7 +33,8 @@ void print_line(const std::string& name, const std::string& line, bool json)
     write_out(json ? Row{{"drone", name}, {"line", line}}.json() + "\n" : printable(line) + "\n");
 }
 
-/// The last lines, and where the file was read to.
+/// The last lines, and where the file was read to. Who follows waits for the end of a line that has none yet; otherwise
+/// it is the last word of a program that was killed.
 std::streamoff print_last(const std::filesystem::path& file, const Options& options, bool json)
 {
     std::ifstream in(file, std::ios::binary);
@@ -42,8 +43,8 @@ std::streamoff print_last(const std::filesystem::path& file, const Options& opti
                           "see what runs: hivectl ps");
     std::deque<std::string> last;
     std::streamoff read = 0;
-    for (std::string line; std::getline(in, line) && !in.eof();) {
-        read = in.tellg();
+    for (std::string line; std::getline(in, line) && !(in.eof() && options.follow);) {
+        read = in.eof() ? read : std::streamoff(in.tellg());
         last.push_back(line);
         if (last.size() > static_cast<std::size_t>(options.lines))
             last.pop_front();

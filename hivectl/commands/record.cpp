@@ -145,7 +145,9 @@ void summarize(const std::string& file, const hive::recording::Writer& writer, b
                    : printable(file) + ": " + count_text(summary.events(), "event") + " of "
                          + count_text(outputs, "output") + " in " + duration_text(summary.duration_us) + ", "
                          + size_text(static_cast<std::int64_t>(writer.size()))
-                         + (lost.empty() ? ", nothing lost\n" : "; what was lost is listed above\n"));
+                         + (!lost.empty()              ? "; what was lost is listed above\n"
+                            : writer.failure().empty() ? ", nothing lost\n"
+                                                       : "\n"));
 }
 
 int exit_code_for(int code, const hive::recording::Writer& writer)
@@ -153,8 +155,8 @@ int exit_code_for(int code, const hive::recording::Writer& writer)
     const bool any = writer.summary().events() > 0;
     if (!writer.failure().empty())
         complain("record", writer.failure() + "; the file holds what came before");
-    if (!writer.failure().empty() && !any)
-        return exit_code::failure;
+    if (!writer.failure().empty())
+        return any ? exit_code::partly_done : exit_code::failure;
     return writer.summary().lossless() || code != exit_code::done ? code : exit_code::partly_done;
 }
 

@@ -131,7 +131,7 @@ Verb replace_verb()
                 "have, such as a V4L2 device, is there for the new one when the old one has ended: a drone of your own "
                 "has to try again until then, as the camera does.",
             .examples = "hivectl replace face-1\n"
-                        "hivectl replace face-1 --kind detect model=yunet.onnx",
+                        "hivectl replace face-1 --kind detect model=yolov8n.onnx",
             .timeout = "end the new process if it is not ready within this long (default 10)",
             .operands = {Operand::drone, Operand::other},
             .declare = declare};

@@ -70,8 +70,7 @@ int exit_code_of_failure(const std::vector<hive::Answer>& answers)
 
 int set_many(const Options& options, const hive::Json& settings, Session& session)
 {
-    // Until the very end: a Ctrl-C that comes when all have changed does not say that nothing has.
-    static const interrupt::Deferred deferred;
+    interrupt::defer_until_exit();  // a Ctrl-C after all have changed must not report that none has
     auto& application = session.application();
     const auto result = application.set(application.find(options.target), settings, interrupt::requested);
     Outcome outcome("set");

@@ -55,21 +55,28 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     return *event;
 }
 
-/// Beside the file first, then renamed: nobody sees half of it.
-void save(const std::filesystem::path& file, const hive::Body& body)
+/// Beside the file first, then renamed: nobody sees half of it. A link stays one, and what is no file (a pipe,
+/// /dev/null) is written and not replaced.
+void save(const std::filesystem::path& named, const hive::Body& body)
 {
-    const std::filesystem::path part = file.string() + "." + std::to_string(::getpid()) + ".part";
+    namespace fs = std::filesystem;
+    const auto file = !fs::is_symlink(named) ? named
+                      : fs::exists(named)    ? fs::canonical(named)
+                                             : named.parent_path() / fs::read_symlink(named);
+    const bool replaces = !fs::exists(file) || fs::is_regular_file(file);
+    const fs::path part = replaces ? file.string() + "." + std::to_string(::getpid()) + ".part" : file.string();
     std::ofstream out(part, std::ios::binary);
     out.write(reinterpret_cast<const char*>(body.data()), static_cast<std::streamsize>(body.size()));
     out.close();
     std::error_code problem;
-    if (out)
-        std::filesystem::rename(part, file, problem);
+    if (out && replaces)
+        fs::rename(part, file, problem);
     if (out && !problem)
         return;
     const std::string reason = problem ? problem.message() : std::strerror(errno);
-    std::filesystem::remove(part, problem);
-    throw hive::Error(hive::Errc::io, "cannot write " + printable(file.string()) + ": " + reason);
+    if (replaces)
+        fs::remove(part, problem);
+    throw hive::Error(hive::Errc::io, "cannot write " + printable(named.string()) + ": " + reason);
 }
 
 int run(const Options& options, Session& session)

@@ -32,7 +32,6 @@ void print(const std::vector<hive::SwarmStep>& steps, bool json)
 /// Until Ctrl-C, which is how this is meant to end.
 void stay(hive::Swarm& swarm)
 {
-    const interrupt::Deferred deferred;
     swarm.stay([](const std::string& text) { complain("up", printable(text)); },
                {.on_progress = {}, .cancelled = interrupt::requested});
 }
@@ -47,8 +46,9 @@ int run(const Options& options, Session& session)
         print(swarm.differences(), session.json);
         return exit_code::done;
     }
+    interrupt::defer_until_exit();
     const auto outcome = [&] {
-        const SwarmWork work;
+        const SwarmWork work("up");
         return swarm.up(session.timeout(60s), work.watch());
     }();
     if (outcome.failures.empty())
@@ -57,7 +57,8 @@ int run(const Options& options, Session& session)
         complain("up", outcome.remains.empty()
                            ? "nothing of " + plan->name + " was changed, because:"
                            : plan->name + " was not brought up, and not all that was begun could be undone:");
-    const int code = complain_about("up", outcome);
+    const bool all_done = outcome.failures.empty() && outcome.remains.empty();  // even if Ctrl-C came after that
+    const int code = all_done ? exit_code::done : complain_about("up", outcome);
     if (!options.stay || code != exit_code::done)
         return code;
     stay(swarm);
@@ -71,7 +72,7 @@ Run declare(CommandLine& line, Session& session)
     const auto dry_run = line.flag("--dry-run", options->dry_run, "only print what would be done");
     line.flag("--stay", options->stay,
               "stay until Ctrl-C, and start again what falls and has a \"restart\" in the file: 5 times within 60 s, "
-              "then ps shows it as failed")
+              "then ps shows it as failed; what hivectl down ends stays down until it is brought up again")
         .excludes(dry_run);
     return [options, &session] { return run(*options, session); };
 }

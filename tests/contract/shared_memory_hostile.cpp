@@ -86,7 +86,7 @@ struct HostilePeer : RawPair {
 
 Errc verdict(HostilePeer& peer)
 {
-    REQUIRE(peer.until_closed(2s));
+    REQUIRE(peer.until_closed());
     return peer.end.code;
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("hostile shared memory: at the end only what is held is copied, and no
     REQUIRE(little.loop.until([&] { return little.end.has(2); }));
     const auto before = resident_bytes();
     little.raw->close();
-    REQUIRE(little.until_closed(2s));
+    REQUIRE(little.until_closed());
     CHECK(little.end.packets[1].body.data()[4095] == 'w');
     if (!sanitized)
         CHECK(resident_bytes() < before + (1u << 20));
@@ -297,7 +297,7 @@ TEST_CASE("hostile shared memory: descriptors that nobody asked for end the conn
         REQUIRE(peer.loop.until([&] { return done; }));
         peer.loop.run_for(5ms);
     }
-    CHECK(peer.until_closed(2s));
+    CHECK(peer.until_closed());
     CHECK(open_descriptors() <= before);
     CHECK(sent <= 4);
 }
@@ -309,6 +309,6 @@ TEST_CASE_TEMPLATE("hostile shared memory: on a connection that cannot share the
     pair.write(hello());
     REQUIRE(pair.loop.until([&] { return pair.end.has(1); }));
     pair.write(encoded(PacketType::segment, hive::to_text(to_json(Segment{0, 8, slot_size}))));
-    CHECK(pair.until_closed(2s));
+    CHECK(pair.until_closed());
     CHECK(pair.end.code == Errc::malformed);
 }

@@ -1,9 +1,12 @@
 // What a bad peer can do: nothing but lose its connection, in time, with the reason.
 #include "transport_world.hpp"
 
+#include <switched_off.hpp>
+
 #include <asio/steady_timer.hpp>
 
 using namespace world;
+using hive::test::SwitchedOff;
 
 namespace {
 
@@ -62,6 +65,28 @@ std::vector<Opening> wrong_openings()
     return openings;
 }
 
+/// The memory that four bodies of 64 MiB take before anything of them has come.
+std::int64_t cost_of_promises(Address (*address)(const Folder&))
+{
+    std::vector<std::unique_ptr<RawPair>> pairs;
+    const auto before = resident_bytes();
+    for (int i = 0; i < 4; ++i) {
+        pairs.push_back(std::make_unique<RawPair>(address, patient));
+        pairs.back()->write(hello() + prefix(PacketType::event, 2, 64U << 20) + "{}");
+        REQUIRE(pairs.back()->loop.until([&] { return pairs.back()->end.has(1); }));
+        pairs.back()->loop.run_for(20ms);
+    }
+    return static_cast<std::int64_t>(resident_bytes()) - static_cast<std::int64_t>(before);
+}
+
+/// Bytes of one packet, a few at a time, for two seconds or until the other end has had enough.
+void trickle(RawPair& pair)
+{
+    pair.write(hello() + prefix(PacketType::event, 2, 1U << 20) + "{}");
+    for (int i = 0; i < 200 && pair.end.closed == 0 && pair.write("some bytes"); ++i)
+        pair.loop.run_for(10ms);
+}
+
 }  // namespace
 
 TEST_CASE_TEMPLATE("bad peer: every wrong opening is closed at once with its reason", Place, Unix, Tcp, InProcess)
@@ -72,10 +97,18 @@ TEST_CASE_TEMPLATE("bad peer: every wrong opening is closed at once with its rea
         CAPTURE(opening.bytes.substr(0, 40));
         RawPair pair(Place::address, patient);
         pair.write(opening.bytes);
-        REQUIRE(pair.until_closed(2s));
+        REQUIRE(pair.until_closed());
         CHECK(pair.end.code == opening.expected);
         CHECK(pair.end.packets.empty());
     }
+}
+
+TEST_CASE_TEMPLATE("bad peer: when the first bytes are not looked at, a short wrong opening stays", Place, Unix, Tcp)
+{
+    const SwitchedOff first_bytes("first-bytes");
+    RawPair pair(Place::address, patient);
+    pair.write("GET /\r\n");
+    CHECK_FALSE(pair.until_closed(300ms));
 }
 
 TEST_CASE_TEMPLATE("bad peer: a version mismatch names both versions", Place, Unix, Tcp, InProcess)
@@ -116,16 +149,18 @@ TEST_CASE_TEMPLATE("bad peer: sizes over the limit are refused from the prefix a
 
 TEST_CASE_TEMPLATE("bad peer: a promised body that never comes costs no memory", Place, Unix, Tcp, InProcess)
 {
-    std::vector<std::unique_ptr<RawPair>> pairs;
-    const auto before = resident_bytes();
-    for (int i = 0; i < 4; ++i) {
-        pairs.push_back(std::make_unique<RawPair>(Place::address, patient));
-        pairs.back()->write(hello() + prefix(PacketType::event, 2, 64U << 20) + "{}");
-        REQUIRE(pairs.back()->loop.until([&] { return pairs.back()->end.has(1); }));
-        pairs.back()->loop.run_for(20ms);
-    }
+    const auto bytes = cost_of_promises(Place::address);
     if (!sanitized)
-        CHECK(resident_bytes() < before + (2U << 20));
+        CHECK(bytes < 2 << 20);
+}
+
+TEST_CASE_TEMPLATE("bad peer: when the pages of a promised body are touched, the promise costs memory", Place, Unix,
+                   Tcp)
+{
+    const SwitchedOff untouched("untouched-bodies");
+    const auto bytes = cost_of_promises(Place::address);
+    if (!sanitized)
+        CHECK(bytes > 200 << 20);
 }
 
 TEST_CASE_TEMPLATE("bad peer: who says no hello is closed in time", Place, Unix, Tcp, InProcess)
@@ -136,6 +171,13 @@ TEST_CASE_TEMPLATE("bad peer: who says no hello is closed in time", Place, Unix,
     CHECK(std::chrono::steady_clock::now() - begin < hasty.first_packet + 5s);
     CHECK(pair.end.code == Errc::timeout);
     CHECK(pair.end.text.find("no hello within 120 ms") != std::string::npos);
+}
+
+TEST_CASE_TEMPLATE("bad peer: without a deadline for the hello, silent strangers stay", Place, Unix, Tcp)
+{
+    const SwitchedOff deadline("hello-deadline");
+    RawPair pair(Place::address, hasty);
+    CHECK_FALSE(pair.until_closed(5 * hasty.first_packet));
 }
 
 TEST_CASE_TEMPLATE("bad peer: a hello byte by byte is closed at the deadline", Place, Unix, Tcp, InProcess)
@@ -163,16 +205,34 @@ TEST_CASE_TEMPLATE("bad peer: silence after the hello is death", Place, Unix, Tc
     CHECK(pair.end.packets.size() == 1);
 }
 
+TEST_CASE_TEMPLATE("bad peer: when heartbeats are not waited for, silence after the hello is not noticed", Place, Unix,
+                   Tcp)
+{
+    const SwitchedOff heartbeats("heartbeats");
+    RawPair pair(Place::address, hasty);
+    pair.write(hello());
+    CHECK_FALSE(pair.until_closed(4 * hasty.silence));
+}
+
 TEST_CASE_TEMPLATE("bad peer: a packet that trickles is cut off although bytes come", Place, Unix, Tcp, InProcess)
 {
     RawPair pair(Place::address, hasty);
-    pair.write(hello() + prefix(PacketType::event, 2, 1U << 20) + "{}");
-    for (int i = 0; i < 200 && pair.end.closed == 0 && pair.write("some bytes"); ++i)
-        pair.loop.run_for(10ms);
+    trickle(pair);
     REQUIRE(pair.end.closed == 1);
     CHECK(pair.end.code == Errc::timeout);
     CHECK(pair.end.text.find("64 KiB/s") != std::string::npos);
     CHECK(pair.end.packets.size() == 1);
+}
+
+TEST_CASE_TEMPLATE("bad peer: when progress is not asked for, a packet that trickles holds its connection", Place, Unix,
+                   Tcp)
+{
+    const SwitchedOff progress("progress");
+    Timing timing = hasty;
+    timing.silence = patient.silence;
+    RawPair pair(Place::address, timing);
+    trickle(pair);
+    CHECK(pair.end.closed == 0);
 }
 
 TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers nothing of it", Place, Unix, Tcp,
@@ -235,7 +295,7 @@ TEST_CASE_TEMPLATE(
     for (int i = 0; i < 2000 && pair.end.closed == 0; ++i)
         if (!pair.write(encoded(PacketType::ping)))
             break;
-    REQUIRE(pair.until_closed(2s));
+    REQUIRE(pair.until_closed());
     CHECK(pair.end.code == Errc::too_large);
     CHECK(pair.end.text.find("it does not read") != std::string::npos);
 }

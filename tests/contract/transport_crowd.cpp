@@ -1,12 +1,15 @@
 // Many peers, few descriptors: the limits on those who have said nothing yet.
 #include "transport_world.hpp"
 
+#include <switched_off.hpp>
+
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 using namespace world;
+using hive::test::SwitchedOff;
 
 namespace {
 
@@ -39,6 +42,8 @@ std::chrono::microseconds processor_time()
     return time(usage.ru_utime) + time(usage.ru_stime);
 }
 
+constexpr int spins = 1;
+
 /// In a process of its own: 0 when running out of descriptors neither spins nor lasts.
 int run_out_of_descriptors(const Address& place)
 {
@@ -54,12 +59,23 @@ int run_out_of_descriptors(const Address& place)
     leave_descriptors(3);
     const auto before = processor_time();
     loop.run_for(450ms);
-    if (processor_time() - before > 150ms)
-        return 1;
+    if (processor_time() - before > (sanitized ? 40ms : 20ms))  // others may use the machine as well
+        return spins;
     if (ends.size() != 3)
         return 2;
     limit_descriptors(1024);
-    return loop.until([&] { return ends.size() == 10; }, 2s) ? 0 : 3;
+    return loop.until([&] { return ends.size() == 10; }) ? 0 : 3;
+}
+
+int in_a_child(int (*run)(const Address&), const Address& place)
+{
+    const pid_t child = ::fork();
+    if (child == 0)
+        ::_exit(run(place));
+    int status = -1;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    REQUIRE(WIFEXITED(status));
+    return WEXITSTATUS(status);
 }
 
 }  // namespace
@@ -67,13 +83,14 @@ int run_out_of_descriptors(const Address& place)
 TEST_CASE_TEMPLATE("crowd: running out of descriptors pauses accepting, spins not, and recovers", Place, Unix, Tcp)
 {
     Folder folder;
-    const pid_t child = ::fork();
-    if (child == 0)
-        ::_exit(run_out_of_descriptors(Place::address(folder)));
-    int status = -1;
-    REQUIRE(::waitpid(child, &status, 0) == child);
-    REQUIRE(WIFEXITED(status));
-    CHECK(WEXITSTATUS(status) == 0);
+    CHECK(in_a_child(run_out_of_descriptors, Place::address(folder)) == 0);
+}
+
+TEST_CASE_TEMPLATE("crowd: when accepting does not pause, running out of descriptors spins", Place, Unix, Tcp)
+{
+    const SwitchedOff pause("accept-pause");
+    Folder folder;
+    CHECK(in_a_child(run_out_of_descriptors, Place::address(folder)) == spins);
 }
 
 TEST_CASE_TEMPLATE("crowd: at most 64 peers without a hello are inside at once", Place, Unix, Tcp, InProcess)
@@ -107,7 +124,7 @@ TEST_CASE_TEMPLATE("crowd: a thousand silent peers cost little, and good ones be
 {
     Timing timing = patient;
     timing.first_packet = 50ms;
-    Pair pair(Place::address, timing);
+    Pair pair(Place::address, patient);
     const auto before = resident_bytes();
     // Each further connection of the pair's listener becomes its listening end; keep the good one apart.
     const auto good = pair.listening.connection;

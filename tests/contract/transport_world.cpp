@@ -158,7 +158,7 @@ std::string encoded(PacketType type, const std::string& header, const std::strin
            + body;
 }
 
-int connect_raw(const Address& address)
+int connect_raw(const Address& address, std::uint32_t from)
 {
     sockaddr_un unix_address{};
     unix_address.sun_family = AF_UNIX;
@@ -169,6 +169,11 @@ int connect_raw(const Address& address)
     tcp_address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const bool tcp = address.scheme == Address::Scheme::tcp;
     const int descriptor = ::socket(tcp ? AF_INET : AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    own.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + from);
+    if (tcp)
+        REQUIRE(::bind(descriptor, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0);
     const int result = tcp ? ::connect(descriptor, reinterpret_cast<sockaddr*>(&tcp_address), sizeof tcp_address)
                            : ::connect(descriptor, reinterpret_cast<sockaddr*>(&unix_address), sizeof unix_address);
     REQUIRE(result == 0);

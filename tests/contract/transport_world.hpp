@@ -120,7 +120,8 @@ std::string prefix(PacketType type, std::uint32_t header_size, std::uint32_t bod
 inline std::string hello() { return encoded(PacketType::hello, R"({"name":"a"})"); }
 
 /// A blocking connect by the operating system alone.
-int connect_raw(const Address& address);
+/// @param from  the last number of a loopback address, 127.0.0.FROM
+int connect_raw(const Address& address, std::uint32_t from = 1);
 std::size_t resident_bytes();
 
 }  // namespace world

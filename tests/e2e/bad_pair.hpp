@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 
 namespace hive::test {
@@ -84,6 +85,22 @@ public:
         for (const auto& sleeper : sleepers_)
             numbers.push_back(at_inputs(at_sink_.status(sleeper), &hive::InputStatus::registration));
         return numbers;
+    }
+
+    /// What either end said of connections that ended.
+    [[nodiscard]] std::string said() const
+    {
+        std::string lines;
+        const auto add = [&](const Machine& machine, const std::string& drone) {
+            std::istringstream log(machine.swarm.log(drone));
+            for (std::string line; std::getline(log, line);)
+                if (line.find("lost") != std::string::npos || line.find("life") != std::string::npos)
+                    lines += drone + ": " + line + "\n";
+        };
+        add(source(), "ticker");
+        for (const auto& sleeper : sleepers_)
+            add(sink(), sleeper);
+        return lines;
     }
 
 private:

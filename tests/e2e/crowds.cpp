@@ -142,16 +142,29 @@ TEST_CASE("crowds: when members fill all places, the places kept for the local s
     CHECK(house.swarm.hivectl_done({"set", "ticker", "fps=50"}) == "50.0\n");
     const auto elsewhere = asked_from_elsewhere(house, {"get", "ticker", "fps"});
     CHECK_MESSAGE(elsewhere.exit_code == 0, elsewhere.err);
-    CHECK(members.served() == 256);
+    CHECK(eventually([&] { return members.served() == 256; }));
     CHECK(eventually([&] { return house.swarm.log("ticker").find("256 peers are connected") != std::string::npos; }));
 }
 
 TEST_CASE("crowds: when no places are kept, a drone whose places are all taken hears nobody else")
 {
-    const House house({"HIVE_TEST_NO_RESERVED_PLACES=1"});
+    const House house({"HIVE_TEST_WITHOUT=reserved-places"});
     Crowd members(house.address, house.swarm.key_file());
     members.come(256);
     REQUIRE(eventually([&] { return members.served() == 256; }, 10'000ms));
     CHECK(house.swarm.hivectl({"set", "ticker", "fps=50"}).exit_code != 0);
     CHECK(asked_from_elsewhere(house, {"get", "ticker", "fps"}).exit_code != 0);
+}
+
+TEST_CASE("crowds: when hardly anybody may wait to be accepted, 200 peers take longer than they may")
+{
+    constexpr int peers = 200;
+    const House house({"HIVE_TEST_WITHOUT=backlog"});
+    Crowd crowd(house.address, house.swarm.key_file());
+    const auto first = Clock::now();
+    crowd.come(peers);
+    REQUIRE(eventually([&] { return crowd.served() == peers; }, 30s));
+    const Seconds came = Clock::now() - first;
+    MESSAGE("came within " << came.count() << " s");
+    CHECK(came > 2s);  // in which all are served otherwise: the kernel asks again after 1 s, then after 2 s more
 }

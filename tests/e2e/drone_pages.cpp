@@ -48,7 +48,7 @@ const std::vector<Page> pages{
      {{"hivectl set cam source=/dev/video0 width=1280 height=720", set_device}}},
     {"detect", "", {}},
     {"edges", "hivectl start camera\n", {}},
-    {"face", "hivectl start camera --as cam\n", {}},
+    {"face", "", {}},
     {"gesture", "", {}},
     {"record", "", {}},
     {"replay", recording, {}},
@@ -81,16 +81,10 @@ std::string replaced(std::string text, const std::string& from, const std::strin
     return text;
 }
 
-/// What a reader does in another window: programs that stay in the foreground; and a moment of patience with a server.
-constexpr auto windows = R"(
+/// A moment of patience with a server; and who failed.
+constexpr auto patient_reader = R"(
 trap 'kill $(jobs -p) 2> /dev/null || true' EXIT
 trap 'echo "failed: $BASH_COMMAND" >&2' ERR
-in_window() {
-    "$bin/$1" "${@:2}" < /dev/null > window.log 2>&1 &
-    until hivectl wait "$3" > /dev/null 2>&1; do sleep 0.05; done
-}
-hive-camera() { in_window hive-camera "$@"; }
-hive-face() { in_window hive-face "$@"; }
 curl() { command curl --silent --show-error --fail --retry 20 --retry-delay 1 --retry-connrefused "$@"; }
 )";
 
@@ -121,9 +115,9 @@ void run_page(const std::string& folder)
     const onnx::File model(".onnx", onnx::bytes_of({8, 8, {1, 5, 7}, std::vector<float>(35, 0.0F), {}}));
     fs::copy_file(model.path(), swarm.home() / "yolov8n.onnx");
     std::ofstream(swarm.home() / "coco.names") << "person\n";
-    const auto script = "port1=" + std::to_string(free_port()) + " port2=" + std::to_string(free_port()) + " bin='"
-                        + swarm.program("").string() + "' HOME=$PWD\n" + windows + screen_for(page)
-                        + "of_reader=$patience patience=60\n" + page.before + "\npatience=$of_reader\n" + commands;
+    const auto script = "port1=" + std::to_string(free_port()) + " port2=" + std::to_string(free_port())
+                        + " HOME=$PWD\n" + patient_reader + screen_for(page) + "of_reader=$patience patience=60\n"
+                        + page.before + "\npatience=$of_reader\n" + commands;
     const auto finished = run_as_reader(swarm, script, sanitized() ? 10 : 1);
     CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of\n", commands, "\nit printed\n",
                   finished.out, finished.err);

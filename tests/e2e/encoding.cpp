@@ -8,6 +8,7 @@
 
 #include <fstream>
 #include <future>
+#include <sys/stat.h>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -46,7 +47,7 @@ public:
 
     hive::Event next()
     {
-        auto item = module_.next(mailbox_, Clock::now() + 10s);
+        auto item = module_.next(mailbox_, Clock::now() + patient(10'000ms));
         REQUIRE(item);
         return std::get<hive::Event>(std::move(*item));
     }
@@ -234,4 +235,17 @@ TEST_CASE("encoding: snap saves what the ending of the file says")
     CHECK(begin_of("a.png") == "\x89PNG");
     CHECK(begin_of("a.jpg").starts_with("\xff\xd8"));
     CHECK(begin_of("a.JPEG").starts_with("\xff\xd8"));
+    namespace fs = std::filesystem;
+    fs::create_symlink("b.jpg", swarm.home() / "link.jpg");
+    CHECK(begin_of("link.jpg").starts_with("\xff\xd8"));
+    CHECK(fs::is_symlink(swarm.home() / "link.jpg"));
+    CHECK(begin_of("b.jpg").starts_with("\xff\xd8"));
+    const auto pipe = (swarm.home() / "pipe.jpg").string();
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    auto reader = Process({"/bin/cat", pipe}, {}, swarm.home() / "read.jpg");
+    CHECK(swarm.hivectl({"snap", "camera", pipe}).exit_code == 0);
+    CHECK(reader.wait(patient(5000ms)) == 0);
+    CHECK(fs::is_fifo(pipe));
+    CHECK(text_of(swarm.home() / "read.jpg").starts_with("\xff\xd8"));
+    CHECK(swarm.hivectl({"snap", "camera", swarm.home().string()}).exit_code == 1);
 }

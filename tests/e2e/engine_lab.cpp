@@ -144,7 +144,7 @@ void EngineLab::kill(const std::string& drone)
     if (form_ != "shell")
         return runs_.at(drone).process->kill();
     const auto pid = [&]() -> pid_t {
-        for (const auto& row : Json::parse(shell_done("hivectl ps --json")))
+        for (const auto& row : Json::parse(shell_done("hivectl ps --json --timeout 10")))
             if (row.at("name") == drone && row.at("pid").is_number())
                 return row.at("pid").get<pid_t>();
         return 0;

@@ -42,7 +42,7 @@ TEST_CASE(
     CHECK(exception->header.at("input") == "image");
     CHECK(exception->header.at("text") == "event " + std::to_string(at) + " is not to my taste");
 
-    const auto ps = Json::parse(swarm.hivectl_done({"ps", "worker", "--json"}));
+    const auto ps = Json::parse(swarm.hivectl_done({"ps", "worker", "--json", "--timeout", "10"}));
     CHECK(ps.at(0).at("state") == "halted");
     CHECK(swarm.hivectl({"wait", "worker", "--for", "halted"}).exit_code == 0);
     const auto refused = swarm.run({"/bin/sh", "-c", "echo x | hivectl put worker - --type text/plain"});

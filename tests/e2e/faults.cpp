@@ -1,5 +1,6 @@
 // Starting, names and sources that fail: nothing hangs, and every failure says what it was.
 #include "measure.hpp"
+#include "switched_off.hpp"
 
 #include <mute_server.hpp>
 
@@ -64,10 +65,17 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
         CAPTURE(words[0]);
         auto all = words;
         all.insert(all.end(), {"--timeout", "2"});  // which is also the time to register
-        const auto silent = swarm.hivectl(all);
-        CHECK(silent.exit_code == 124);
-        CHECK(has(silent.err, "camera: " + condition));
-        CHECK((words[0] == "results" || has(silent.err, "ticker: halted")));
+        std::string said;
+        CHECK_MESSAGE(eventually([&] {  // who does not answer within half a second has said nothing
+                          const auto before = application.status("camera").condition;
+                          const auto silent = swarm.hivectl(all);
+                          said = silent.err;
+                          CHECK(silent.exit_code == 124);
+                          return (has(said, "camera: " + before)
+                                  || has(said, "camera: " + application.status("camera").condition))
+                                 && (words[0] == "results" || has(said, "ticker: halted"));
+                      }),
+                      said);
     }
 }
 
@@ -128,6 +136,36 @@ TEST_CASE("names: a name whose holder was killed is free at once")
     CHECK(swarm.hivectl({"get", "heir"}).exit_code == 3);
     CHECK(swarm.hivectl_done({"start", "sleeper", "--as", "heir"}) == "heir\n");
     CHECK(swarm.application().describe("heir").kind == "sleeper");
+}
+
+TEST_CASE("names: a name is free within 100 ms of its holder's death")
+{
+    const Swarm swarm;
+    auto application = swarm.application();
+    std::vector<Clock::duration> took;
+    for (int i = 0; i < 7; ++i) {
+        const auto holder = swarm.drone("ticker", "heir");
+        const auto begin = Clock::now();
+        ::kill(holder.pid(), SIGKILL);
+        REQUIRE(eventually([&] { return application.drones().empty(); }));
+        took.push_back(Clock::now() - begin);
+    }
+    MESSAGE("free after ", std::chrono::duration<double, std::milli>(median(took)).count(), " ms in the middle, ",
+            std::chrono::duration<double, std::milli>(std::ranges::max(took)).count(), " ms at most");
+    CHECK(std::ranges::min(took) < stated(100ms));
+    CHECK(std::ranges::max(took) < patient(1000ms));
+}
+
+TEST_CASE("names: when nobody asks whether its holder lives, a name stays taken, and ps shows the dead")
+{
+    const SwitchedOff asking("living-holder");
+    const Swarm swarm;
+    auto first = swarm.drone("ticker", "heir");
+    first.kill();
+    CHECK(Json::parse(swarm.hivectl_done({"ps", "--json"})).size() == 1);
+    const auto second = swarm.run({swarm.program("hive-sleeper").string(), "--name", "heir"});
+    CHECK(second.exit_code == 1);
+    CHECK(has(second.err, "heir runs already"));
 }
 
 TEST_CASE("state: what a drone was told is not for one of another kind with its name")
@@ -258,7 +296,7 @@ TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a
     CHECK(ps.exit_code == 0);
     CHECK(ps.took < stated(4500ms));  // not for the 5 s that are usual with others
     CHECK(Json::parse(ps.out).at(0).at("state") == "silent");
-    CHECK(Json::parse(ps.out).at(1).at("state") == "idle");
+    CHECK(Json::parse(swarm.hivectl_done({"ps", "other", "--json", "--timeout", "10"})).at(0).at("state") == "idle");
     const auto get = swarm.hivectl({"get", "hung", "--timeout", "0.5"});
     CHECK(get.exit_code == 124);
     CHECK(get.took < stated(4000ms));
@@ -308,5 +346,7 @@ TEST_CASE("logs: the last lines of a drone, also of one that has crashed")
     CHECK(lines_of(swarm.hivectl_done({"logs", "ticker", "-n", "1", "--json"})) == 1);
     ::kill(static_cast<pid_t>(swarm.application().status("ticker").pid), SIGKILL);
     CHECK(has(swarm.hivectl_done({"logs", "ticker"}), "started"));
+    std::ofstream(swarm.home() / "ticker.log", std::ios::app) << "last words";
+    CHECK(swarm.hivectl_done({"logs", "ticker", "-n", "1"}) == "last words\n");
     CHECK(swarm.hivectl({"logs", "nobody"}).exit_code == 3);
 }

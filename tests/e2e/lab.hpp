@@ -65,6 +65,7 @@ public:
     /// What goes from one machine to another vanishes, and nobody is told; and comes through again.
     void swallow(std::size_t from, std::size_t to) const { hub_.run("ip rule add " + way(from, to)); }
     void let_through(std::size_t from, std::size_t to) const { hub_.run("ip rule delete " + way(from, to)); }
+    [[nodiscard]] const Swarm& laptop() const { return laptop_->swarm; }
     /// The namespace in the middle, to which all are linked.
     [[nodiscard]] const std::string& hub() const { return hub_.name(); }
     [[nodiscard]] const Machine& machine(std::size_t index) const { return *machines_.at(index); }

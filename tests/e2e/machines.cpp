@@ -3,15 +3,51 @@
 #include "delay_relay.hpp"
 #include "lab.hpp"
 #include "possible.hpp"
+#include "reader.hpp"
 #include "rows.hpp"
 
 #include <doctest/doctest.h>
 
 #include <csignal>
+#include <set>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
+
+TEST_CASE("machines: README's commands for several machines work as they stand there")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    const Lab lab({"cam1", "gpu1", "gpu2"});
+    lab.shell_done("for machine in cam1 gpu1 gpu2; do ssh $machine mkdir -p .config/hive; done");  // as README says
+    auto commands = indented_commands(std::filesystem::path(HIVE_SOURCE_DIR) / "README.md", "## Several machines");
+    const std::string device = "source=/dev/video0";
+    REQUIRE(has(commands, device));
+    if (!std::filesystem::exists("/dev/video0"))
+        commands.replace(commands.find(device), device.size(), "source=scene");
+    const auto script = lab.directory() / "readme.sh";
+    std::ofstream(script) << reader_script(lab.laptop(), commands, 15);
+    const auto finished = lab.shell("exec bash " + script.string(), 120'000ms);
+    REQUIRE_MESSAGE(finished.exit_code == 0, commands, finished.out, finished.err);
+    std::istringstream lines(finished.out);
+    std::int64_t last = 0;
+    std::set<std::string> workers, placed;
+    for (std::string line; std::getline(lines, line);) {
+        for (const std::string machine : {"cam1", "gpu1", "gpu2"})
+            if (has(line, " " + machine + " "))
+                placed.insert(line.substr(0, line.find(' ')) + "@" + machine);  // a row of ps
+        if (!line.starts_with("{\"") || !has(line, "\"seq\""))
+            continue;
+        const auto result = Json::parse(line);
+        CHECK(result.at("seq").get<std::int64_t>() > last);
+        last = result.at("seq").get<std::int64_t>();
+        workers.insert(result.at("sender").get<std::string>());
+    }
+    const std::set<std::string> where{"camera@cam1", "face-1@gpu1", "face-2@gpu2"}, who{"face-1", "face-2"};
+    CHECK_MESSAGE(placed == where, finished.out);
+    CHECK_MESSAGE(workers == who, finished.out);
+}
 
 TEST_CASE("machines: a camera and two workers on three machines, wired and collected from a fourth")
 {
@@ -69,7 +105,7 @@ TEST_CASE("machines: a drone that is killed is unreachable, and is where it was 
     lab.hivectl_done("start sleeper --on gpu1");
     lab.hivectl_done("connect ticker sleeper");
     const auto& cam1 = lab.machine(0);
-    ::kill(row_named(lab.hivectl_done("ps --json"), "name", "ticker").at("pid").get<pid_t>(), SIGKILL);
+    ::kill(row_named(lab.hivectl_done("ps --json --timeout 10"), "name", "ticker").at("pid").get<pid_t>(), SIGKILL);
     REQUIRE(eventually([&] { return cam1.swarm.application().drones().empty(); }));
     CHECK(row_named(lab.hivectl_done("ps --json"), "name", "ticker").at("state") == "unreachable");
     const auto again = cam1.swarm.run(cam1.net.inside({cam1.swarm.program("hivectl").string(), "start", "ticker"}));

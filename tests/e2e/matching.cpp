@@ -121,8 +121,8 @@ TEST_CASE("annotate: live, with a detector slower than the camera, all boxes fin
     const auto counts = matching(swarm.application);
     CHECK(counts.missing.at("image") == 0);
     CHECK(counts.missing.at("marks") > 0);
-    CHECK(swarm.swarm.hivectl_done({"ps", "annotate"}).find(" without marks") != std::string::npos);
-    const auto row = Json::parse(swarm.swarm.hivectl_done({"ps", "annotate", "--json"})).at(0);
+    CHECK(swarm.swarm.hivectl_done({"ps", "annotate", "--timeout", "10"}).find(" without marks") != std::string::npos);
+    const auto row = Json::parse(swarm.swarm.hivectl_done({"ps", "annotate", "--json", "--timeout", "10"})).at(0);
     CHECK(row.at("matching").at(0).at("inputs") == Json{"image", "marks"});
 }
 

@@ -67,10 +67,13 @@ rlim_t addresses_in_use()
     return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
 }
 
+/// However late this process is, what is on its way to it does not use up the memory of the sender.
+const hive::CollectOptions few_on_the_way{.connection = {.window = 8, .group = {}, .lease = {}}};
+
 /// Takes a hundred lossless events; all are whole and in order.
 hive::EdgeStatus take_hundred(const Swarm& swarm, hive::Application& application)
 {
-    const auto collector = application.collect({{"source", "tick"}});
+    const auto collector = application.collect({{"source", "tick"}}, few_on_the_way);
     int intact = 0;
     for (int i = 1; i <= 100; ++i) {
         const auto event = collector->next(patient(5000ms));
@@ -141,7 +144,7 @@ TEST_CASE("memory: a receiver that keeps every event takes nothing from the othe
         REQUIRE(event);
         kept.push_back(std::move(*event));
     }
-    const auto other = modest.collect({{"source", "tick"}});
+    const auto other = modest.collect({{"source", "tick"}}, few_on_the_way);
     for (int i = 0; i < 100; ++i) {
         const auto event = other->next(patient(5000ms));
         REQUIRE(event);
@@ -149,7 +152,7 @@ TEST_CASE("memory: a receiver that keeps every event takes nothing from the othe
     }
     const auto status = modest.status("source");
     for (const auto& row : status.outputs.at(0).edges) {
-        if (row.events.of(hive::Fate::acknowledged) >= 100)
+        if (row.receiver == modest.name())
             CHECK(row.fallback == 0);
         else
             CHECK(row.fallback > 0);

@@ -126,6 +126,18 @@ TEST_CASE("network: a black hole, which tells nobody, is noticed and left behind
     check_each_once(chain);
 }
 
+TEST_CASE("network: when heartbeats are not waited for, a black hole is not noticed in twice the time")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    Chain chain({"HIVE_TEST_WITHOUT=heartbeats"});
+    BadLink link(chain.lab().machine(0), chain.lab().machine(1), {.delay = 5ms});
+    REQUIRE(eventually([&] { return chain.input().received >= 10; }));
+    link.swallow();
+    std::this_thread::sleep_for(5s);  // this is the measurement
+    CHECK(chain.input().connected);
+}
+
 TEST_CASE("network: what vanishes on the way to a receiver that is still heard comes again")
 {
     if (!possible(missing_for_lab()))
@@ -145,7 +157,7 @@ TEST_CASE("network: when places are not kept, what vanishes on the way is lost")
 {
     if (!possible(missing_for_lab()))
         return;
-    Chain chain({"HIVE_TEST_NO_PLACES=1"});
+    Chain chain({"HIVE_TEST_WITHOUT=places"});
     for (int i = 0; i < 3; ++i)
         chain.survive([&] { chain.lab().swallow(0, 1); }, [&] { chain.lab().let_through(0, 1); });
     const auto came = static_cast<std::int64_t>(chain.finished().size());

@@ -59,21 +59,24 @@ TEST_CASE("network figures: two workers on machines of their own, beside the sam
     const Lab lab({"cam1", "gpu1", "gpu2"});
     lab.share_key();
     const char* told = std::getenv("HIVE_TEST_ROUNDS");
-    const int rounds = told ? std::stoi(told) : 3;  // one is enough if it is good, unless one wants to know
-    constexpr double promised = 0.8;                // on a machine that others use as well
+    const int rounds = told ? std::stoi(told) : 6;     // one is enough if it is good, unless one wants to know
+    constexpr double promised = 0.97, at_least = 0.8;  // of the best round; of the median, whatever others do
     constexpr int images = sanitized() ? 10 : 30;
     std::vector<double> here, there, ratios;
-    while (std::ssize(ratios) < rounds && (told || ratios.empty() || median(ratios) <= promised)) {
+    while (std::ssize(ratios) < rounds
+           && (told || ratios.empty() || std::ranges::max(ratios) < promised || median(ratios) < at_least)) {
         here.push_back(rate_of_two_workers(lab, {}, images));
         there.push_back(rate_of_two_workers(lab, {"--on cam1", "--on gpu1", "--on gpu2"}, images));
         ratios.push_back(there.back() / here.back());
     }
     const double ratio = median(ratios);
     MESSAGE("two workers: raw on one machine " << median(here) << " images/s, JPEG over three " << median(there)
-                                               << ", ratio of " << ratios.size() << " rounds " << ratio << "; load "
-                                               << machine_load());
-    if (!sanitized())
-        CHECK(ratio > promised);
+                                               << ", ratio of " << ratios.size() << " rounds " << ratio << ", at most "
+                                               << std::ranges::max(ratios) << "; load " << machine_load());
+    if (sanitized())
+        return;
+    CHECK(std::ranges::max(ratios) >= promised);
+    CHECK(ratio >= at_least);
 }
 
 TEST_CASE("network figures: set across machines, and ps of 64 drones on four machines")
@@ -91,13 +94,18 @@ TEST_CASE("network figures: set across machines, and ps of 64 drones on four mac
     CHECK(rows.size() == 4 * each);
     CHECK(std::ranges::all_of(rows, [](const Json& row) { return row.at("state") == "idle"; }));
 
-    const double nothing = median_ms_of(lab, "--version", 21), set = median_ms_of(lab, "set m1-0 fps=2", 41),
-                 ps = median_ms_of(lab, "ps", 21);
+    constexpr double set_promised = 40, ps_promised = 150;
+    double set = 1e9, ps = 1e9;
+    for (int i = 0; i < 3 && (set >= set_promised || ps >= ps_promised); ++i) {  // others may be at work
+        set = std::min(set, median_ms_of(lab, "set m1-0 fps=2", 41));
+        ps = std::min(ps, median_ms_of(lab, "ps", 21));
+    }
+    const double nothing = median_ms_of(lab, "--version", 21);
     MESSAGE("whole commands: set on another machine " << set << " ms, ps of " << rows.size() << " drones on 4 machines "
                                                       << ps << " ms, --version " << nothing << " ms; load "
                                                       << machine_load());
     if (sanitized())
         return;
-    CHECK(set < std::max(40.0, 4 * nothing));
-    CHECK(ps < std::max(150.0, 15 * nothing));
+    CHECK(set < set_promised);
+    CHECK(ps < ps_promised);
 }

@@ -185,7 +185,7 @@ TEST_CASE("network names: looked up by the thread of the network, one that is no
 {
     if (!possible(missing_for_lab()))
         return;
-    Neighbours neighbours("HIVE_TEST_NO_LOOKUP_THREADS=1");
+    Neighbours neighbours("HIVE_TEST_WITHOUT=lookup-threads");
     CHECK(std::min(neighbours.longest_gap(1s), neighbours.longest_gap(1s)) < 1000);
     neighbours.lose_name();
     CHECK(neighbours.longest_gap(5s) > 1000);

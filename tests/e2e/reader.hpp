@@ -12,8 +12,11 @@ namespace hive::test {
 /// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C.
 inline constexpr auto reader = R"(set -euo pipefail
 hivectl() {
-    local code=0 limit=20
-    case "$1" in top|results|record|save|view|exceptions) limit=$patience ;; esac
+    local code=0 limit=60
+    case "$1" in
+        top|results|save|view|exceptions) limit=$patience ;;
+        record) limit=$((patience + 3)) ;;  # the other commands of a page use what it has recorded
+    esac
     timeout -s INT "$limit" "$program" "$@" || code=$?
     case "$1:$code" in top:124|results:124|record:124|save:124|view:124|exceptions:124) return 0 ;; esac
     return $code
@@ -39,12 +42,30 @@ inline std::vector<std::string> shell_blocks(const std::filesystem::path& page)
     return blocks;
 }
 
+/// The indented lines under a heading of a page, without the indent.
+inline std::string indented_commands(const std::filesystem::path& page, const std::string& heading)
+{
+    std::string commands;
+    std::ifstream in(page);
+    bool inside = false;
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("#"))
+            inside = line == heading;
+        else if (inside && line.starts_with("    "))
+            commands += line.substr(4) + "\n";
+    return commands;
+}
+
 /// @param seconds  for commands that stream
+inline std::string reader_script(const Swarm& swarm, const std::string& commands, int seconds)
+{
+    return "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds) + "\ncd "
+           + swarm.home().string() + "\n" + reader + commands;
+}
+
 inline Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)
 {
-    const std::string values = "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds)
-                               + "\ncd " + swarm.home().string() + "\n";
-    return swarm.run({"/bin/bash", "-c", values + reader + commands}, Milliseconds(90'000));
+    return swarm.run({"/bin/bash", "-c", reader_script(swarm, commands, seconds)}, Milliseconds(90'000));
 }
 
 }  // namespace hive::test

@@ -181,7 +181,7 @@ TEST_CASE("replace: a camera on demand and its only face finder")
 
 TEST_CASE("replace: without places, events are lost")
 {
-    Line line({"only"}, {.environment = {"HIVE_TEST_NO_PLACES=1"}});
+    Line line({"only"}, {.environment = {"HIVE_TEST_WITHOUT=places"}});
     std::int64_t last = line.taken();
     bool lost = false;
     for (int i = 1; i <= 1000 && !lost; ++i) {  // about one in twenty catches an event on its way
@@ -224,7 +224,7 @@ TEST_CASE("replace: the old one finishes a callback of 2.4 s, longer than one th
 TEST_CASE("replace: when the new one is killed after the old one was asked, another one takes its place")
 {
     Line line({"worker"});
-    line.application().set("worker", {{"work_ms", 1000}});
+    line.application().set("worker", {{"work_ms", 4000}});
     auto command = line.swarm().hivectl_running({"replace", "worker", "work_ms=1"}, "replace");
     pid_t asking = 0;
     REQUIRE(eventually(

@@ -160,7 +160,7 @@ TEST_CASE("kill: results of a live source stay in order when all workers that sh
 
 TEST_CASE("kill: without leases the same kills lose events")
 {
-    KilledWorkers swarm(killed_events, {"HIVE_TEST_NO_LEASES=1"});
+    KilledWorkers swarm(killed_events, {"HIVE_TEST_WITHOUT=leases"});
     const auto collector = swarm.application().collect(results_of(4));
     swarm.connect_all();
     std::set<std::int64_t> seen;

@@ -1,55 +1,17 @@
 // Drones that are started on another machine through ssh: replaced, read and forgotten there, and what is missing there
 // is said.
+#include "fake_ssh.hpp"
 #include "rows.hpp"
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
 
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
+#include <thread>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
-
-namespace {
-
-/// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh.
-class FakeSsh {
-public:
-    FakeSsh(const Swarm& here, const Swarm& there)
-        : here_(here), directory_(here.home() / "ssh"), path_(directory_.string() + ":" + std::getenv("PATH"))
-    {
-        std::filesystem::create_directory(directory_);
-        const auto file = directory_ / "ssh";
-        std::ofstream(file) << "#!/bin/sh\n"
-                               "if [ \"$1\" = -G ]; then echo hostname 127.0.0.1; exit; fi\n"
-                               "while [ \"$1\" != -- ]; do shift; done\n"
-                               "case $2 in\n"
-                               "  me@gpu1) HIVE_HOME="
-                            << there.home().string() << " PATH=" << there.program("hivectl").parent_path().string()
-                            << ":$PATH exec sh -c \"$3\" ;;\n"
-                            << "  bare) PATH=/nowhere exec /bin/sh -c \"$3\" ;;\n"
-                               "esac\n"
-                               "echo 'ssh: Could not resolve hostname '$2 >&2\n"
-                               "exit 255\n";
-        std::filesystem::permissions(file, std::filesystem::perms::owner_all);
-    }
-    [[nodiscard]] Finished hivectl(const std::vector<std::string>& words) const
-    {
-        std::vector<std::string> all{"/usr/bin/env", "PATH=" + path_, here_.program("hivectl").string()};
-        all.insert(all.end(), words.begin(), words.end());
-        return here_.run(all, 40'000ms);
-    }
-
-private:
-    const Swarm& here_;
-    std::filesystem::path directory_;
-    std::string path_;
-};
-
-}  // namespace
 
 TEST_CASE("start --on: the drone runs there, is in the list of places until it is stopped, and its log is read")
 {
@@ -75,6 +37,39 @@ TEST_CASE("start --on: the drone runs there, is in the list of places until it i
     CHECK(ssh.hivectl({"stop", "t-1"}).out == "t-1\n");
     CHECK(there.application().drones().empty());
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
+}
+
+TEST_CASE("start: Ctrl-C at any moment leaves no drone behind, here and on another machine")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    const std::string press = "set -m; \"$@\" & sleep $0; kill -INT -$!; wait $!";
+    int interrupted = 0;
+    for (int i = 0; i < 40; ++i) {
+        const auto name = "t-" + std::to_string(i);
+        const auto pause = "0.0" + std::string(i < 20 ? "0" : "") + std::to_string(i % 20 / 2 + 1);
+        const auto done = here.run(
+            {"/bin/bash", "-c", press, pause, here.program("hivectl").string(), "start", "ticker", "--as", name});
+        interrupted += done.exit_code == 130 ? 1 : 0;
+        CAPTURE(pause);
+        CHECK((done.exit_code == 130 || done.exit_code == 0));
+        CHECK((done.exit_code == 0) == (here.hivectl({"get", name, "fps"}).exit_code == 0));
+    }
+    MESSAGE(interrupted, " of 40 starts were interrupted");
+    here.hivectl({"stop", "--all"});
+    for (const std::string pause : {"0.005", "0.02", "0.05", "0.1"}) {
+        CAPTURE(pause);
+        auto words = ssh.words({"start", "ticker", "--on", "me@gpu1", "--as", "far", "--insecure"});
+        words.insert(words.begin(), {"/bin/bash", "-c", press, pause});
+        const auto done = here.run(words, 60'000ms);
+        CHECK((done.exit_code == 130 || done.exit_code == 0));
+        std::this_thread::sleep_for(300ms);  // what had begun there would come up
+        const bool runs = !there.application().drones().empty();
+        CHECK_MESSAGE(runs == (done.exit_code == 0), done.err);
+        CHECK(here.application().drones().empty() != runs);
+        if (runs)
+            ssh.hivectl({"stop", "far"});
+    }
 }
 
 TEST_CASE("replace: a drone that was started with --on is replaced there")

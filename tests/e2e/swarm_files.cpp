@@ -31,7 +31,7 @@ TEST_CASE("swarm files: those in scripts/swarms are good")
     for (const auto& entry : fs::directory_iterator(HIVE_SOURCE_DIR "/scripts/swarms"))
         if (entry.path().extension() == ".json") {
             ++files;
-            const auto checked = swarm.hivectl({"check", entry.path().string()}, patient(15'000ms));
+            const auto checked = swarm.hivectl({"check", entry.path().string(), "--timeout", "60"}, patient(15'000ms));
             CHECK_MESSAGE(checked.exit_code == 0, checked.out, checked.err);
             CHECK_MESSAGE(checked.out.starts_with(entry.path().stem().string() + ": good, "), checked.out);
             CHECK_EQ(checked.err, "");
@@ -52,12 +52,12 @@ TEST_CASE("swarm files: every mistake is a line to which an editor jumps, and th
   {"from": "face.faces", "to": "face-2"}
 ]})")
                           .string();
-    const auto checked = swarm.hivectl({"check", file}, patient(15'000ms));
+    const auto checked = swarm.hivectl({"check", file, "--timeout", "60"}, patient(15'000ms));
     CHECK_EQ(checked.exit_code, 2);
     CHECK_EQ(checked.out, file + ":2:47: fps=\"fast\": must be a number, 0 to 1000 fps\n" + file
                               + ":5:33: camera has no output imag; did you mean image?\n" + file
                               + ":6:32: there is no drone \"face-2\" in this file; did you mean face?\n");
-    const auto rows = Json::parse(swarm.hivectl({"check", file, "--json"}, patient(15'000ms)).out);
+    const auto rows = Json::parse(swarm.hivectl({"check", file, "--json", "--timeout", "60"}, patient(15'000ms)).out);
     REQUIRE_EQ(rows.size(), 3u);
     CHECK_EQ(rows[1], Json{{"file", file},
                            {"line", 5},

@@ -97,6 +97,38 @@ TEST_CASE("up under systemd: drones are units of the user, and one that crashes 
     CHECK(systemd.swarm.application().drones().empty());
 }
 
+TEST_CASE("up under systemd: the drone of another home is left alone, and what runs is said")
+{
+    const Systemd systemd;
+    const auto up = "hivectl up " + systemd.write(work());
+    systemd.shell_done(up);
+    auto application = systemd.swarm.application();
+    const auto before = application.status("worker-1").pid;
+    const auto elsewhere = "HIVE_HOME=" + systemd.file("elsewhere").string() + " ";
+    const auto refused = systemd.shell(elsewhere + up);
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "hive-worker-1.service runs already, of another home"), refused.err);
+    CHECK(application.status("worker-1").pid == before);
+    systemd.shell_done("hivectl down");
+    systemd.shell_done(elsewhere + up);
+    systemd.shell_done(elsewhere + "hivectl down");
+}
+
+TEST_CASE("up under systemd: where there is no systemctl nothing is left, of other engines neither")
+{
+    const Systemd systemd;
+    auto content = work();
+    content["drones"]["far"] = {{"kind", "ticker"}, {"on", "beside"}};
+    content["engines"] = {{"local", content["engines"].begin().value()}, {"beside", {{"local", Json::object()}}}};
+    const auto bare = "PATH=" + systemd.swarm.program("hivectl").parent_path().string() + ":/usr/bin:/bin";
+    fs::remove(systemd.file("bin/systemctl"));
+    const auto refused = systemd.shell(bare + " hivectl up " + systemd.write(content));
+    CHECK_MESSAGE(refused.exit_code == 5, refused.err);
+    CHECK_MESSAGE(has(refused.err, "nothing of"), refused.err);
+    CHECK(systemd.swarm.application().drones().empty());
+    CHECK(fs::is_empty(systemd.units()));
+}
+
 TEST_CASE("up under systemd: what cannot run is said with the last lines of its log, and no unit is left")
 {
     const Systemd systemd;

@@ -5,6 +5,7 @@
 #include "worker_swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <hive/event/home.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -177,10 +178,32 @@ TEST_CASE("up: a name that another drone has is refused before anything is begun
     CHECK(has_processes(swarm, 1));
 }
 
+TEST_CASE("up: while somebody else changes the swarm it says that it waits, ends by Ctrl-C, and goes on when it may")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(1));
+    const hive::event::Home home(swarm.home());
+    auto other = std::make_unique<hive::event::NameClaim>(home, "work.swarm");
+    const auto refused = swarm.hivectl({"up", file, "--timeout", "2"});
+    CHECK(refused.exit_code != 0);
+    const std::string waits = "hivectl up: somebody else is changing the swarm work now; waiting until that is done";
+    CHECK_MESSAGE(has(refused.err, waits), refused.err);
+    CHECK_MESSAGE(has(refused.err, "try again when that is done"), refused.err);
+    auto interrupted = swarm.hivectl_running({"up", file}, "interrupted");
+    auto patient_one = swarm.hivectl_running({"up", file}, "patient");
+    for (const std::string name : {"interrupted", "patient"})
+        REQUIRE(eventually([&] { return has(swarm.log(name), waits); }));
+    interrupted.signal(SIGINT);
+    CHECK(interrupted.wait(patient(5000ms)) == 130);
+    CHECK(has_processes(swarm, 0));
+    other.reset();
+    CHECK(patient_one.wait(patient(20'000ms)) == 0);
+    CHECK(has_processes(swarm, 3));
+}
+
 TEST_CASE("up: killed at any moment, the next one completes it, no drone twice and none left over")
 {
-    const char* const told = std::getenv("HIVE_TEST_SEED");
-    const std::uint64_t seed = told ? std::stoull(told) : std::random_device{}();
+    const auto seed = seed_of_test();
     INFO("HIVE_TEST_SEED=" << seed);
     std::mt19937_64 random(seed);
     const Swarm swarm;
@@ -236,6 +259,40 @@ TEST_CASE("up: two at once make one swarm")
     CHECK(has_processes(swarm, 6));
 }
 
+TEST_CASE("down: Ctrl-C while it waits for its turn leaves all swarms as they are")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(1));
+    swarm.hivectl_done({"up", file});
+    file.write({{"swarm", "yard"}, {"drones", {{"clock", {{"kind", "ticker"}}}}}});  // its turn is after work's
+    swarm.hivectl_done({"up", file});
+    const hive::event::Home home(swarm.home());
+    const hive::event::NameClaim other(home, "work.swarm");
+    auto down = swarm.hivectl_running({"down"}, "down");
+    REQUIRE(eventually([&] { return has(swarm.log("down"), "somebody else is changing the swarm work now"); }));
+    down.signal(SIGINT);
+    CHECK(down.wait(patient(5000ms)) == 130);
+    CHECK(has(swarm.log("down"), "hivectl down: yard was left as it is"));
+    CHECK(running(swarm).size() == 4);
+}
+
+TEST_CASE("down: what could not be ended is ended by the next one, also where the file names engines")
+{
+    const Swarm swarm;
+    auto content = workers_file(1);
+    content["engines"] = {{"*", {{"local", Json::object()}}}};
+    const File file(swarm, content);
+    swarm.hivectl_done({"up", file});
+    const auto sink = static_cast<pid_t>(running(swarm).at("sink"));
+    ::kill(sink, SIGSTOP);
+    CHECK(swarm.hivectl({"down", "--timeout", "1"}, 30'000ms).exit_code != 0);
+    ::kill(sink, SIGCONT);
+    const auto again = swarm.hivectl({"down"}, 30'000ms);
+    CHECK_MESSAGE(again.exit_code == 0, again.err);
+    CHECK(has_processes(swarm, 0));
+    CHECK(has(swarm.hivectl({"down"}).err, "no swarm was brought up"));
+}
+
 TEST_CASE("down: nothing lossless that was on its way is lost")
 {
     const Swarm swarm;
@@ -282,4 +339,7 @@ TEST_CASE("export: up of it changes nothing here, and elsewhere makes a swarm wi
     const File copy(there, Json::parse(text));
     CHECK(steps(there, copy).size() == 4 + 4);
     CHECK(there.hivectl_done({"export"}) == text);
+    const auto typo = there.hivectl({"export", "wroker-1"});
+    CHECK(typo.exit_code == 3);
+    CHECK(typo.out.empty());
 }

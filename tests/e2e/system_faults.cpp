@@ -132,6 +132,16 @@ TEST_CASE(
     CHECK(swarm.application().drones() == std::vector<std::string>{"first"});
 }
 
+TEST_CASE("port: when ports may be shared, a second drone at the port of the first is not refused")
+{
+    const std::vector<std::string> shared{"HIVE_TEST_WITHOUT=own-port"};
+    const Swarm swarm;
+    const std::vector<std::string> there{"--listen", "tcp://127.0.0.1:" + std::to_string(free_port()), "--insecure"};
+    const auto first = swarm.drone("ticker", "first", {}, there, shared),
+               second = swarm.drone("ticker", "second", {}, there, shared);
+    CHECK(swarm.application().drones() == std::vector<std::string>{"first", "second"});
+}
+
 TEST_CASE("clock: a wall clock that jumps an hour either way ends no connection and no lease")
 {
     if (!possible(WallClock::missing()))
@@ -174,4 +184,29 @@ TEST_CASE("clock: a wall clock that jumps an hour either way ends no connection 
     }
     for (const auto* worker : {"one", "two"})
         CHECK(at_inputs(application.status(worker), &hive::InputStatus::duplicates) == 0);
+}
+
+TEST_CASE("clock: when leases go by the wall clock, one that jumps ends them")
+{
+    if (!possible(WallClock::missing()))
+        return;
+    const Swarm swarm;
+    const WallClock clock(swarm.home());
+    auto environment = clock.environment();
+    environment.emplace_back("HIVE_TEST_WITHOUT=steady-clock");
+    const auto ticker = swarm.drone("ticker", "ticker", {"fps=50"}, {}, environment);
+    const auto one = swarm.drone("sleeper", "one", {"work_ms=500"}),
+               two = swarm.drone("sleeper", "two", {"work_ms=500"});
+    swarm.hivectl_done({"connect", "ticker", "one", "two", "--share"});
+    auto application = swarm.application();
+    const auto passed_on = [&] {
+        std::int64_t sum = 0;
+        for (const auto& edge : application.status("ticker").outputs.at(0).edges)
+            sum += edge.events.of(hive::Fate::passed_on);
+        return sum;
+    };
+    REQUIRE(eventually([&] { return at_inputs(application.status("one"), &hive::InputStatus::received) > 0; }));
+    CHECK(passed_on() == 0);
+    clock.set("+3600");
+    CHECK(eventually([&] { return passed_on() > 0; }));
 }

@@ -85,13 +85,26 @@ def stop(units):
             time.sleep(0.02)
 
 
+def end_of(unit):
+    ended = STATE / (unit + ".ended")
+    return ended.read_text().split() if ended.exists() else ("0", "0")
+
+
+def state_of(unit):
+    pid, ended = STATE / (unit + ".pid"), STATE / (unit + ".ended")
+    if tuple(end_of(unit)) not in (("0", "0"), ("1", "0")):
+        return "failed"
+    return "active" if not ended.exists() and pid.exists() else "inactive"
+
+
+def is_active(units):
+    print(state_of(units[0]))
+
+
 def show(units):
     for unit in units:
-        pid, ended = STATE / (unit + ".pid"), STATE / (unit + ".ended")
-        code, status = ended.read_text().split() if ended.exists() else ("0", "0")
-        state = "active" if not ended.exists() and pid.exists() else "inactive"
-        if (code, status) not in (("0", "0"), ("1", "0")):
-            state = "failed"
+        code, status = end_of(unit)
+        state = state_of(unit)
         print(f"Id={unit}\nActiveState={state}\nExecMainCode={code}\nExecMainStatus={status}\n")
 
 
@@ -102,7 +115,7 @@ def main():
     if (STATE / "broken").exists():
         sys.exit("Failed to connect to bus: No medium found")
     if verb != "daemon-reload":
-        {"start": start, "stop": stop, "show": show}[verb](units)
+        {"start": start, "stop": stop, "show": show, "is-active": is_active}[verb](units)
 
 
 main()

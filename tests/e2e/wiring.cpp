@@ -295,7 +295,7 @@ TEST_CASE("status: 140 receivers of one output are 140 rows with counts")
     }
     const auto status = application.status("source");
     CHECK(status.outputs.at(0).edges.size() == 140);
-    const auto rows = Json::parse(swarm.hivectl_done({"edges", "--json"}));
+    const auto rows = Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"}));
     CHECK(rows.size() == 140);
     CHECK(std::ranges::all_of(rows, [](const Json& row) { return row.at("came").is_number(); }));
 }

@@ -3,12 +3,21 @@
 
 #include "measure.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <random>
 #include <sstream>
 
 namespace hive::test {
+
+/// HIVE_TEST_SEED replays what a random test did.
+inline std::uint64_t seed_of_test()
+{
+    const char* const told = std::getenv("HIVE_TEST_SEED");
+    return told ? std::stoull(told) : std::random_device{}();
+}
 
 /// A source on demand, so many workers that share it, and somebody who counts what they make.
 inline hive::Json workers_file(int workers)

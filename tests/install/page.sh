@@ -1,5 +1,6 @@
 # shellcheck shell=bash
-# Programs on pages as files: those of libhive/language/README.md each in a folder of its own; to be sourced.
+# Programs on pages as files: those of libhive/language/README.md and README's drone, each in a folder of its own; to be
+# sourced.
 
 block() { # PAGE LANGUAGE MARK: the block of that language on the page that has the mark
     awk -v fence="\`\`\`$2" -v mark="$3" '
@@ -8,18 +9,24 @@ block() { # PAGE LANGUAGE MARK: the block of that language on the page that has 
         inside { text = text $0 "\n" }' "$1"
 }
 
-write_drones() { # SOURCE PLACE: PLACE/cpp with its CMakeLists.txt, PLACE/c, PLACE/py
+project() { # NAME COMPONENTS TARGET: the CMakeLists.txt of a drone outside of the repository
+    cat << END
+cmake_minimum_required(VERSION 3.25)
+project($1 LANGUAGES CXX)
+set(CMAKE_CXX_STANDARD 20)
+find_package(hive 0.1 REQUIRED $2)
+add_executable(hive-$1 main.cpp)
+target_link_libraries(hive-$1 $3)
+END
+}
+
+write_drones() { # SOURCE PLACE: PLACE/cpp and PLACE/blur with their CMakeLists.txt, PLACE/c, PLACE/py
     local page=$1/libhive/language/README.md place=$2
-    mkdir -p "$place/cpp" "$place/c" "$place/py"
+    mkdir -p "$place/cpp" "$place/blur" "$place/c" "$place/py"
+    block "$1/README.md" cpp run_drone > "$place/blur/main.cpp"
+    project blur "COMPONENTS vision" hive::vision > "$place/blur/CMakeLists.txt"
     block "$page" cpp run_drone > "$place/cpp/main.cpp"
     block "$page" c hive_drone_from_arguments > "$place/c/main.c"
     block "$page" python hive.Drone > "$place/py/brightness.py"
-    cat > "$place/cpp/CMakeLists.txt" << 'END'
-cmake_minimum_required(VERSION 3.25)
-project(brightness LANGUAGES CXX)
-set(CMAKE_CXX_STANDARD 20)
-find_package(hive 0.1 REQUIRED)
-add_executable(hive-brightness main.cpp)
-target_link_libraries(hive-brightness hive::hive)
-END
+    project brightness "" hive::hive > "$place/cpp/CMakeLists.txt"
 }

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs a build into an empty prefix, then uses nothing else: builds the drones of libhive/language/README.md in C++ by
-# find_package and in C by pkg-config, and runs them, and the one in Python, in a swarm with the drones that were installed.
+# Installs a build into an empty prefix, then uses nothing else: builds the drones of libhive/language/README.md and README.md
+# in C++ by find_package and in C by pkg-config, and runs them, and the one in Python, in a swarm with the drones that were
+# installed.
 # Usage: run.sh SOURCE BUILD CMAKE CXX CC PYTHON
 set -euo pipefail
 source=$1 build=$2 cmake=$3 cxx=$4 cc=$5 python=$6
@@ -42,10 +43,12 @@ bash -n "$prefix/share/bash-completion/completions/hivectl"
 source "$source/tests/install/page.sh"
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
 write_drones "$source" "$place"
-{
-    "$cmake" -S "$place/cpp" -B "$place/cpp/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$cxx"
-    "$cmake" --build "$place/cpp/build"
-} > "$place/log" 2>&1 || { tail -n 20 "$place/log" >&2; fail "a drone in C++ does not build by find_package(hive)"; }
+for drone in cpp blur; do
+    {
+        "$cmake" -S "$place/$drone" -B "$place/$drone/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$cxx"
+        "$cmake" --build "$place/$drone/build"
+    } > "$place/log" 2>&1 || { tail -n 20 "$place/log" >&2; fail "the drone $drone does not build by find_package(hive)"; }
+done
 # shellcheck disable=SC2046
 "$cc" -std=c11 -Wall -Werror "$place/c/main.c" -o "$place/c/hive-brightness" $(pkg-config --cflags --libs hive-c) \
     -Wl,-rpath,"$prefix/lib" -Wl,-rpath-link,"$prefix/lib" || fail "a drone in C does not build by pkg-config"
@@ -67,4 +70,9 @@ for drone in "${drones[@]}"; do
     hivectl results "$drone" -n 2 --json --timeout 30 > "$place/out" || fail "no results of $drone"
     [ "$(grep -c '"mean"' "$place/out")" -eq 2 ] || fail "the results of $drone are: $(cat "$place/out")"
 done
+HIVE_DRONE_PATH=$place/blur/build hivectl start blur radius=5 > "$place/out"
+hivectl connect camera blur > "$place/out"
+hivectl snap blur "$place/blurred.jpg" > "$place/out" || fail "README's drone sends no picture"
+[ -s "$place/blurred.jpg" ] || fail "README's drone sends no picture"
+drones+=(blur)
 echo "install: whole, and ${drones[*]} work outside of the repository"

@@ -74,7 +74,7 @@ TEST_CASE("sharing: a late worker's second answer is refused")
 
 TEST_CASE("sharing: when second answers are not refused, a late worker's result comes twice")
 {
-    const SwitchedOff filter("HIVE_TEST_NO_ANSWER_FILTER");
+    const SwitchedOff filter("answer-filter");
     LateWorker swarm;
     const auto collector = swarm.collect();
     swarm.connect();
@@ -94,7 +94,7 @@ TEST_CASE("sharing: of two shared stages with a late worker in the first, each r
 
 TEST_CASE("sharing: when second answers are not refused, two shared stages give a late worker's result twice")
 {
-    const SwitchedOff filter("HIVE_TEST_NO_ANSWER_FILTER");
+    const SwitchedOff filter("answer-filter");
     TwoStages swarm;
     const auto collector = swarm.collect();
     swarm.first().connect();

@@ -90,7 +90,10 @@ inline bool is_connected(Application& application, const std::string& drone)
 }
 
 /// The rows of `hivectl edges --json`.
-inline std::vector<Json> edges(const Swarm& swarm) { return Json::parse(swarm.hivectl_done({"edges", "--json"})); }
+inline std::vector<Json> edges(const Swarm& swarm)
+{
+    return Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"}));
+}
 
 /// What a row says came to the edge; nothing when it does not say.
 inline std::optional<std::int64_t> came_to(const Json& edge)

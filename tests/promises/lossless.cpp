@@ -12,7 +12,7 @@ constexpr int given = 60;
 /// in the middle and started again.
 struct KilledReceiver {
     const Swarm& swarm;
-    Process first{swarm.drone("sleeper", "w1", {"work_ms=5"})}, second{swarm.drone("sleeper", "w2", {"work_ms=5"})};
+    Process first{swarm.drone("sleeper", "w1", {"work_ms=10"})}, second{swarm.drone("sleeper", "w2", {"work_ms=10"})};
     hive::Application application{swarm.application()};
     std::unique_ptr<hive::Collector> of_first{application.collect({{"w1", "result"}})},
         of_second{application.collect({{"w2", "result"}})};
@@ -84,7 +84,7 @@ TEST_CASE("lossless: a plain receiver of a replay of two outputs that is killed 
 
 TEST_CASE("lossless: when a killed receiver's place is not kept, it misses events")
 {
-    const SwitchedOff places("HIVE_TEST_NO_PLACES");
+    const SwitchedOff places("places");
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=" + std::to_string(given)});
     KilledReceiver receivers{swarm};

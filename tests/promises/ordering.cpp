@@ -88,14 +88,34 @@ TEST_CASE("ordered: what an earlier stage threw on is failed at once, and nothin
     const auto first = swarm.drone("sleeper", "first", {"throw_at=20", "work_ms=20"}),
                second = swarm.drone("sleeper", "second");
     auto application = swarm.application();
+    application.connect({"first", "result"}, {"second", "image"});  // before, so that it hears of both from the start
     const auto collector = application.collect({{"second", "result"}}, in_order);
-    application.connect({"first", "result"}, {"second", "image"});
     application.connect({"source", "tick"}, {"first", "image"});
     auto expected = one_to(30);
     std::erase(expected, 20);
     CHECK(listed(take(*collector, 30)) == listed(expected));  // to the end: exceptions come another way than results
     CHECK(collector->counts().failed == 1);
     CHECK(collector->counts().missing == 0);
+}
+
+TEST_CASE("ordered: the end of a chain that is longer than an event can go says so, and lives on")
+{
+    const Swarm swarm;
+    constexpr int stages = 16;
+    std::vector<Process> drones;
+    drones.push_back(swarm.drone("ticker", "s0", {"pace=demand", "count=3"}));
+    for (int i = 1; i <= stages; ++i)
+        drones.push_back(swarm.drone("sleeper", "s" + std::to_string(i)));
+    auto application = swarm.application();
+    const auto exceptions = application.exceptions({"s16"});
+    for (int i = stages; i >= 1; --i)
+        application.connect({"s" + std::to_string(i - 1), ""}, {"s" + std::to_string(i), "image"});
+    for (int i = 0; i < 3; ++i) {
+        const auto exception = exceptions->next(patient(5000ms));
+        REQUIRE(exception);
+        CHECK_MESSAGE(has(exception->header.at("text"), "this event has gone through 16"), exception->header.dump());
+    }
+    CHECK(application.status("s16").pid == drones.back().pid());
 }
 
 TEST_CASE("ordered: a damaged picture in a folder is failed at once, and its exception says which it was")

@@ -188,7 +188,7 @@ TEST_CASE("sharing: each event gives one result while workers are killed, halted
 
 TEST_CASE("sharing: without leases, events are lost while workers are killed, halted, join and leave")
 {
-    const SwitchedOff leases("HIVE_TEST_NO_LEASES");
+    const SwitchedOff leases("leases");
     ChangingWorkers workers;
     const auto results = workers.run(1000ms);
     CHECK(std::set(results.begin(), results.end()).size() < ChangingWorkers::events);

@@ -2,27 +2,15 @@
 #pragma once
 
 #include "counts.hpp"
+#include "switched_off.hpp"
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <set>
 
 namespace hive::test {
 
 using namespace std::chrono_literals;
-
-/// A defence that every program started meanwhile, and the test itself, does without: the proof that it is needed.
-class SwitchedOff {
-public:
-    explicit SwitchedOff(const char* variable) : variable_(variable) { ::setenv(variable, "1", 1); }
-    ~SwitchedOff() { ::unsetenv(variable_); }
-    SwitchedOff(const SwitchedOff&) = delete;
-    SwitchedOff& operator=(const SwitchedOff&) = delete;
-
-private:
-    const char* variable_;
-};
 
 using Sequences = std::vector<std::int64_t>;
 

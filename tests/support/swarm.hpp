@@ -54,7 +54,7 @@ public:
     [[nodiscard]] std::filesystem::path key_file() const;
     [[nodiscard]] std::string log(const std::string& name) const;
     /// An application in this swarm.
-    [[nodiscard]] Application application(Milliseconds timeout = Milliseconds(5000)) const;
+    [[nodiscard]] Application application(Milliseconds timeout = Milliseconds(15'000)) const;
 
 private:
     [[nodiscard]] std::vector<std::string> environment() const;

@@ -15,6 +15,8 @@
 namespace hive::discovery {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 /// So many announcements are looked at, on all networks together.
 constexpr std::size_t most_announcements = 1024;
 
@@ -49,6 +51,7 @@ public:
             const std::lock_guard lock(mutex_);
             daemon_ = daemon;
             asked_ = true;
+            heard_at_ = Clock::now();
         }
         return avahi.service_browser_new(&client, AVAHI_IF_UNSPEC, AVAHI_PROTO_UNSPEC, service_type, nullptr,
                                          AvahiLookupFlags{}, &Work::on_browser, this)
@@ -75,8 +78,12 @@ public:
     std::optional<std::uint32_t> await()
     {
         std::unique_lock lock(mutex_);
-        const auto network = std::chrono::steady_clock::now() + longest_wait_for_network;
-        changed_.wait_for(lock, longest_wait, [&] { return is_settled() || (cache_told_ && pending_ == 0); });
+        const auto begin = Clock::now();
+        const auto network = begin + longest_wait_for_network;
+        heard_at_ = begin;
+        const auto until = [&] { return std::min(heard_at_ + longest_silence, begin + longest_wait); };
+        while (!is_settled() && (!cache_told_ || pending_ > 0) && Clock::now() < until())
+            changed_.wait_until(lock, until());
         const bool quick = changed_.wait_until(lock, network, [&] { return is_settled(); });
         return quick || !cache_told_ ? std::nullopt : std::optional(daemon_);
     }
@@ -147,6 +154,7 @@ private:
     {
         const std::lock_guard lock(mutex_);
         what = true;
+        heard_at_ = Clock::now();
         changed_.notify_all();
     }
 
@@ -169,6 +177,7 @@ private:
         }
         const std::lock_guard lock(mutex_);
         ++pending_;
+        heard_at_ = Clock::now();
     }
 
     void vanished(const Instance& instance)
@@ -208,6 +217,7 @@ private:
         else
             seen_.erase(resolving.instance);
         pending_ -= std::exchange(resolving.pending, false) ? 1 : 0;
+        heard_at_ = Clock::now();
         changed_.notify_all();
     }
 
@@ -223,6 +233,7 @@ private:
     std::uint32_t daemon_ = 0;
     std::map<Instance, Seen> seen_;
     std::vector<SwarmKey::Secret> proved_by_;
+    Clock::time_point heard_at_{};
     std::size_t pending_ = 0;  ///< announcements that are being looked at for the first time
     bool asked_ = false, cache_told_ = false, all_told_ = false, nobody_ = false;
 };

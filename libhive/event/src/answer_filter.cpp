@@ -1,9 +1,9 @@
 // A bounded memory of which attempt answered.
 #include <hive/event/answer_filter.hpp>
 #include <hive/event/receipt.hpp>
+#include <hive/protocol/defended.hpp>
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace hive::event {
 namespace {
@@ -44,7 +44,7 @@ bool given_by_group(const Event& event)
     return shares_behind(event) < event.identity.shares.size() && event.identity.shares.back().group();
 }
 
-AnswerFilter::AnswerFilter() : off_(std::getenv("HIVE_TEST_NO_ANSWER_FILTER") != nullptr) {}
+AnswerFilter::AnswerFilter() : off_(!defended("answer-filter")) {}
 
 bool AnswerFilter::first(const Event& event)
 {

@@ -139,6 +139,13 @@ std::shared_ptr<const Emission> Emission::without_custody() const
     return copy;
 }
 
+std::shared_ptr<const Emission> Emission::given_up(const std::optional<Share>& last) const
+{
+    auto copy = std::make_shared<Emission>(*this);
+    copy->own_ = last;
+    return copy;
+}
+
 protocol::Packet Emission::packet(protocol::PacketType type, std::uint16_t channel,
                                   const std::optional<Share>& share) const
 {

@@ -247,7 +247,7 @@ void Group::abandon(const EmissionPtr& event, const Share& last, Decisions& deci
 {
     ledger_->went(Fate::abandoned);
     if (leases_)
-        decisions.failed.push_back(std::make_shared<const Emission>(event->event(), true, last));
+        decisions.failed.push_back(event->given_up(last));
 }
 
 void Group::written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions)

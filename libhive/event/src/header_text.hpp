@@ -11,7 +11,6 @@
 namespace hive::event {
 
 inline constexpr std::size_t most_hops = 16;
-inline constexpr std::size_t most_shares = 16;
 inline constexpr int most_attempts = 1 << 20;  ///< that a share may tell
 inline constexpr int most_part = 1 << 30;
 

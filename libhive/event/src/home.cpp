@@ -2,6 +2,7 @@
 #include <hive/error.hpp>
 #include <hive/event/home.hpp>
 #include <hive/name.hpp>
+#include <hive/protocol/defended.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -99,7 +100,8 @@ bool Home::locked(const std::string& name, std::string_view ending) const
     if (descriptor < 0)
         return false;
     struct flock whole = whole_file(F_WRLCK);
-    const bool held = ::fcntl(descriptor, F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
+    const bool held =
+        !defended("living-holder") || (::fcntl(descriptor, F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK);
     ::close(descriptor);
     return held;
 }
@@ -148,7 +150,8 @@ NameClaim::NameClaim(const Home& home, const std::string& name, To what)
     if (descriptor_ < 0)
         fail(Errc::io, "cannot open " + file.string());
     struct flock whole = whole_file(F_WRLCK);
-    if (::fcntl(descriptor_, F_OFD_SETLK, &whole) != 0) {
+    const bool noted = !defended("living-holder") && number_in(file) != 0;
+    if (noted || ::fcntl(descriptor_, F_OFD_SETLK, &whole) != 0) {
         char holder[32] = {};
         const auto length = ::pread(descriptor_, holder, sizeof holder - 1, 0);
         ::close(descriptor_);
@@ -156,8 +159,12 @@ NameClaim::NameClaim(const Home& home, const std::string& name, To what)
                                           + (length > 0 ? ", as process " + std::string(holder) : ""));
     }
     const auto pid = std::to_string(::getpid());
-    if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0)
+    if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0) {
+        const int error = errno;
+        ::close(descriptor_);  // and with it the lock
+        errno = error;
         fail(Errc::io, "cannot write " + file.string());
+    }
 }
 
 NameClaim::~NameClaim() { ::close(descriptor_); }

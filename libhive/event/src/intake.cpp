@@ -134,7 +134,9 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
                            .turn = fields.integer_or("turn", 0, max_json_integer, 0),
                            .closed = fields.integer_or("closed", 0, max_json_integer, 0)};
     } catch (const Error& error) {
-        return link->close(error);
+        link_.reset();  // nothing is pending any more that would report its end
+        link->close(error);
+        return failed(error);
     }
     connected_ = true;
     end_.reset();  // the sender tells of it again, if it is still so
@@ -167,7 +169,8 @@ void Intake::keep_time()
 /// What this end has in hand stays in hand only where the sender goes on behind it.
 void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
 {
-    if (place == 0 || place != place_ || taken != arrived()) {
+    const bool anew = place == 0 || place != place_ || taken != arrived();
+    if (anew) {
         ++generation_;
         in_hand_.clear();
         done_ = worked_ = finished_ = taken;
@@ -176,7 +179,7 @@ void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
     place_ = place;
     back_.clear();
     asked_ = arrived() + spec_.options.window;
-    told_done_ = told_worked_ = taken == done_ ? done_ : 0;  // what was told at an end may not have come through
+    told_done_ = told_worked_ = anew ? done_ : 0;  // what was told last may not have come through
     finished_ = std::max(finished_, done_);
 }
 

@@ -37,7 +37,8 @@ void Intake::on_packet(const protocol::Packet& packet)
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     ++received_;
-    event.identity.offset_us += link_ ? link_->peer_clock().offset_us() : 0;
+    const auto offset = event.identity.offset_us + (link_ ? link_->peer_clock().offset_us() : 0);
+    event.identity.offset_us = std::clamp(offset, -max_json_integer, max_json_integer);  // both are a peer's word
     age_us_ = event.age().count();
     event.input = spec_.input;
     note_share(event);

@@ -1,5 +1,6 @@
 // What a plain receiver gets when, and what becomes of it.
 #include <hive/event/line.hpp>
+#include <hive/protocol/defended.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -57,7 +58,8 @@ void Line::offer(const EmissionPtr& event, Clock::time_point now, Decisions& dec
 
 bool Line::overfull(Clock::time_point now) const
 {
-    const bool too_slow = now - behind_since_ >= most_behind;
+    static const bool judged = defended("most-behind");
+    const bool too_slow = judged && now - behind_since_ >= most_behind;
     return waiting_.size() > most_queued_events || (waiting_.size() > 1 && waiting_bytes_ > most_queued_bytes)
            || (too_slow && waiting_.size() > 2 && waiting_bytes_ > Credit::lane_bytes);
 }
@@ -65,8 +67,12 @@ bool Line::overfull(Clock::time_point now) const
 bool Line::drop_oldest(Clock::time_point now)
 {
     bool dropped = false;
-    while (overfull(now) && !must_stay(waiting_.front().event)) {
-        next();
+    while (overfull(now)) {
+        const auto oldest = std::ranges::find_if(waiting_, [&](const Item& item) { return !must_stay(item.event); });
+        if (oldest == waiting_.end())
+            break;
+        waiting_bytes_ -= oldest->event->size();
+        waiting_.erase(oldest);
         ledger_->went(Fate::dropped);
         dropped = true;
     }
@@ -193,11 +199,10 @@ void Line::put_back(std::int64_t taken)
 void Line::abandon(const Item& item, Decisions& decisions)
 {
     ledger_->went(Fate::abandoned);
-    Event event = item.event->event();
     std::optional<Share> share = item.event->own();
     if (share)
         share->attempt = item.attempt;
-    decisions.failed.push_back(std::make_shared<const Emission>(std::move(event), true, share));
+    decisions.failed.push_back(item.event->given_up(share));
 }
 
 void Line::expire() { clear(lost_as_); }

@@ -1,9 +1,9 @@
 // The life of a module: its end, what it owns, its timer.
 #include <hive/event/module.hpp>
+#include <hive/protocol/defended.hpp>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <utility>
 
 namespace hive::event {
@@ -16,9 +16,8 @@ constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
 
-/// Beside them, for the local socket, and as many for applications from elsewhere. HIVE_TEST_NO_RESERVED_PLACES: none,
-/// for the test that shows what they are for.
-const std::size_t reserved = std::getenv("HIVE_TEST_NO_RESERVED_PLACES") ? 0 : 32;
+/// Beside them, for the local socket, and as many for applications from elsewhere.
+const std::size_t reserved = defended("reserved-places") ? 32 : 0;
 
 }  // namespace
 

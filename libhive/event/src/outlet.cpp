@@ -1,8 +1,8 @@
 // Carrying out the decisions of the receiver table.
 #include <hive/event/outlet.hpp>
+#include <hive/protocol/defended.hpp>
 
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
 #include <limits>
 #include <set>
@@ -13,11 +13,13 @@ using protocol::PacketType;
 
 namespace {
 
-/// Switched off only by the tests that show what the defences are for.
-ReceiverTable::Defences defences()
+ReceiverTable::Defences defences() { return {.leases = defended("leases"), .places = defended("places")}; }
+
+/// What leases and kept places go by: the steady clock; the wall clock in a twin of a test.
+Clock::time_point lease_now()
 {
-    return {.leases = std::getenv("HIVE_TEST_NO_LEASES") == nullptr,
-            .places = std::getenv("HIVE_TEST_NO_PLACES") == nullptr};
+    static const bool steady = defended("steady-clock");
+    return steady ? Clock::now() : Clock::time_point(std::chrono::system_clock::now().time_since_epoch());
 }
 
 /// Of what is said about an end; cut so that it still fits when a broken character at its end becomes longer.
@@ -126,7 +128,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
     if (const auto before = table_.standing(newcomer))
         detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
     Decisions decisions;
-    const auto welcome = table_.add(newcomer, Clock::now(), decisions);
+    const auto welcome = table_.add(newcomer, lease_now(), decisions);
     confirm(welcome);
     ids_[{link.get(), channel}] = id;
     places_.emplace(id, Place{.link = link,
@@ -142,7 +144,7 @@ void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Re
     if (found == ids_.end())
         return;
     Decisions decisions;
-    table_.request(found->second, request.epoch, {request.id, request.worked, request.done}, request.back, Clock::now(),
+    table_.request(found->second, request.epoch, {request.id, request.worked, request.done}, request.back, lease_now(),
                    decisions);
     execute(decisions);
 }
@@ -153,7 +155,7 @@ bool Outlet::remove(const Link& link, std::uint16_t channel)
     if (found == ids_.end())
         return false;
     Decisions decisions;
-    table_.leave(detach(found), Clock::now(), decisions);
+    table_.leave(detach(found), lease_now(), decisions);
     execute(decisions);
     return true;
 }
@@ -163,7 +165,7 @@ void Outlet::link_closed(const Link& link, Fate how)
     Decisions decisions;
     const auto first = [&] { return ids_.lower_bound({&link, 0}); };
     for (auto it = first(); it != ids_.end() && it->first.first == &link; it = first())
-        table_.lose(detach(it), how, returns(link, how), Clock::now(), decisions);
+        table_.lose(detach(it), how, returns(link, how), lease_now(), decisions);
     execute(decisions);
 }
 
@@ -182,7 +184,7 @@ void Outlet::offer(const EmissionPtr& event, bool hold)
     ++produced_;
     last_emitted_us_ = wall_us();
     Decisions decisions;
-    table_.offer(event, hold, Clock::now(), decisions);
+    table_.offer(event, hold, lease_now(), decisions);
     execute(decisions);
 }
 
@@ -190,7 +192,7 @@ void Outlet::end(const std::string& text)
 {
     end_text_ = text.substr(0, longest_text);
     Decisions decisions;
-    table_.end(Clock::now(), decisions);
+    table_.end(lease_now(), decisions);
     execute(decisions);
 }
 
@@ -213,7 +215,7 @@ std::size_t Outlet::forget(const std::string& drone)
 void Outlet::tick()
 {
     Decisions decisions;
-    table_.tick(Clock::now(), decisions);
+    table_.tick(lease_now(), decisions);
     execute(decisions);
 }
 
@@ -245,7 +247,7 @@ void Outlet::transmit(const Send& send, const Emission& form)
             if (alive.expired() || !written)
                 return;
             Decisions decisions;
-            table_.written(id, bytes, Clock::now(), decisions);
+            table_.written(id, bytes, lease_now(), decisions);
             execute(decisions);
         });
     place.shared += carriage == transport::Carriage::reference ? 1 : 0;

@@ -74,8 +74,9 @@ Application::Core::Core(Application::Options options)
 bool Application::Core::remembers(const std::string& drone) const
 {
     std::error_code ignored;
-    return is_name(drone) && std::filesystem::exists(directory.home().path(drone, ".state"), ignored)
-           && !directory.home().alive(drone);
+    // In this order: a drone that is told to stop gives up its state first, and then its name.
+    return is_name(drone) && !directory.home().alive(drone)
+           && std::filesystem::exists(directory.home().path(drone, ".state"), ignored);
 }
 
 std::vector<std::string> Application::Core::remembered() const

@@ -183,7 +183,7 @@ void BackgroundProcess::end()
     // Not reaped yet, so the pid is still its own.
     if (!ended())
         ::kill(pid(), SIGTERM);
-    for (int i = 0; i < 100 && !ended(); ++i)
+    for (int i = 0; i < 300 && !ended(); ++i)  // a drone ends within two seconds, whatever its code does
         std::this_thread::sleep_for(10ms);
     if (!ended())
         ::kill(pid(), SIGKILL);

@@ -259,7 +259,7 @@ std::set<std::string> upstream_of(Application& application, std::vector<std::str
         const auto answers = application.status(std::exchange(drones, {}));
         for (const auto& answer : answers)
             for (const auto& input : answer.error ? std::vector<InputStatus>{} : answer.status.inputs)
-                if (auto name = input.from.substr(0, input.from.find('.')); !name.empty() && found.insert(name).second)
+                if (auto name = input.from.substr(0, input.from.rfind('.')); !name.empty() && found.insert(name).second)
                     drones.push_back(std::move(name));
     }
     return found;

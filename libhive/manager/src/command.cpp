@@ -70,23 +70,32 @@ private:
     std::array<int, 2> ends_{-1, -1};
 };
 
-class FileActions {
+/// How a child begins.
+class Beginning {
 public:
-    FileActions() { ::posix_spawn_file_actions_init(&actions_); }
-    ~FileActions() { ::posix_spawn_file_actions_destroy(&actions_); }
-    FileActions(const FileActions&) = delete;
-    FileActions& operator=(const FileActions&) = delete;
-    [[nodiscard]] posix_spawn_file_actions_t* get() { return &actions_; }
+    Beginning()
+    {
+        ::posix_spawn_file_actions_init(&files);
+        ::posix_spawnattr_init(&attributes);
+    }
+    ~Beginning()
+    {
+        ::posix_spawn_file_actions_destroy(&files);
+        ::posix_spawnattr_destroy(&attributes);
+    }
+    Beginning(const Beginning&) = delete;
+    Beginning& operator=(const Beginning&) = delete;
 
-private:
-    posix_spawn_file_actions_t actions_;
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t attributes;
 };
 
-pid_t spawn(const std::vector<std::string>& words, FileActions& actions, const std::vector<std::string>& environment)
+pid_t spawn(const std::vector<std::string>& words, const Beginning& beginning,
+            const std::vector<std::string>& environment)
 {
     const auto variables = environment_with(environment);
     pid_t pid = -1;
-    require_done(::posix_spawnp(&pid, words[0].c_str(), actions.get(), nullptr, pointers(words).data(),
+    require_done(::posix_spawnp(&pid, words[0].c_str(), &beginning.files, &beginning.attributes, pointers(words).data(),
                                 pointers(variables).data()),
                  "run " + words[0]);
     return pid;
@@ -95,8 +104,9 @@ pid_t spawn(const std::vector<std::string>& words, FileActions& actions, const s
 int exit_code_of_child(pid_t pid)
 {
     int status = 0;
-    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
+    while (::waitpid(pid, &status, 0) < 0)
+        if (errno != EINTR)
+            return 126;  // where SIGCHLD is ignored nobody can tell how it ended, which is no success
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -167,13 +177,15 @@ struct RunningCommand::Parts {
     CommandResult result;
 
 private:
+    /// In a process group of its own: a Ctrl-C is for the caller, who may need what the command does to undo things.
     pid_t started(const std::vector<std::string>& words, const std::vector<std::string>& environment) const
     {
-        FileActions actions;
-        ::posix_spawn_file_actions_addopen(actions.get(), STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        ::posix_spawn_file_actions_adddup2(actions.get(), out.entry(), STDOUT_FILENO);
-        ::posix_spawn_file_actions_adddup2(actions.get(), err.entry(), STDERR_FILENO);
-        return spawn(words, actions, environment);
+        Beginning beginning;
+        ::posix_spawn_file_actions_addopen(&beginning.files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+        ::posix_spawn_file_actions_adddup2(&beginning.files, out.entry(), STDOUT_FILENO);
+        ::posix_spawn_file_actions_adddup2(&beginning.files, err.entry(), STDERR_FILENO);
+        ::posix_spawnattr_setflags(&beginning.attributes, POSIX_SPAWN_SETPGROUP);
+        return spawn(words, beginning, environment);
     }
 };
 
@@ -218,10 +230,6 @@ CommandResult run_command(const std::vector<std::string>& words, std::chrono::mi
             return *std::move(result);
 }
 
-int run_attached(const std::vector<std::string>& words)
-{
-    FileActions actions;
-    return exit_code_of_child(spawn(words, actions, {}));
-}
+int run_attached(const std::vector<std::string>& words) { return exit_code_of_child(spawn(words, Beginning(), {})); }
 
 }  // namespace hive

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <sys/un.h>
 
 namespace hive {
 namespace {
@@ -25,6 +26,20 @@ const std::string& require_host(const std::string& ssh)
         throw Error(Errc::invalid_argument, in_quotes(ssh) + " is not a host as ssh takes it",
                     "write HOST or USER@HOST");
     return ssh;
+}
+
+/// Where ssh keeps a connection for the next command, as its configuration writes it; empty where that cannot be.
+std::string control_path(const std::filesystem::path& home)
+{
+    constexpr std::size_t digest = 40, name_while_made = 17;
+    const auto path = (home / ".ssh-").string();
+    const bool fits = path.size() + digest + name_while_made < sizeof(sockaddr_un::sun_path);
+    if (!fits || path.find_first_of("\"\\\n") != std::string::npos)
+        return "";
+    std::string written = "\"";
+    for (const char c : path)
+        written += c == '%' ? "%%" : std::string(1, c);
+    return written + "%C\"";
 }
 
 }  // namespace
@@ -61,15 +76,11 @@ std::vector<std::string> Remote::command(const std::vector<std::string>& words) 
     std::string line = "hivectl";
     for (const auto& word : words)
         line += " " + quoted_for_shell(word);
-    return {"ssh",
-            "-oBatchMode=yes",
-            "-oConnectTimeout=10",
-            "-oControlMaster=auto",
-            "-oControlPersist=60",
-            "-oControlPath=" + (home_ / ".ssh-%C").string(),
-            "--",
-            ssh_,
-            line};
+    std::vector<std::string> all{"ssh", "-oBatchMode=yes", "-oConnectTimeout=10"};
+    if (const auto path = control_path(home_); !path.empty())
+        all.insert(all.end(), {"-oControlMaster=auto", "-oControlPersist=60", "-oControlPath=" + path});
+    all.insert(all.end(), {"--", ssh_, line});
+    return all;
 }
 
 void Remote::require_there(const CommandResult& result) const

@@ -2,6 +2,7 @@
 #include <hive/swarm.hpp>
 
 #include "swarm/changes.hpp"
+#include "swarm/claim.hpp"
 #include "swarm/differences.hpp"
 #include "swarm/ending.hpp"
 #include "swarm/record.hpp"
@@ -9,8 +10,6 @@
 #include "swarm/starting.hpp"
 #include "swarm/staying.hpp"
 
-#include <hive/event/clock.hpp>
-#include <hive/event/home.hpp>
 #include <hive/process.hpp>
 #include <hive/program.hpp>
 
@@ -25,19 +24,16 @@ using What = SwarmStep::What;
 namespace {
 
 /// Two that change one swarm at once would undo what the other does. One that was killed may leave a process behind
-/// that it was about to start, which has the claim for a moment more.
-event::NameClaim claim(Application& application, const std::string& swarm)
+/// that it was about to start, which has the claim for a moment more, however short the patience is.
+swarm::Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
+                   const SwarmWatch& watch)
 {
-    for (const auto end = event::Clock::now() + 1s;; std::this_thread::sleep_for(10ms))
-        try {
-            return {event::Home(application.home()), swarm + ".swarm"};
-        } catch (const Error& error) {
-            if (error.code() != Errc::name_taken)
-                throw;
-            if (event::Clock::now() >= end)
-                throw Error(Errc::locked, "somebody else is changing the swarm " + swarm + " now",
-                            "try again when that is done");
-        }
+    return swarm::claim(application.home(), swarm, std::max<std::chrono::milliseconds>(patience, 1s), watch);
+}
+
+SwarmOutcome interrupted(const std::string& swarm)
+{
+    return {.steps = {}, .failures = {{swarm, Error(Errc::stopped, "interrupted")}}, .remains = {}};
 }
 
 std::vector<std::string> drones_of(const std::vector<SwarmStep>& steps, What what)
@@ -84,6 +80,12 @@ std::vector<SwarmFailure> failures_in(const std::vector<Answer>& answers)
 
 std::string text_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
+bool starts_elsewhere(const SwarmPlan& plan, const std::vector<SwarmStep>& steps)
+{
+    return std::ranges::any_of(drones_of(steps, What::start),
+                               [&](const std::string& drone) { return plan.drone(drone)->host != Place::here; });
+}
+
 bool is_empty(const SwarmPlan& plan) { return plan.drones.empty(); }
 
 }  // namespace
@@ -121,7 +123,9 @@ std::vector<SwarmStep> Swarm::differences()
 
 SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& watch)
 {
-    const auto alone = claim(application_, plan_.name);
+    const auto alone = claim(application_, plan_.name, patience, watch);
+    if (!alone)
+        return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
     const auto before = record.read();
     SwarmOutcome outcome{.steps = swarm::differences(application_, plan_, before), .failures = {}, .remains = {}};
@@ -136,6 +140,10 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
     if (outcome.failures.empty())
         outcome.failures = change(changes, outcome.steps, watch);
     if (!outcome.failures.empty()) {
+        if (watch.told && (is_cancelled(watch) || starts_elsewhere(plan_, outcome.steps)))
+            watch.told(std::string(is_cancelled(watch) ? "interrupted: " : "")
+                       + "undoing what was begun. Drones that are just being started on other machines are waited for "
+                         "first");
         outcome.remains = changes.undo();
         append(outcome.remains, starting.undo());
     } else {
@@ -150,13 +158,15 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
 
 SwarmOutcome Swarm::down(std::chrono::milliseconds patience, const SwarmWatch& watch)
 {
-    const auto alone = claim(application_, plan_.name);
+    const auto alone = claim(application_, plan_.name, patience, watch);
+    if (!alone)
+        return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
-    swarm::Ending ending(application_, swarm::with_rest_of(plan_, record.read()));
-    SwarmOutcome outcome = ending.run(patience, watch);
+    const auto plan = swarm::with_rest_of(plan_, record.read());
+    SwarmOutcome outcome = swarm::Ending(application_, plan).run(patience, watch);
     reap_background_processes();
-    if (outcome.failures.empty())
-        record.forget();
+    const auto left = swarm::not_ended(plan, outcome.failures);
+    is_empty(left) ? record.forget() : record.write(left);
     return outcome;
 }
 

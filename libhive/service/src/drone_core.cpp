@@ -15,6 +15,13 @@ using service::Halting;
 using service::Requests;
 using service::Worker;
 
+namespace {
+
+/// As on the command line, on which every value is a text.
+std::string in_words(const Json& value) { return value.is_string() ? value.get<std::string>() : to_text(value); }
+
+}  // namespace
+
 /// Each uses those before it.
 struct DroneCore::Running {
     explicit Running(DroneCore& core);
@@ -280,15 +287,23 @@ std::optional<Json> DroneCore::given(const std::string& parameter) const
 {
     if (settings_.parameters.contains(parameter))
         return settings_.parameters[parameter];
+    return told_before(parameter);
+}
+
+std::optional<Json> DroneCore::told_before(const std::string& parameter) const
+{
     if (settings_.describe)
         return std::nullopt;  // without a home
     const Json told = left_state(event::Home(event::default_home())).value("parameters", Json::object());
     return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
 }
 
+/// An engine starts a drone that fell with the words of its first start, which tell it nothing new.
 bool DroneCore::remembered(const std::string& parameter) const
 {
-    return !settings_.parameters.contains(parameter) && given(parameter);
+    const auto before = told_before(parameter);
+    const auto now = settings_.parameters.find(parameter);
+    return before && (now == settings_.parameters.end() || in_words(*now) == in_words(*before));
 }
 
 Status DroneCore::status()

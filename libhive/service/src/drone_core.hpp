@@ -53,6 +53,7 @@ public:
     [[nodiscard]] service::Declaration& declaration() noexcept { return declaration_; }
     [[nodiscard]] service::Emitter& emitter() noexcept { return emitter_; }
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
+    [[nodiscard]] std::optional<Json> told_before(const std::string& parameter) const;
     [[nodiscard]] bool remembered(const std::string& parameter) const;
     [[nodiscard]] Json left_state(const event::Home& home) const;
     [[nodiscard]] Status status();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
 /// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
-constexpr std::chrono::milliseconds last_look(20);
+constexpr std::chrono::milliseconds last_look(200);
 
 /// What the answer says when the drone's code threw: it understood, and said no.
 Error refusal(const Error& error)

@@ -1,6 +1,7 @@
 // Writes the log and makes the exception events of a drone.
 #include "reporter.hpp"
 
+#include <hive/event/emission.hpp>
 #include <hive/printable.hpp>
 
 #include <spdlog/spdlog.h>
@@ -53,6 +54,9 @@ Event Reporter::exception_event(const Error& error, const Event* cause) const
                                       .captured_us = event::wall_us(),
                                       .monotonic_us = event::steady_us(),
                                       .hops = {}};
+    // One place is left for the share of the exception itself. The outermost ones say to whom it matters.
+    if (auto& shares = event.identity.shares; shares.size() >= event::most_shares)
+        shares.resize(event::most_shares - 1);
     if (cause && cause->identity.lossless)
         event.custody = cause->custody;
     event.sender = self_.name;

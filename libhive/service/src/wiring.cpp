@@ -169,6 +169,7 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
         if (std::holds_alternative<Error>(outcome)) {
             module_.remove_intake(self);
             inputs_end_.look();
+            state_file_.remember();  // it may have been written down while it was tried
             return on_outcome(outcome);
         }
         replace_earlier(self);

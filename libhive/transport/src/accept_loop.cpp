@@ -3,6 +3,10 @@
 
 #include "make_connection.hpp"
 
+#include <hive/protocol/defended.hpp>
+
+#include <algorithm>
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 namespace hive::transport {
@@ -11,7 +15,25 @@ namespace {
 constexpr std::chrono::milliseconds exhausted_pause{100};
 /// Of the peers that shake hands, and fill the hall: nobody has to go for another one before that.
 constexpr std::chrono::milliseconds guest_patience{250};
+constexpr std::chrono::milliseconds waiting_pause{5};
 constexpr int accepted_at_once = 16;  // then the connections that exist have their turn
+
+/// Where a peer comes from: an address, or the network that all addresses of one IPv6 host are in. Of link-local
+/// addresses all hosts have the same network.
+std::string host_of(const sockaddr_storage& from)
+{
+    const auto bytes = [](const void* at, std::size_t count) {
+        return std::string(static_cast<const char*>(at), count);
+    };
+    if (from.ss_family == AF_INET)
+        return bytes(&reinterpret_cast<const sockaddr_in&>(from).sin_addr, 4);
+    if (from.ss_family != AF_INET6)
+        return {};
+    const auto& address = reinterpret_cast<const sockaddr_in6&>(from).sin6_addr;
+    if (IN6_IS_ADDR_V4MAPPED(&address))
+        return bytes(&address.s6_addr[12], 4);
+    return bytes(&address, IN6_IS_ADDR_LINKLOCAL(&address) ? 16 : 8);
+}
 
 }  // namespace
 
@@ -23,7 +45,9 @@ AcceptLoop::AcceptLoop(asio::io_context& context, int family, int descriptor, We
       pause_(context),
       welcome_(std::move(welcome)),
       on_connection_(std::move(on_connection)),
-      timing_(timing)
+      timing_(timing),
+      pauses_(defended("accept-pause")),
+      by_host_(defended("turns-by-address"))
 {
 }
 
@@ -41,12 +65,13 @@ void AcceptLoop::stop()
     std::error_code ignored;
     listening_.close(ignored);
     pause_.cancel();
+    waiting_ = {};
     guests_.clear();
 }
 
 void AcceptLoop::wait()
 {
-    if (busy_ || !listening_.is_open() || (admissions_->full() && guests_.empty()))
+    if (busy_ || !may_accept())
         return;
     busy_ = true;
     listening_.async_wait(asio::posix::stream_descriptor::wait_read,
@@ -60,22 +85,36 @@ void AcceptLoop::accept_waiting()
 {
     auto outcome = Outcome::accepted;
     for (int i = 0; i < accepted_at_once && outcome == Outcome::accepted; ++i)
-        outcome = listening_.is_open() && make_room() ? accept_one() : Outcome::nobody;
+        outcome = may_accept() ? accept_one() : Outcome::nobody;
+    admit_waiting();
     if (outcome == Outcome::exhausted)
-        return pause(exhausted_pause);
-    if (admissions_->full() && !guests_.empty())
-        return pause(guest_patience / 10);
+        return pause(pauses_ ? exhausted_pause : std::chrono::milliseconds(0));
+    if (!waiting_.empty())
+        return pause(waiting_pause);
     busy_ = false;
     wait();
 }
 
-/// Strangers who hold places and prove nothing do not keep out those who would: whoever has been here for longest goes.
+/// The others wait in the queue of the system, where nobody has an address.
+bool AcceptLoop::may_accept() const
+{
+    return listening_.is_open() && (family_ == AF_UNIX ? !admissions_->full() : !waiting_.full());
+}
+
+/// Strangers who hold places and prove nothing do not keep out those who would: of the host that has most of them,
+/// whoever has been here for longest goes.
 bool AcceptLoop::make_room()
 {
     if (!admissions_->full())
         return true;
-    const auto longest = guests_.begin();
-    if (longest == guests_.end() || std::chrono::steady_clock::now() < longest->second.since + guest_patience)
+    const auto patient_since = std::chrono::steady_clock::now() - guest_patience;
+    if (guests_.empty() || guests_.begin()->second.since > patient_since)
+        return false;
+    std::map<std::string_view, int> from;
+    for (const auto& [number, guest] : guests_)
+        ++from[guest.host];
+    const auto longest = std::ranges::max_element(guests_, {}, [&](const auto& row) { return from[row.second.host]; });
+    if (longest->second.since > patient_since)
         return false;
     guests_.erase(longest);
     return !admissions_->full();
@@ -83,9 +122,12 @@ bool AcceptLoop::make_room()
 
 AcceptLoop::Outcome AcceptLoop::accept_one()
 {
-    const int descriptor = ::accept4(listening_.native_handle(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    if (descriptor >= 0) {
-        admit(descriptor);
+    sockaddr_storage from{};
+    socklen_t size = sizeof from;
+    Descriptor peer(
+        ::accept4(listening_.native_handle(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (peer) {
+        waiting_.enter({by_host_ ? host_of(from) : std::string(), std::move(peer)});
         return Outcome::accepted;
     }
     if (errno == ECONNABORTED || errno == EINTR || errno == EPROTO)
@@ -93,17 +135,23 @@ AcceptLoop::Outcome AcceptLoop::accept_one()
     return errno == EAGAIN || errno == EWOULDBLOCK ? Outcome::nobody : Outcome::exhausted;
 }
 
-void AcceptLoop::admit(int descriptor)
+void AcceptLoop::admit_waiting()
+{
+    while (!waiting_.empty() && make_room())
+        admit(waiting_.next());
+}
+
+void AcceptLoop::admit(WaitingRoom::Peer peer)
 {
     const auto guest = ++last_guest_;
     try {
-        auto handshake = welcome_(adopt_socket(context_, family_, descriptor),
+        auto handshake = welcome_(adopt_socket(context_, family_, peer.socket.release()),
                                   [self = shared_from_this(), guest,
                                    admission = admissions_->admit()](std::unique_ptr<Stream> stream) mutable {
                                       self->welcomed(guest, std::move(stream), std::move(admission));
                                   });
         if (handshake)
-            guests_[guest] = {std::chrono::steady_clock::now(), std::move(handshake)};
+            guests_[guest] = {std::move(peer.host), std::chrono::steady_clock::now(), std::move(handshake)};
     } catch (const Error&) {
         // The peer went away while it was looked at, or the system is short of something: it is closed, it may come
         // again.
@@ -124,6 +172,8 @@ void AcceptLoop::pause(std::chrono::milliseconds time)
         return;
     pause_.expires_after(time);
     pause_.async_wait([self = shared_from_this()](std::error_code error) {
+        if (!error && !self->waiting_.empty())
+            return self->accept_waiting();
         self->busy_ = false;
         if (!error)
             self->wait();

@@ -4,6 +4,7 @@
 #include "admissions.hpp"
 #include "socket_stream.hpp"
 #include "tls_handshake.hpp"
+#include "waiting_room.hpp"
 
 #include <hive/transport/transport.hpp>
 
@@ -33,10 +34,12 @@ private:
     void wait();
     void accept_waiting();
     Outcome accept_one();
-    void admit(int descriptor);
+    void admit_waiting();
+    void admit(WaitingRoom::Peer peer);
     void welcomed(std::uint64_t guest, std::unique_ptr<Stream> stream, std::shared_ptr<void> admission);
     /// Is there room for one more, or somebody who has shaken hands for too long and makes room?
     bool make_room();
+    [[nodiscard]] bool may_accept() const;
     void pause(std::chrono::milliseconds time);
 
     asio::io_context& context_;
@@ -46,8 +49,11 @@ private:
     const Welcome welcome_;
     const OnConnection on_connection_;
     const Timing timing_;
+    const bool pauses_, by_host_;  ///< false in twins of tests alone
     std::shared_ptr<Admissions> admissions_ = std::make_shared<Admissions>();
+    WaitingRoom waiting_;
     struct Guest {
+        std::string host;
         std::chrono::steady_clock::time_point since;
         Handshake handshake;
     };

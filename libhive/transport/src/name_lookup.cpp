@@ -1,10 +1,11 @@
 // Asking the system's resolver from four threads of its own.
 #include "name_lookup.hpp"
 
+#include <hive/protocol/defended.hpp>
+
 #include <asio/post.hpp>
 #include <asio/thread_pool.hpp>
 
-#include <cstdlib>
 #include <mutex>
 #include <netdb.h>
 #include <sys/socket.h>
@@ -75,11 +76,11 @@ NameLookup::NameLookup(asio::io_context& context, const std::string& host, std::
         auto [endpoints, error] = look_up(host, port);
         question->answer(std::move(endpoints), std::move(error));
     };
-    static const bool at_once = std::getenv("HIVE_TEST_NO_LOOKUP_THREADS") != nullptr;
-    if (at_once)
-        look();
-    else
+    static const bool on_threads = defended("lookup-threads");
+    if (on_threads)
         asio::post(lookup_threads(), look);
+    else
+        look();
 }
 
 NameLookup::~NameLookup()

@@ -2,13 +2,19 @@
 #include "packet_reader.hpp"
 
 #include <hive/error.hpp>
+#include <hive/protocol/defended.hpp>
 
 #include <algorithm>
 #include <cstring>
 
 namespace hive::transport {
 
-PacketReader::PacketReader() : buffer_(std::make_unique_for_overwrite<unsigned char[]>(buffer_size)) {}
+PacketReader::PacketReader()
+    : buffer_(std::make_unique_for_overwrite<unsigned char[]>(buffer_size)),
+      by_first_bytes_(defended("first-bytes")),
+      touches_no_pages_(defended("untouched-bodies"))
+{
+}
 
 asio::mutable_buffer PacketReader::space()
 {
@@ -51,8 +57,11 @@ void PacketReader::require_hive() const
     const auto bytes = end_ - begin_;
     if (std::memcmp(at, protocol::magic.data(), std::min(bytes, protocol::magic.size())) == 0)
         return;
-    // The records that TLS begins with: a handshake, or an alert.
-    if (first_ && bytes >= 2 && (at[0] == 0x16 || at[0] == 0x15) && at[1] == 0x03)
+    // The records that TLS begins with: a handshake, or an alert. What it is has to be the same however the bytes come.
+    const bool may_be_tls = first_ && (at[0] == 0x16 || at[0] == 0x15);
+    if (may_be_tls && bytes < 2)
+        return;
+    if (may_be_tls && at[1] == 0x03)
         throw Error(Errc::not_permitted, "it speaks TLS, which goes with a swarm key, and this end speaks without one",
                     "both ends need the same key: hivectl key show");
     throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
@@ -62,7 +71,8 @@ bool PacketReader::take_prefix()
 {
     const auto bytes = end_ - begin_;
     if (bytes < protocol::prefix_size) {
-        require_hive();
+        if (by_first_bytes_)
+            require_hive();
         return false;
     }
     if (first_)
@@ -104,7 +114,8 @@ void PacketReader::begin_body()
         return;
     try {
         // Not zero-filled: pages that the peer does not fill are never touched, so its number alone costs no memory.
-        body_ = std::make_unique_for_overwrite<std::byte[]>(prefix_.body_size);
+        body_ = touches_no_pages_ ? std::make_unique_for_overwrite<std::byte[]>(prefix_.body_size)
+                                  : std::make_unique<std::byte[]>(prefix_.body_size);
     } catch (const std::bad_alloc&) {
         throw Error(Errc::too_large, "no memory for a body of " + std::to_string(prefix_.body_size) + " bytes");
     }

@@ -43,6 +43,7 @@ private:
     std::unique_ptr<unsigned char[]> buffer_;  ///< [begin_, end_) has come and is not used yet
     std::size_t begin_ = 0, end_ = 0;
     protocol::Limits limits_ = protocol::hello_limits;
+    const bool by_first_bytes_, touches_no_pages_;  ///< false in twins of tests alone
     bool first_ = true;
     Part part_ = Part::prefix;
     protocol::Prefix prefix_;

@@ -6,6 +6,8 @@
 #include "tls_handshake.hpp"
 #include "unsent_limit.hpp"
 
+#include <hive/protocol/defended.hpp>
+
 #include <asio/ip/tcp.hpp>
 
 #include <netinet/in.h>
@@ -35,8 +37,11 @@ void tune(int descriptor, const Endpoint& peer)
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPCNT, 3);
     // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across
     // a network the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded.
-    if (!is_loopback(peer))
-        return set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, UnsentLimit::most);
+    if (!is_loopback(peer)) {
+        if (UnsentLimit::wanted())
+            set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, UnsentLimit::most);
+        return;
+    }
     set_option(descriptor, SOL_SOCKET, SO_SNDBUF, local_socket_buffer);
     set_option(descriptor, SOL_SOCKET, SO_RCVBUF, local_socket_buffer);
 }
@@ -249,9 +254,11 @@ std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& a
     auto socket = open_socket(context, family);
     const int descriptor = socket.native_handle();
     set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1);  // a port whose old connections linger is free
+    if (!defended("own-port"))
+        set_option(descriptor, SOL_SOCKET, SO_REUSEPORT, 1);
     if (::bind(descriptor, reinterpret_cast<const sockaddr*>(endpoint.data()), static_cast<socklen_t>(endpoint.size()))
             != 0
-        || ::listen(descriptor, SOMAXCONN) != 0)
+        || ::listen(descriptor, defended("backlog") ? SOMAXCONN : 1) != 0)
         throw listen_failure(address, errno);
     auto bound = address;
     bound.port = name_of(::getsockname, descriptor).port();

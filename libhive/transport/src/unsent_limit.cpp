@@ -3,6 +3,8 @@
 
 #include "socket_stream.hpp"
 
+#include <hive/protocol/defended.hpp>
+
 #include <algorithm>
 
 #include <netinet/in.h>
@@ -22,10 +24,16 @@ int unsent_limit(double bytes_per_second) noexcept
     return static_cast<int>(bytes);
 }
 
+bool UnsentLimit::wanted() noexcept
+{
+    static const bool wanted = defended("unsent-limit");
+    return wanted;
+}
+
 void UnsentLimit::fit(int descriptor) noexcept
 {
     const auto now = std::chrono::steady_clock::now();
-    if (fitted_ && now < *fitted_ + often_enough)
+    if (!wanted() || (fitted_ && now < *fitted_ + often_enough))
         return;
     fitted_ = now;
     tcp_info told{};

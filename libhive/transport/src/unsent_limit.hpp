@@ -17,6 +17,8 @@ public:
     static constexpr int most = 128 * 1024;  ///< 1 ms of gigabit Ethernet
     static constexpr int least = 16 * 1024;
 
+    /// False in a twin of a test alone.
+    static bool wanted() noexcept;
     /// To be called when the kernel takes no more: only then does TCP know what the way carries.
     void fit(int descriptor) noexcept;
 

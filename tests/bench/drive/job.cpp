@@ -29,6 +29,7 @@ Run run_of(const Row& row, const Column& column)
     run.subscribers = column.subscribers;
     run.window = column.window;
     run.busy = column.busy;
+    run.dial = column.dial;
     return run;
 }
 

@@ -17,6 +17,8 @@ Rows operator+(Rows left, const Rows& right)
 const Rows one_way{"raw_shm/copy", "hive/local", "raw_sock/tcp-direct-b256", "hive/tcp"};
 const Rows in_place{"raw_shm/zc", "hive/local-zc"};
 const Rows further{"raw_sock/unix-direct", "hive/tls"};
+const Rows sealed{"hive/tls", "raw_sock/tcp-sealed"};
+const Rows connecting{"hive/tcp", "hive/tls"};
 const Rows peers{"iceoryx/loan", "zmq/ipc", "nng/ipc", "asio/tcp", "zmq/tcp", "nng/tcp"};
 const Rows round_trips{"raw_shm/copy", "hive/local", "raw_sock/tcp", "hive/tcp"};
 const Rows unix_round_trips{"raw_sock/unix", "hive/tls"};
@@ -48,8 +50,8 @@ const std::vector<Column>& columns()
         {.name = "thr6.2M",
          .test = Test::throughput,
          .size = full_hd,
-         .pairs = one_way,
-         .once = in_place + further + peers},
+         .pairs = one_way + Rows{"hive/tls"},
+         .once = in_place + Rows{"raw_sock/unix-direct"} + peers},
         {.name = "fan4",
          .test = Test::throughput,
          .size = full_hd,
@@ -61,8 +63,8 @@ const std::vector<Column>& columns()
          .test = Test::sync,
          .size = jpeg,
          .window = 1,
-         .pairs = round_trips,
-         .once = unix_round_trips + peers},
+         .pairs = round_trips + sealed,
+         .once = Rows{"raw_sock/unix"} + peers},
         {.name = "prefetch100K", .test = Test::sync, .size = jpeg, .window = 2, .pairs = prefetching, .once = {}},
         {.name = "sync6.2M",
          .test = Test::sync,
@@ -70,6 +72,7 @@ const std::vector<Column>& columns()
          .window = 1,
          .pairs = round_trips + direct,
          .once = unix_round_trips + peers},
+        {.name = "dial64", .test = Test::rpc, .size = small, .dial = true, .pairs = connecting, .once = {}},
         {.name = "rpc64-busy",
          .test = Test::rpc,
          .size = small,
@@ -100,6 +103,7 @@ const std::vector<Row>& rows()
                                       "raw_sock/tcp-direct-b256",
                                       "raw_sock/tcp",
                                       "raw_sock/tcp-prefetch-b256",
+                                      "raw_sock/tcp-sealed",
                                       "iceoryx/loan",
                                       "zmq/ipc",
                                       "nng/ipc",

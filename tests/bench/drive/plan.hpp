@@ -19,6 +19,7 @@ struct Column {
     int subscribers = 1;
     int window = 0;
     bool busy = false;
+    bool dial = false;
     std::vector<Row> pairs;  ///< Hive and its limits, several times a round, neighbours in time
     std::vector<Row> once;   ///< peers and further limits, once a round
 };

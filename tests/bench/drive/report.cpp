@@ -81,6 +81,20 @@ public:
               });
     }
 
+    void under_key() const
+    {
+        table({"Under a swarm key (TLS 1.3), and the same without. CPU: seconds for 1000 frames. connect: a new "
+               "caller, its\n"
+               "connection with the handshake, and one RPC: us p50 / p99.",
+               {"dial64"},
+               {"row", "6.22 MB GB/s", "CPU", "sync 100 KB f/s", "connect"}},
+              [&](const Row& row) {
+                  return Cells{text_of(value(row, "thr6.2M", "gigabytes_per_second")),
+                               text_of(value(row, "thr6.2M", "cpu")), text_of(value(row, "sync100K", "per_second")),
+                               pair_text(value(row, "dial64", "p50"), value(row, "dial64", "p99"))};
+              });
+    }
+
     void failures() const
     {
         for (const auto* run : records_.failed())
@@ -147,6 +161,7 @@ void print_report(const Records& records)
     report.throughput();
     report.round_trips();
     report.busy_core();
+    report.under_key();
     report.failures();
 }
 

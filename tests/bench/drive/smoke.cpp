@@ -17,6 +17,7 @@ const std::vector<Column>& few()
         {.name = "sync", .test = Test::sync, .size = 100'000, .window = 1, .pairs = {}, .once = {}},
         {.name = "prefetch", .test = Test::sync, .size = 100'000, .window = 2, .pairs = {}, .once = {}},
         {.name = "rpc", .test = Test::rpc, .size = 64, .pairs = {}, .once = {}},
+        {.name = "dial", .test = Test::rpc, .size = 64, .dial = true, .pairs = {}, .once = {}},
     };
     return all;
 }
@@ -35,9 +36,12 @@ bool try_row(const Row& row, const Column& column)
     return good;
 }
 
-/// Hive in all; for the limits sync, prefetch and rpc are the same code.
+/// Hive in all, a connection for each question only where there are connections; for the limits sync, prefetch and rpc
+/// are the same code.
 bool worth_trying(const Row& row, const Column& column)
 {
+    if (column.dial)
+        return row == "hive/tcp" || row == "hive/tls";
     return row.starts_with("hive/") || (row.starts_with("raw_") && column.name != "prefetch" && column.name != "rpc");
 }
 

@@ -1,4 +1,4 @@
-// The targets: a ratio of two rows of one column, and what it has to be.
+// The targets: a ratio of two rows of one column, or what one takes more than the other, and what it has to be.
 #include "report.hpp"
 
 #include "table.hpp"
@@ -19,6 +19,7 @@ struct Target {
     std::string key;
     Bound bound;
     double value;
+    bool more = false;  ///< how much more than the other row, not how many times as much
 };
 
 using enum Bound;
@@ -87,6 +88,17 @@ std::vector<Target> round_trip_targets()
     };
 }
 
+std::vector<Target> key_targets()
+{
+    return {
+        {"throughput 6.22 MB, TLS: GB/s", "hive/tls", "", "thr6.2M", "gigabytes_per_second", at_least, 1.0},
+        {"sync 100 KB, encrypted by hand", "raw_sock/tcp-sealed", "raw_sock/tcp", "sync100K", "per_second", at_least,
+         0.8},
+        {"sync 100 KB, TLS", "hive/tls", "hive/tcp", "sync100K", "per_second", at_least, 0.45},
+        {"handshake: us more to connect", "hive/tls", "hive/tcp", "dial64", "p50", at_most, 1000, true},
+    };
+}
+
 std::optional<Figure> quotient(const std::optional<Figure>& above, const std::optional<Figure>& below)
 {
     if (!above || !below || below->value <= 0)
@@ -95,10 +107,21 @@ std::optional<Figure> quotient(const std::optional<Figure>& above, const std::op
                   above->disturbed || below->disturbed};
 }
 
+std::optional<Figure> difference(const std::optional<Figure>& row, const std::optional<Figure>& against)
+{
+    if (!row || !against)
+        return std::nullopt;
+    return Figure{row->value - against->value, std::min(row->runs, against->runs),
+                  row->disturbed || against->disturbed};
+}
+
 std::optional<Figure> measured(const Records& records, const Target& target)
 {
     if (target.against.empty())
         return records.value(target.row, target.column, target.key);
+    if (target.more)
+        return difference(records.value(target.row, target.column, target.key),
+                          records.value(target.against, target.column, target.key));
     if (target.key == "p99")  // of all samples together: that of a single run is its slowest frame
         return quotient(records.p99(target.row, target.column), records.p99(target.against, target.column));
     return records.ratio(target.row, target.against, target.column, target.key);
@@ -122,8 +145,9 @@ Cells line(const std::string& what, const std::string& rows, const std::optional
 
 Cells line(const Target& target, const std::optional<Figure>& figure)
 {
-    return line(target.what, target.row + (target.against.empty() ? "" : " / " + target.against), figure, target.bound,
-                target.value);
+    return line(target.what,
+                target.row + (target.against.empty() ? "" : (target.more ? " - " : " / ") + target.against), figure,
+                target.bound, target.value);
 }
 
 void add_worker_targets(const Json& workers, std::vector<Cells>& lines)
@@ -144,7 +168,7 @@ void add_worker_targets(const Json& workers, std::vector<Cells>& lines)
 void print_targets(const Records& records)
 {
     std::vector<Cells> lines;
-    for (const auto& targets : {latency_targets(), throughput_targets(), round_trip_targets()})
+    for (const auto& targets : {latency_targets(), throughput_targets(), round_trip_targets(), key_targets()})
         for (const auto& target : targets)
             if (records.has({}, target.column))
                 lines.push_back(line(target, measured(records, target)));

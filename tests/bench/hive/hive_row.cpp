@@ -4,7 +4,7 @@
 //     bench_hive local     drones that meet on this machine; the picture is copied into the loan
 //     bench_hive local-zc  the same, but the camera has written into the loan: only header and tail are stamped
 //     bench_hive tcp       over TCP on 127.0.0.1
-//     bench_hive tls       the same, under a swarm key
+//     bench_hive tls       the same, under a swarm key; dial=1: each RPC on a connection of its own
 //
 // lat: live events, streamed. thr: lossless events with a wide window, each produced when everybody has asked for it.
 // sync: the same with window=1 (the default) or window=2. rpc: Application::get of one parameter.
@@ -17,6 +17,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 namespace hive::bench {
 namespace {
@@ -86,19 +87,22 @@ private:
 
 class TcpClient : public Client {
 public:
-    explicit TcpClient(const Run& run) : address_(tcp_address(run)) {}
+    explicit TcpClient(const Run& run) : address_(tcp_address(run)), dials_(run.dial) {}
 
     bool ask(const Request& request, const FrameCheck&) override
     {
-        const auto answer = caller_.ask(address_, protocol::PacketType::get, {{"names", {note_parameter}}});
+        if (dials_ || !caller_)
+            caller_.emplace();
+        const auto answer = caller_->ask(address_, protocol::PacketType::get, {{"names", {note_parameter}}});
         if (request.header.kind == Kind::end)
-            caller_.ask(address_, protocol::PacketType::stop, Json::object());
+            caller_->ask(address_, protocol::PacketType::stop, Json::object());
         return answer.at("parameters").value(note_parameter, "") == note_text;
     }
 
 private:
     std::string address_;
-    Caller caller_;
+    bool dials_;
+    std::optional<Caller> caller_;
 };
 
 class HiveRow : public Transport {

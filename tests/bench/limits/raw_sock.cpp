@@ -4,10 +4,15 @@
 //     direct      the frame is written from the camera's buffer: the kernel's copy is what produces it. Otherwise it is
 //                 produced into a buffer of the sender first
 //     b256        256 KB socket buffers instead of the kernel's own choice
+//     sealed      the frame is encrypted into another buffer before it is sent, and decrypted into the frame: the
+//                 least that TLS has to do
 //     prefetch    the client asks for the next frame before it looks at this one
+#include "../harness/board.hpp"
 #include "../harness/transport.hpp"
+#include "seal.hpp"
 #include "socket.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -18,14 +23,22 @@ namespace {
 /// Writes frames: a length, then the bytes.
 class FrameWriter {
 public:
-    explicit FrameWriter(const Run& run) : direct_(run.is("direct")), buffer_(run.size) {}
+    explicit FrameWriter(const Run& run)
+        : direct_(run.is("direct")), buffer_(run.size), sealed_(run.is("sealed") ? Seal::sealed_size(run.size) : 0)
+    {
+    }
 
     void write(std::span<const Socket> sockets, const Frame& frame)
     {
         if (!direct_)
             frame.produce(buffer_.data());
-        for (const auto& socket : sockets)
-            direct_ ? write_direct(socket, frame) : write_buffer(socket);
+        for (std::size_t i = 0; i < sockets.size(); ++i)
+            if (direct_)
+                write_direct(sockets[i], frame);
+            else if (sealed_.empty())
+                write_buffer(sockets[i]);
+            else
+                write_sealed(sockets[i], seals_[i]);
     }
 
 private:
@@ -33,6 +46,14 @@ private:
     {
         std::uint64_t size = buffer_.size();
         std::array parts{iovec{&size, sizeof size}, iovec{buffer_.data(), buffer_.size()}};
+        socket.write(parts);
+    }
+
+    void write_sealed(const Socket& socket, Seal& seal)
+    {
+        std::uint64_t size = buffer_.size();
+        seal.close(buffer_, sealed_.data());
+        std::array parts{iovec{&size, sizeof size}, iovec{sealed_.data(), sealed_.size()}};
         socket.write(parts);
     }
 
@@ -49,12 +70,17 @@ private:
 
     bool direct_;
     std::vector<std::byte> buffer_;
+    std::vector<std::byte> sealed_;
+    std::array<Seal, most_subscribers> seals_{Seal(true), Seal(true), Seal(true), Seal(true)};  ///< one for each socket
 };
 
 /// Reads frames into one buffer.
 class FrameReader {
 public:
-    explicit FrameReader(std::size_t size) : buffer_(size) {}
+    explicit FrameReader(const Run& run)
+        : buffer_(run.size), sealed_(run.is("sealed") ? Seal::sealed_size(run.size) : 0)
+    {
+    }
 
     /// Empty at the end of the stream, or when the frame is larger than it may be.
     std::span<const std::byte> read(const Socket& socket)
@@ -63,11 +89,19 @@ public:
         if (!socket.read(std::as_writable_bytes(std::span(&size, 1))) || size > buffer_.size())
             return {};
         const auto frame = std::span(buffer_).first(size);
-        return socket.read(frame) ? frame : std::span<std::byte>();
+        return (sealed_.empty() ? socket.read(frame) : read_sealed(socket, frame)) ? frame : std::span<std::byte>();
     }
 
 private:
+    bool read_sealed(const Socket& socket, std::span<std::byte> frame)
+    {
+        const auto sealed = std::span(sealed_).first(Seal::sealed_size(frame.size()));
+        return socket.read(sealed) && seal_.open(sealed, frame);
+    }
+
     std::vector<std::byte> buffer_;
+    std::vector<std::byte> sealed_;
+    Seal seal_{false};
 };
 
 class SocketPublisher : public PushPublisher {
@@ -96,7 +130,7 @@ private:
 
 class SocketSubscriber : public Subscriber {
 public:
-    explicit SocketSubscriber(const Run& run) : socket_(Socket::connect(run)), reader_(run.size) {}
+    explicit SocketSubscriber(const Run& run) : socket_(Socket::connect(run)), reader_(run) {}
 
     void receive(const OnFrame& on_frame) override
     {
@@ -133,8 +167,7 @@ private:
 
 class SocketClient : public Client {
 public:
-    explicit SocketClient(const Run& run)
-        : prefetch_(run.is("prefetch")), socket_(Socket::connect(run)), reader_(run.size)
+    explicit SocketClient(const Run& run) : prefetch_(run.is("prefetch")), socket_(Socket::connect(run)), reader_(run)
     {
     }
 

@@ -71,8 +71,13 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
             CHECK(header.at("header").at("policy") == "skip");
             CHECK(header.at("header").at("input") == input);
         }
-        const Json status = peer.ask(raw::status).at("result");
-        CHECK(status.at("events").at("abandoned") == garbage.size());
+        Json status;
+        CHECK(hive::test::eventually(  // the exception is sent before it is counted
+            [&] {
+                status = peer.ask(raw::status).at("result");
+                return status.at("events").at("abandoned") == garbage.size();
+            },
+            within(1000)));
         CHECK(status.at("last_exception").at("code") == "malformed");
         for (const auto& output : status.at("outputs"))
             if (output.at("name") != "exceptions")

@@ -8,6 +8,7 @@
 
 #include <fstream>
 #include <map>
+#include <regex>
 
 using subject::Json;
 using subject::written;
@@ -100,6 +101,17 @@ TEST_CASE("drone: --describe prints the interface as JSON and nothing else, with
         CHECK(is_word_of_type(parameter.at("type")));
         CHECK(parameter.contains("default"));
         CHECK_FALSE(parameter.at("help").get<std::string>().empty());
+    }
+}
+
+TEST_CASE("drone: a parameter that names a file, a host or a login is the operator's, not that of whoever has the key")
+{
+    static const std::regex of_the_machine(R"(\b(file|folder|path|host|address|password|login|token)(s|es)?\b)");
+    for (const auto& parameter : subject::description().at("parameters")) {
+        const auto help = parameter.at("help").get<std::string>();
+        CAPTURE(parameter);
+        if (parameter.at("type") == "text" && !parameter.contains("choices") && std::regex_search(help, of_the_machine))
+            CHECK(parameter.value("operator", false));
     }
 }
 

@@ -43,7 +43,7 @@ private:
 /// What a source under the test's control shall do; next() hangs while there is nothing to do.
 class Script {
 public:
-    enum class Act { give, end, fail };
+    enum class Act { give, begin_again, end, fail };
 
     void play(Act act)
     {
@@ -64,6 +64,7 @@ public:
             return std::nullopt;
         Frame frame;
         frame.index = count_++;
+        frame.begins_again = act == Act::begin_again;
         return frame;
     }
     Bell& reading() { return reading_; }
@@ -141,6 +142,22 @@ TEST_CASE("capture: only the newest picture is kept, and only once")
     CHECK(capture->take()->index == 2);
     CHECK_FALSE(capture->take());
     CHECK(capture->condition().empty());
+    stage.script->play(Script::Act::end);
+}
+
+TEST_CASE("capture: that a video begins again is told with the next picture that is taken, whichever that is")
+{
+    Stage stage;
+    const auto capture = stage.capture(0, Capture::AtEnd::open_again);
+    int given = 0;
+    for (const auto act : {Script::Act::give, Script::Act::begin_again, Script::Act::give}) {
+        stage.script->play(act);
+        REQUIRE(stage.news.wait_for(++given));
+    }
+    CHECK(capture->take()->begins_again);
+    stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(++given));
+    CHECK_FALSE(capture->take()->begins_again);
     stage.script->play(Script::Act::end);
 }
 

@@ -63,9 +63,9 @@ TEST_CASE("end: behind workers that share, results, collect, record, save, view 
         {"results", {"results", "face-1", "face-2", "--ordered"}},
         {"collect", {"collect", "face-1.faces", "face-1.annotated"}},
         {"record", {"record", "face-1.faces", "face-2.faces", "-o", file("run.hive")}},
-        {"save", {"save", "face-1.annotated", file("out.mp4")}},
-        {"view", {"view", "face-1.annotated", "--http", std::to_string(free_port())}},
-        {"snap", {"snap", "face-1.annotated", file("one.jpg"), "--timeout", "30"}}};
+        {"save", {"save", "face-1.annotated", file("out.mp4"), "--timeout", "60"}},
+        {"view", {"view", "face-1.annotated", "--http", std::to_string(free_port()), "--timeout", "60"}},
+        {"snap", {"snap", "face-1.annotated", file("one.jpg"), "--timeout", "60"}}};
     std::vector<Process> running;
     for (const auto& [name, words] : verbs)
         running.push_back(swarm.hivectl_running(words, name));

@@ -102,3 +102,27 @@ TEST_CASE("camera: the events of a file say where they are from, and another sou
     CHECK(other->identity.epoch > second->identity.epoch);
     CHECK(other->identity.sequence == 1);
 }
+
+TEST_CASE("camera: a picture that would become too large for anybody is told, and has its place in the sequence")
+{
+    const Swarm swarm;
+    const media::Folder folder;
+    const auto usual = media::encoded(".png", media::sample({64, 48}, CV_8UC3));
+    media::write(folder.path() / "1.png", usual);
+    media::write(folder.path() / "2.png", media::encoded(".png", media::sample({10, 4000}, CV_8UC3)));
+    media::write(folder.path() / "3.png", usual);
+    const auto camera =
+        swarm.drone("camera", "camera", {"source=" + folder.path().string(), "width=400", "pace=demand", "loop=off"});
+    auto application = swarm.application();
+    const auto exceptions = application.exceptions({"camera"});
+    const auto pictures = application.collect({{"camera", "image"}}, {.ordered = true});
+    for (const std::int64_t sequence : {1, 3}) {
+        const auto event = pictures->next(patient(5000ms));
+        REQUIRE(event);
+        CHECK(event->identity.sequence == sequence);
+    }
+    const auto exception = exceptions->next(patient(2000ms));
+    REQUIRE(exception);
+    CHECK(exception->identity.sequence == 2);
+    CHECK(has(exception->header.at("text"), "400x160000 px are more than 40 Mpixel"));
+}

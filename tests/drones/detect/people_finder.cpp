@@ -191,6 +191,11 @@ TEST_CASE("people finder: a higher threshold leaves out the weaker ones, and the
     CHECK(std::ranges::is_sorted(all, std::ranges::greater{}, &Object::score));
     finder.hit_threshold = 100;
     CHECK(finder.find(scene.picture).empty());
+    finder.hit_threshold = -3;
+    finder.grouping = 0;
+    const auto too_many = finder.find(scene.picture);
+    CHECK(too_many.size() == detect::most_objects);
+    CHECK(too_many.front().score >= all.front().score);
 }
 
 TEST_CASE("object: draw frames the box and nothing far from it")

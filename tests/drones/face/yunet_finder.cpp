@@ -1,5 +1,5 @@
 // YuNet's form of a model, made up: what is made of its numbers, and what is refused.
-#include "../detect/onnx_writer.hpp"
+#include "yunet_model.hpp"
 
 #include <doctest/doctest.h>
 #include <yunet_finder.hpp>
@@ -7,28 +7,9 @@
 #include <algorithm>
 
 using face::YunetFinder;
+using onnx::yunet_model;
 
 namespace {
-
-/// A picture of 32x32 px has 58 places: 16 cells of 8 px with faces of 10, 16 and 24 px, 4 of 16 px with two, 1 of 32
-/// px with two.
-constexpr int places = 58;
-
-/// Says that there is a face of 16 px in the cell in column 2, row 1, and a weaker one in the next cell.
-onnx::Model model()
-{
-    onnx::Model result{.width = 32, .height = 32, .shape = {1, 1}, .constants = {0}, .wires = {}};
-    std::vector<float> conf(2 * places, 0.0F), iou(places, 0.0F);
-    const std::size_t first = (1 * 4 + 2) * 3 + 1, next = first + 3;
-    conf[2 * first + 1] = 1;
-    iou[first] = 0.81F;
-    conf[2 * next + 1] = 1;
-    iou[next] = 0.25F;
-    result.more = {{"loc", {1, places, 14}, std::vector<float>(14 * places, 0.0F)},
-                   {"conf", {1, places, 2}, conf},
-                   {"iou", {1, places, 1}, iou}};
-    return result;
-}
 
 std::string refusal(const std::string& path)
 {
@@ -44,7 +25,7 @@ std::string refusal(const std::string& path)
 
 TEST_CASE("yunet: a face is where the model's numbers say, with its score and points")
 {
-    const onnx::File file(".onnx", onnx::bytes_of(model()));
+    const onnx::File file(".onnx", onnx::bytes_of(yunet_model()));
     YunetFinder finder(file.path());
     for (const int type : {CV_8UC3, CV_8UC1}) {
         const auto faces = finder.find(cv::Mat(32, 32, type, cv::Scalar::all(9)));
@@ -61,9 +42,9 @@ TEST_CASE("yunet: a face is where the model's numbers say, with its score and po
 
 TEST_CASE("yunet: what is no such model is refused in a sentence, and pictures of another size when they come")
 {
-    onnx::Model other = model();
+    onnx::Model other = yunet_model();
     other.more.pop_back();
-    const onnx::File good(".onnx", onnx::bytes_of(model())), two(".onnx", onnx::bytes_of(other)),
+    const onnx::File good(".onnx", onnx::bytes_of(yunet_model())), two(".onnx", onnx::bytes_of(other)),
         garbage(".onnx", "this is no model");
     CHECK(refusal(good.path()) == "accepted");
     CHECK(refusal("/nowhere/yunet.onnx") == "no model at /nowhere/yunet.onnx");

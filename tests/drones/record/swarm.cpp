@@ -10,6 +10,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <utility>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -259,6 +260,123 @@ TEST_CASE("recording: a recorder that was killed and is started again goes on in
     CHECK(text_of(file) == kept);
 }
 
+TEST_CASE("recording: an engine starts a recorder that was killed with the words of its first start, and it goes on in "
+          "a new file too")
+{
+    const Swarm swarm;
+    const auto file = swarm.home() / "run.hive";
+    for (const char* overwrite : {"overwrite=off", "overwrite=on"}) {
+        CAPTURE(overwrite);
+        const std::vector<std::string> words{"file=" + file.string(), overwrite};
+        {
+            const auto source = swarm.drone("ticker", "source", {"fps=100"});
+            auto recorder = swarm.drone("record", "record", words);
+            swarm.application().connect({"source", ""}, {"record", ""}, wide);
+            REQUIRE(eventually([&] { return recorded_in(file) > 20; }));
+            recorder.signal(SIGKILL);
+            recorder.wait(2000ms);
+        }
+        const auto kept = text_of(file);
+        for (const char* name : {"run-2.hive", "run-3.hive"}) {
+            CAPTURE(name);
+            auto again = swarm.drone("record", "record", words);
+            CHECK(swarm.application().get("record", {"file"}).at("file") == (swarm.home() / name).string());
+            again.signal(SIGKILL);
+            again.wait(2000ms);
+        }
+        CHECK(text_of(file) == kept);
+        {
+            auto last = swarm.drone("record", "record", words);
+            swarm.application().stop("record");
+            last.wait(2000ms);
+        }
+        for (const char* name : {"run.hive", "run-2.hive", "run-3.hive", "run-4.hive"})
+            CHECK(fs::remove(swarm.home() / name));
+    }
+}
+
+TEST_CASE("recording: a joint set of another file that is aborted leaves the recording as it was, and one that holds "
+          "ends it")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    for (const char* overwrite : {"overwrite=off", "overwrite=on"}) {
+        CAPTURE(overwrite);
+        const auto folder = swarm.home() / overwrite;
+        fs::create_directories(folder / "other");
+        const auto file = folder / "a.hive", other = folder / "b.hive";
+        auto recorder = swarm.drone("record", "rec-1", {"file=" + file.string(), overwrite});
+        auto silent = swarm.drone("record", "rec-2", {"file=" + (folder / "other" / "a.hive").string()});
+        auto application = swarm.application();
+        application.connect({"source", ""}, {"rec-1", ""}, wide);
+        REQUIRE(eventually([&] { return recorded_in(file) > 20; }));
+        silent.signal(SIGSTOP);
+        auto setter = swarm.hivectl_running({"set", "rec-*", "file=b.hive", "--timeout", "2"}, "set");
+        CHECK(eventually([&] { return fs::exists(other); }));
+        CHECK(setter.wait(patient(10'000ms)).value_or(0) != 0);
+        silent.kill();
+        CHECK(application.get("rec-1", {"file"}).at("file") == file.string());
+        CHECK(eventually([&] { return !fs::exists(other); }));
+        const auto before = recorded_in(file);
+        CHECK(before > 20);
+        CHECK(eventually([&] { return recorded_in(file) > before + 20; }));
+
+        application.set("rec-1", {{"file", "b.hive"}});
+        CHECK(eventually([&] { return recorded_in(other) > 20; }));
+        Reader reader(file);
+        CHECK(reader.problem() == "");
+        CHECK(reader.summary().ended == "another file was set");
+        std::int64_t events = 0;
+        while (reader.next())
+            ++events;
+        CHECK(events == reader.summary().events());
+        application.stop("rec-1");
+        recorder.wait(patient(5000ms));
+    }
+}
+
+TEST_CASE("replay: another pace holds from the next event on, for which everybody is waited for then, and nothing is "
+          "sent twice")
+{
+    constexpr std::size_t count = 4;
+    const Swarm swarm;
+    const auto file = (swarm.home() / "run.hive").string();
+    {
+        const auto source = swarm.drone("ticker", "source", {"fps=10"});
+        swarm.hivectl_done({"record", "source", "-o", file, "-n", std::to_string(count)});
+    }
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file, "speed=0.1"}, {"--halted"});
+    const auto slow = swarm.drone("sleeper", "slow", {"work_ms=1800"});
+    auto application = swarm.application();
+    const auto quick = application.collect({{"replay", "tick"}});
+    const auto results = application.collect({{"slow", "result"}}, {.connection = wide});
+    application.connect({"replay", ""}, {"slow", ""});
+    application.resume("replay");
+    auto last = take(*quick, 2).back().identity.sequence;  // the second one waits for slow
+    CHECK(application.status("replay").source_events == count);
+    application.set("replay", {{"pace", "demand"}});  // the third one is prepared, and due in a second
+    for (const auto& event : take(*quick, count - 2))
+        CHECK(event.identity.sequence == std::exchange(last, event.identity.sequence) + 1);
+    take(*results, count);
+    CHECK_FALSE(quick->next(0ms));
+    CHECK(edge_to(application.status("replay"), "slow.image").events.of(hive::Fate::skipped) == 0);
+}
+
+TEST_CASE("replay: how many events are to come is said for the loop that holds now")
+{
+    const Swarm swarm;
+    const auto file = (swarm.home() / "run.hive").string();
+    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    swarm.hivectl_done({"record", "source", "-o", file, "-n", "5"});
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file});
+    auto application = swarm.application();
+    CHECK(application.status("replay").source_events == 5);
+    application.set("replay", {{"loop", true}});
+    CHECK(application.status("replay").source_events == 0);
+    application.set("replay", {{"loop", false}});
+    CHECK(application.status("replay").source_events == 5);
+}
+
 TEST_CASE("recording: at the end of its source a recording is complete, and what comes later is in the next one")
 {
     const Swarm swarm;
@@ -308,7 +426,7 @@ TEST_CASE("recording: a set reaches no file outside of the folder that the recor
 TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its exit code says what is not")
 {
     const Swarm swarm;
-    const auto left = swarm.drone("ticker", "left", {"fps=100"}), right = swarm.drone("ticker", "right", {"fps=100"});
+    const auto left = swarm.drone("ticker", "left", {"fps=40"}), right = swarm.drone("ticker", "right", {"fps=40"});
     const auto file = (swarm.home() / "run.hive").string();
     const auto done = Json::parse(swarm.hivectl_done({"record", "left", "right", "-o", file, "-n", "50", "--json"}));
     CHECK(done.at("events") == 50);
@@ -332,12 +450,21 @@ TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its
     CHECK(has(lossy.err, "skipped by the sender"));
     CHECK(lost_in(Reader(file)) > 0);
     CHECK(Reader(file).summary().ended == "time over");
+
+    const auto small = (swarm.home() / "small.hive").string();
+    const auto full = swarm.run({"/bin/sh", "-c",
+                                 "ulimit -f 200; exec " + swarm.program("hivectl").string() + " record fast -o " + small
+                                     + " -n 100000 --timeout 60"});
+    CHECK_MESSAGE(full.exit_code == 8, full.err);
+    CHECK_MESSAGE(has(full.err, "the file holds what came before"), full.err);
+    CHECK_FALSE(has(full.out, "nothing lost"));
+    CHECK(Reader(small).summary().events() > 0);
 }
 
 TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are replayed to those who receive headers alone")
 {
     const Swarm swarm;
-    const auto source = swarm.drone("ticker", "source", {"fps=100"});
+    const auto source = swarm.drone("ticker", "source", {"fps=40"});
     const auto file = swarm.home() / "run.hive";
     auto application = swarm.application();
     const auto somebody = application.collect({{"source", "tick"}});  // bodies that nobody receives are not made

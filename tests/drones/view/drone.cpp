@@ -108,7 +108,7 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
     put(damaged);
     if (eventually([&] { return status_at(port).at("number") == 1; }, Milliseconds(1000)))
         CHECK(get(port, "/picture.jpg").picture().cols == 640);  // the notice
-    const auto exception = exceptions->next(Milliseconds(5000));
+    const auto exception = exceptions->next(patient(Milliseconds(5000)));
     REQUIRE(exception);
     CHECK(exception->header.at("code") == "malformed");
     put(good);
@@ -135,7 +135,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
                        Milliseconds(8000)));
     CHECK(snapshots.size() <= 4);
     // By turns: a picture of the stream that nobody reads may be left out, as of any stream.
-    for (int i = 0; i < 30 && streamed.size() < 3; ++i) {
+    for (const auto end = Clock::now() + patient(Milliseconds(10'000)); streamed.size() < 3 && Clock::now() < end;) {
         const auto picture = client.next_picture();
         REQUIRE(picture);
         snapshots.insert(get(port, "/picture.jpg").body);
@@ -202,7 +202,7 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     CHECK(edges[0].at("from") == "camera.image");
     CHECK(edges[0].at("encoding") == "jpeg:60");
     process.signal(SIGINT);
-    CHECK(process.wait(Milliseconds(5000)) == 130);
+    CHECK(process.wait(patient(Milliseconds(5000))) == 130);
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
     for (const char* ending : {".sock", ".state", ".log"})
         CHECK_FALSE_MESSAGE(std::filesystem::exists(swarm.home() / ("viewer" + std::string(ending))), ending);
@@ -225,9 +225,15 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
             REQUIRE(
                 eventually([&] { return std::filesystem::exists(swarm.home() / "viewer.log"); }, Milliseconds(15'000)));
         process.signal(SIGTERM);
+        const auto first = Clock::now();
         std::this_thread::sleep_for(Milliseconds(round * 5));
         process.signal(SIGTERM);
-        CHECK(process.wait(Milliseconds(5000)) == 128 + SIGTERM);
+        const bool at_once = Clock::now() - first < Milliseconds(100);
+        CHECK(process.wait(patient(Milliseconds(5000))) == 128 + SIGTERM);
+        if (!at_once) {  // the second was one of its own, and ended it without more ado
+            swarm.hivectl({"stop", "viewer"});
+            continue;
+        }
         CHECK(drones() == std::vector<std::string>{"camera"});
         for (const char* ending : {".sock", ".state", ".log"})
             CHECK_FALSE_MESSAGE(std::filesystem::exists(swarm.home() / ("viewer" + std::string(ending))), ending);
@@ -261,7 +267,7 @@ TEST_CASE("hivectl view: several that begin at once show each in a drone of its 
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera", "viewer", "viewer-2", "viewer-3"});
     for (auto& view : views) {
         view.signal(SIGINT);
-        CHECK(view.wait(Milliseconds(5000)) == 130);
+        CHECK(view.wait(patient(Milliseconds(5000))) == 130);
     }
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }

@@ -110,6 +110,8 @@ std::optional<std::string> Client::next_picture(Milliseconds patience)
     return std::nullopt;
 }
 
+bool Client::more_within(Milliseconds patience) { return fill(Clock::now() + patience); }
+
 bool Client::closed_within(Milliseconds patience)
 {
     const auto until = Clock::now() + patience;

@@ -139,7 +139,7 @@ TEST_CASE(
         application.set("view", {{"window", "auto"}});
         REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(5000)));
         end();
-        CHECK(view.wait(Milliseconds(5000)) == 0);
+        CHECK(view.wait(patient(Milliseconds(5000))) == 0);
     }
 }
 
@@ -188,7 +188,7 @@ TEST_CASE("hivectl view: ends well when its window is closed")
                     {}, swarm.home() / "hivectl.log");
     REQUIRE(eventually([&] { return screen.find("camera.image - Hive view") != 0; }, Milliseconds(20'000)));
     screen.close(screen.find("camera.image - Hive view"));
-    CHECK(process.wait(Milliseconds(5000)) == 0);
+    CHECK(process.wait(patient(Milliseconds(5000))) == 0);
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 

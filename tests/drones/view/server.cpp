@@ -1,64 +1,13 @@
 // The HTTP server of the view drone against well-behaved, slow and rude browsers.
-#include "http.hpp"
-
-#include "server.hpp"
+#include "stage.hpp"
 
 #include <doctest/doctest.h>
-#include <opencv2/core.hpp>
 
-#include <atomic>
 #include <stdexcept>
 
 using hive::test::eventually, hive::test::Milliseconds;
 using http::Client, http::get;
-
-namespace {
-
-/// A server with pictures to give; counts how many were decoded.
-class Stage {
-public:
-    explicit Stage(view::Server::Settings settings = {})
-        : exchange_(view::Picture::of_notice("no picture yet")), server_(with_token(std::move(settings)), exchange_)
-    {
-    }
-    /// Noise of `width` pixels, so that it can be told from others and is long when encoded.
-    void put(int width, int height = 30)
-    {
-        const auto pixels = [this, width, height] {
-            ++decoded;
-            cv::Mat noise(height, width, CV_8UC3);
-            cv::randu(noise, 0, 255);
-            return noise;
-        };
-        exchange_.put(std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{pixels, nullptr},
-                                                            view::Picture::Look{.overlay = false}));
-        server_.wake();
-    }
-    [[nodiscard]] int port() const { return server_.port(); }
-    [[nodiscard]] int browsers() const { return get(port(), "/status.json").json().at("browsers"); }
-
-    std::atomic<int> decoded{0};
-
-private:
-    static view::Server::Settings with_token(view::Server::Settings settings)
-    {
-        settings.token = http::token;
-        return settings;
-    }
-    view::Exchange exchange_;
-    view::Server server_;
-};
-
-/// The width of the next picture of a stream; 0: none.
-int next_width(Client& client)
-{
-    const auto jpeg = client.next_picture();
-    return jpeg ? http::decoded(*jpeg).cols : 0;
-}
-
-constexpr int notice_width = 640;
-
-}  // namespace
+using stage::next_width, stage::notice_width, stage::Stage;
 
 TEST_CASE("view server: page, snapshot and status over HTTP; what it says may not be used by other pages")
 {
@@ -199,7 +148,7 @@ TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes
         CAPTURE(request.size());
         Client client(stage.port());
         client.send(request);
-        CHECK(client.closed_within(Milliseconds(5000)));
+        CHECK(client.closed_within(hive::test::patient(Milliseconds(5000))));
     }
     Client slow(stage.port());  // never idle, never complete
     CHECK(eventually([&] { return !slow.send("x") || slow.closed_within(Milliseconds(1)); }, Milliseconds(5000)));
@@ -283,7 +232,7 @@ TEST_CASE("view server: ends with browsers connected, and its port is free again
     REQUIRE(eventually([&] { return next_width(waiting) == 700; }, Milliseconds(3000)));
     stage.reset();
     for (auto* client : {&waiting, &stopped, &silent})
-        CHECK(client->closed_within(Milliseconds(3000)));
+        CHECK(client->closed_within(hive::test::patient(Milliseconds(3000))));
     const Stage next({.port = port});
     CHECK(get(next.port(), "/").code == 200);
 }

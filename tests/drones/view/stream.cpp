@@ -19,6 +19,14 @@ std::shared_ptr<const view::Picture> picture(const std::string& jpeg)
                                                  view::Picture::Look{.overlay = false});
 }
 
+view::Stream::Newest newest_of(const Exchange& exchange)
+{
+    return [&exchange](Exchange::Time now) {
+        const auto newest = exchange.newest(now);
+        return view::Encoded{newest.picture->jpeg(), newest.version};
+    };
+}
+
 std::string part(const std::string& jpeg)
 {
     return "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg.size()) + "\r\n\r\n" + jpeg
@@ -43,7 +51,7 @@ TEST_CASE(
 {
     for (const std::size_t step : {1UL, 7UL, 1000UL}) {
         Exchange exchange(picture("notice"));
-        view::Stream stream(exchange, 2s);
+        view::Stream stream(newest_of(exchange), 2s);
         CHECK(read(stream, now, step) == "--picture\r\n" + part("notice"));
         CHECK(read(stream, now, step) == "");
         exchange.put(picture("first"));
@@ -55,7 +63,7 @@ TEST_CASE(
 TEST_CASE("stream: a reader that is in the middle of a picture gets it whole, and then the newest")
 {
     Exchange exchange(picture("notice"));
-    view::Stream stream(exchange, 2s);
+    view::Stream stream(newest_of(exchange), 2s);
     std::string some(20, '?');
     REQUIRE(stream.read(some, now) == 20);
     for (const char* jpeg : {"first", "second", "third"})
@@ -66,7 +74,7 @@ TEST_CASE("stream: a reader that is in the middle of a picture gets it whole, an
 TEST_CASE("stream: the last picture is repeated when there is no newer one for long")
 {
     Exchange exchange(picture("notice"));
-    view::Stream stream(exchange, 2s);
+    view::Stream stream(newest_of(exchange), 2s);
     read(stream, now);
     CHECK(read(stream, now + 1999ms) == "");
     CHECK(read(stream, now + 2s) == part("notice"));
@@ -82,7 +90,7 @@ TEST_CASE("stream: a reader that has stopped keeps the JPEG that it reads, and n
         exchange.put(first);
         read_by_it = first;
     }
-    view::Stream stream(exchange, 2s);
+    view::Stream stream(newest_of(exchange), 2s);
     std::string some(20, '?');
     REQUIRE(stream.read(some, now) == 20);
     exchange.put(picture("second"));

@@ -112,6 +112,20 @@ TEST_CASE("save: a clip on demand comes out with all its frames at their times, 
     CHECK(swarm.hivectl({"ps"}).out.find("writer") == std::string::npos);
 }
 
+TEST_CASE("save: a clip that begins again goes on at the distance of its pictures")
+{
+    const Swarm swarm;
+    const media::Folder folder;
+    const auto camera =
+        swarm.drone("camera", "camera", {"source=" + clip(folder.path(), 12), "pace=demand", "loop=on"});
+    const auto path = (folder.path() / "out.mp4").string();
+    swarm.hivectl_done({"save", "camera", path, "-n", "30"});
+    const auto times = times_in(path);
+    REQUIRE(times.size() == 30);
+    for (std::size_t i = 0; i < times.size(); ++i)
+        CHECK(std::abs(times[i] - static_cast<double>(i) / 12) <= 0.001);
+}
+
 TEST_CASE("save: of a live camera it takes as many as it is told, or until Ctrl-C")
 {
     const Swarm swarm;

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <set>
 #include <sys/resource.h>
 
 using namespace std::chrono_literals;
@@ -161,6 +162,45 @@ TEST_CASE("write: where no more can be written it says so, and what came before 
     CHECK_MESSAGE(contains(problem, "too large"), problem);
     CHECK(fs::file_size(path) <= 60'000);
     CHECK_FALSE(times_in(path).empty());
+}
+
+TEST_CASE("write: a video that could not be begun says why, and is closed without harm")
+{
+    const media::Folder folder;
+    const fs::path below = folder.path() / "below";
+    fs::create_directory(below);
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    cv::Size size{64, 48};
+    const auto sink = writing::open_sink({.path = (below / "a.mp4").string()});
+    SUBCASE("its folder is gone") { fs::remove(below); }
+    SUBCASE("the disk takes no header")
+    {
+        const rlimit none{0, before.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &none);
+    }
+    SUBCASE("no encoder takes the size") { size = {70'000, 2}; }
+    CHECK_THROWS_AS(add_pictures(*sink, 1, size), std::runtime_error);
+    setrlimit(RLIMIT_FSIZE, &before);
+    CHECK_NOTHROW(sink->close());
+}
+
+TEST_CASE("write: a folder that is overwritten loses the pictures that were numbered before, and nothing else")
+{
+    const media::Folder folder;
+    for (const char* name : {"00000001.png", "00000002.jpg", "2.jpg", "00000002.jpg.txt", "000000003.jpg"})
+        media::write(folder.path() / name, {1});
+    fs::create_directory(folder.path() / "00000004.jpg");
+    const auto sink = writing::open_sink({.path = folder.path().string(), .overwrite = true});
+    add_pictures(*sink, 1);
+    sink->close();
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder.path()))
+        names.insert(entry.path().filename().string());
+    CHECK(names
+          == std::set<std::string>{"00000001.jpg", "2.jpg", "00000002.jpg.txt", "000000003.jpg", "00000004.jpg",
+                                   "times.csv"});
 }
 
 TEST_CASE("times: the distances of one clock are kept, another one goes on where the last ended")

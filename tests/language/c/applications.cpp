@@ -90,10 +90,10 @@ TEST_CASE("c: drones are found, described and awaited; what is wrong has a code,
     CHECK(hive_application_exception_policy(application, "quiet", "halt") == HIVE_OK);
     CHECK(hive_application_exception_policy(application, "quiet", "never") == HIVE_INVALID_ARGUMENT);
     CHECK(hive_application_halt(application, "quiet") == HIVE_OK);
-    CHECK(hive_application_wait(application, "quiet", "halted", 2000) == HIVE_OK);
+    CHECK(hive_application_wait(application, "quiet", "halted", 10000) == HIVE_OK);
     CHECK(hive_application_resume(application, "quiet") == HIVE_OK);
     CHECK(hive_application_stop(application, "quiet") == HIVE_OK);
-    CHECK(hive_application_wait(application, "quiet", "gone", 2000) == HIVE_OK);
+    CHECK(hive_application_wait(application, "quiet", "gone", 10000) == HIVE_OK);
     hive_release(application);
 }
 

@@ -11,7 +11,7 @@ import time
 import unittest
 
 import hive
-from world import PATIENCE, PROGRAMS, World, eventually
+from world import PATIENCE, PROGRAMS, SlowLine, World, eventually
 
 
 class Applications(World):
@@ -156,13 +156,15 @@ class Applications(World):
         self.drone("ticker", "source", "fps=0.1", "pace=demand", "count=0")
         self.swarm.halt("source")
         collector = self.swarm.collect("source")
-        waiter = threading.Thread(target=collector.next, args=(0.5,))
+        waiter = threading.Thread(target=collector.next, args=(PATIENCE,))
         waiter.start()
         rounds = 0
-        while waiter.is_alive():
+        while waiter.is_alive() and rounds < 20:
             rounds += 1
             time.sleep(0.001)
-        self.assertGreater(rounds, 20)
+        self.assertTrue(waiter.is_alive())
+        self.swarm.resume("source")
+        waiter.join()
 
     def test_ctrl_c_ends_a_wait_for_ever(self):
         self.drone("ticker", "source", "pace=demand")
@@ -240,6 +242,16 @@ class Applications(World):
             time.sleep(0.05)  # it should be in by then; if not, this asks nothing of it
             self.interrupted(swarm.drones)
             other.join()
+
+    def test_a_drone_behind_a_slow_line_is_waited_for(self):
+        self.drone("sleeper", "far", more=("--listen", "tcp://127.0.0.1", "--insecure"))
+        address = next(place for place in self.swarm.status("far")["places"] if place.startswith("tcp:"))
+        line = SlowLine(address, seconds=0.15)
+        self.addCleanup(line.close)
+        with tempfile.TemporaryDirectory(prefix="hv-", dir="/tmp") as home, hive.Application(home=home) as elsewhere:
+            elsewhere.add_place("far", line.address)
+            elsewhere.wait("far", "idle", timeout=PATIENCE)
+            self.refused("timeout", elsewhere.wait, "far", "halted", timeout=0.5)
 
     def test_what_a_handler_of_a_signal_raises_ends_a_call_and_one_that_returns_does_not(self):
         worker = self.drone("sleeper", "worker")

@@ -52,6 +52,7 @@ class Images(Embedded):
                 loan = output.loan((10, 10))
                 loan[:] = 7
                 output.emit_image(loan[2:5, 2:5])
+                output.emit_image(loan[:4])
                 sent.append(loan.flags.writeable)
                 output.emit_image(loan)
                 output.emit_image(loan)
@@ -60,8 +61,8 @@ class Images(Embedded):
 
         self.run_embedded(self.source(emit))
         collector = self.swarm.collect("source")
-        shapes = [collector.next(PATIENCE).image().shape for _ in range(3)]
-        self.assertEqual(shapes, [(3, 3), (10, 10), (10, 10)])
+        shapes = [collector.next(PATIENCE).image().shape for _ in range(4)]
+        self.assertEqual(shapes, [(3, 3), (4, 10), (10, 10), (10, 10)])
         self.assertEqual(sent, [True])
 
     def test_pictures_made_of_a_source_on_demand_wait_whole_for_the_first_receiver(self):

@@ -73,6 +73,11 @@ class Pictures(unittest.TestCase):
         bomb = b"\x89PNG\r\n\x1a\n" + chunk + struct.pack(">I", 0) + b"IEND" + struct.pack(">I", zlib.crc32(b"IEND"))
         self.refused("too_large", "image/png", {}, memoryview(bomb))
 
+    def test_a_jpeg_of_too_many_scans_is_not_decoded(self):
+        data = cv2.imencode(".jpg", self.colour)[1].tobytes()
+        scan = data[data.index(b"\xff\xda") : -2]
+        self.refused("too_large", "image/jpeg", {}, memoryview(data[:-2] + 100 * scan + data[-2:]))
+
     def test_what_is_no_picture_cannot_be_emitted(self):
         for shape, kind in (((3, 3), "float32"), ((3,), "uint8"), ((3, 3, 4), "uint8"), ((0, 3), "uint8")):
             with self.assertRaises(hive.Error) as caught:

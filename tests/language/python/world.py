@@ -1,7 +1,10 @@
 """A home directory with real drones in it, which are gone when a test ends."""
 
+import contextlib
 import os
+import queue
 import shutil
+import socket
 import subprocess
 import tempfile
 import threading
@@ -21,6 +24,54 @@ def eventually(condition, patience=PATIENCE):
             return False
         time.sleep(0.003)
     return True
+
+
+class SlowLine:
+    """What is said over it, either way, arrives so much later."""
+
+    def __init__(self, address, seconds):
+        host, port = address.removeprefix("tcp://").rsplit(":", 1)
+        self._to, self._seconds = (host, int(port)), seconds
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self._ends = [self._server]
+        self.address = f"tcp://127.0.0.1:{self._server.getsockname()[1]}"
+        self._in_thread(self._accept)
+
+    def _in_thread(self, work, *arguments):
+        threading.Thread(target=work, args=arguments, daemon=True).start()
+
+    def _accept(self):
+        with contextlib.suppress(OSError):  # closed
+            while True:
+                near, _ = self._server.accept()
+                far = socket.create_connection(self._to)
+                self._ends += near, far
+                for one, other in ((near, far), (far, near)):
+                    late = queue.Queue()
+                    self._in_thread(self._hear, one, late)
+                    self._in_thread(self._say, late, other)
+
+    def _hear(self, end, late):
+        with contextlib.suppress(OSError):
+            while said := end.recv(65536):
+                late.put((time.monotonic() + self._seconds, said))
+        late.put((0, b""))
+
+    @staticmethod
+    def _say(late, end):
+        with contextlib.suppress(OSError):
+            while True:
+                at, said = late.get()
+                if not said:
+                    return end.shutdown(socket.SHUT_WR)
+                time.sleep(max(0, at - time.monotonic()))
+                end.sendall(said)
+
+    def close(self):
+        for end in self._ends:
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+            end.close()
 
 
 class World(unittest.TestCase):

@@ -22,7 +22,9 @@ bool as_it_was_sent(const hive::Event& event)
 
 void sleeper(hive::Drone& drone)
 {
-    int work_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
+    int start_ms = 0, work_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
+    drone.parameter("start_ms", start_ms, hive::between(0, 600'000).in("ms"),
+                    "how long it takes at the next start until it is ready");
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
     drone.parameter("step_ms", step_ms, hive::at_least(1).in("ms"),
                     "this drone's own code rounds work_ms down to a multiple of it");
@@ -34,6 +36,7 @@ void sleeper(hive::Drone& drone)
                     "throws on each event whose sequence number it divides, at every attempt; 0: never");
     const auto result = drone.output("result", "application/json",
                                      "in the header: seq and index of the input, its age when the work was done");
+    drone.on_start([&] { std::this_thread::sleep_for(std::chrono::milliseconds(start_ms)); });
     drone.on_change([&] {
         work_ms -= work_ms % step_ms;
         if (work_ms > most_ms)

@@ -118,6 +118,19 @@ TEST_CASE("line: a stream whose transport stands still keeps the newest and coun
     CHECK(sequences(decided([&](Decisions& to) { line.written(picture, to); })) == Sequences{20});
 }
 
+TEST_CASE("line: live events that wait behind a lossless one are dropped like others")
+{
+    OneLine one(streaming());
+    int sent = 1;
+    while (!one.offer(sent, true).empty())  // until the receiver has to work on some
+        REQUIRE(++sent < 1000);
+    for (int i = 1; i <= 5000; ++i)
+        one.offer(sent + i);
+    CHECK(one.line.waiting() <= static_cast<std::int64_t>(Line::most_queued_events));
+    CHECK(one.ledger.of(Fate::dropped) >= 5000 - static_cast<std::int64_t>(Line::most_queued_events));
+    CHECK(balanced(one.ledger));
+}
+
 TEST_CASE("line: what waited behind an event that was dropped goes at once")
 {
     Ledger ledger;

@@ -89,9 +89,12 @@ private:
                    || (waiting_.size() > 1 && bytes > Line::most_queued_bytes)
                    || (now_ - behind_since_ >= Line::most_behind && waiting_.size() > 2 && bytes > Credit::lane_bytes);
         };
-        for (; over() && !waiting_.front().event->lossless(); waiting_.pop_front()) {
-            bytes -= waiting_.front().event->size();
+        const auto live = [](const auto& item) { return !item.event->lossless(); };
+        for (auto oldest = std::ranges::find_if(waiting_, live); over() && oldest != waiting_.end();
+             oldest = std::ranges::find_if(waiting_, live)) {
+            bytes -= oldest->event->size();
             books_.went(Fate::dropped);
+            waiting_.erase(oldest);
         }
     }
 

@@ -3,6 +3,7 @@
 
 #include <hive/error.hpp>
 #include <hive/program.hpp>
+#include <hive/remote.hpp>
 
 #include <doctest/doctest.h>
 
@@ -20,6 +21,23 @@ TEST_CASE("programs: what is called hive-KIND is a drone's, but for emulators of
     CHECK(hive::program_of("toy"));
     CHECK_FALSE(hive::program_of("toy-emulator"));
     CHECK_FALSE(hive::program_of("toys"));
+}
+
+TEST_CASE("programs: the connection of ssh is kept in the home, as ssh's own syntax writes it, where it fits")
+{
+    const auto path_in = [](const char* home) {
+        const auto words = hive::Remote("far", home).command({"ps"});
+        const auto found = std::ranges::find_if(words, [](const auto& word) { return word.starts_with("-oControlP"); });
+        const auto path =
+            std::ranges::find_if(words, [](const auto& word) { return word.starts_with("-oControlPath="); });
+        CHECK((found == words.end()) == (path == words.end()));  // without a place none is kept either
+        return path == words.end() ? std::string() : *path;
+    };
+    CHECK(path_in("/run/hive") == "-oControlPath=\"/run/hive/.ssh-%C\"");
+    CHECK(path_in("/tmp/a b") == "-oControlPath=\"/tmp/a b/.ssh-%C\"");
+    CHECK(path_in("/home/50%off") == "-oControlPath=\"/home/50%%off/.ssh-%C\"");
+    CHECK(path_in("/tmp/a\"b").empty());
+    CHECK(path_in(("/tmp/" + std::string(60, 'x')).c_str()).empty());
 }
 
 TEST_CASE("programs: a kind is asked for its interface")

@@ -210,5 +210,7 @@ TEST_CASE("yaml: blocks, lists of objects, and texts in quotation marks")
 {
     const OrderedJson value{
         {"a", "no"}, {"b", {1, "x: y"}}, {"c", {{{"d", 1}, {"e", OrderedJson::object()}}, {{"f", {{"g", true}}}}}}};
+    CHECK_EQ(yaml_text({{"on", 1}, {"007", 2}, {"Null", 3}, {"a-1", 4}, {"1e3", 5}}),
+             "\"on\": 1\n\"007\": 2\n\"Null\": 3\na-1: 4\n\"1e3\": 5\n");
     CHECK_EQ(yaml_text(value), "a: \"no\"\nb: [1,\"x: y\"]\nc:\n  - d: 1\n    e: {}\n  - f:\n      g: true\n");
 }

@@ -107,6 +107,22 @@ Json status_when(hive::Application& application, Condition condition)
 
 bool idle(const Json& status) { return status["state"] == "idle"; }
 
+/// Is a set of it refused with "nothing was set"? A tenth of a second before the asker gives up the drone says so; what
+/// comes later than that is not known, and is asked again.
+bool is_not_set(hive::Application& application, int value)
+{
+    for (int i = 0; i < 3; ++i)
+        try {
+            application.set("subject", {{"value", value}});
+            return false;
+        } catch (const hive::Error& error) {
+            MESSAGE(error.what());
+            if (std::string(error.what()).find("nothing was set") != std::string::npos)
+                return true;
+        }
+    return false;
+}
+
 }  // namespace
 
 TEST_CASE("running drone: what main throws is reported, even if it is not an exception, and main is called again")
@@ -183,7 +199,7 @@ TEST_CASE("running drone: a set is answered at its deadline while on_change stil
     });
     hive::Application application({.name = {}, .home = {}, .timeout = 3s});
     status_when(application, idle);
-    CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 2}}), doctest::Contains("nothing was set"), hive::Error);
+    CHECK(is_not_set(application, 2));
     CHECK(busy);
     CHECK(application.get("subject").at("value") == 1);
     go_on = true;
@@ -215,7 +231,7 @@ TEST_CASE("running drone: a set whose deadline has passed before its turn came d
     hive::Application application({.name = {}, .home = {}, .timeout = 2s});
     status_when(application, [](const Json&) { return true; });  // connected: the deadline is all the set's
     const auto begin = std::chrono::steady_clock::now();
-    CHECK_THROWS_WITH_AS(application.set("subject", {{"value", 2}}), doctest::Contains("nothing was set"), hive::Error);
+    CHECK(is_not_set(application, 2));
     CHECK(std::chrono::steady_clock::now() - begin < 20s);
     go_on = true;
     go_on.notify_all();

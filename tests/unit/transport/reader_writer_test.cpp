@@ -69,6 +69,23 @@ TEST_CASE("packet reader: every size of pieces gives the same packets")
     CHECK(read_in_pieces(bytes, 16 * 1024) == whole);
 }
 
+TEST_CASE("packet reader: what is no Hive is told by the same sentence in every size of pieces")
+{
+    const auto refusal = [](const std::string& bytes, std::size_t piece) -> std::string {
+        try {
+            read_in_pieces(bytes, piece);
+        } catch (const hive::Error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    for (const std::string opening : {"\x16\x03\x01", "\x15\x03\x03", "\x16\x04\x01", "GET / HTTP/1.1", "HIVX"}) {
+        const auto whole = refusal(opening, opening.size());
+        CHECK_FALSE(whole.empty());
+        CHECK(refusal(opening, 1) == whole);
+    }
+}
+
 TEST_CASE("packet reader: inside a body it asks for all that is missing")
 {
     PacketReader reader;

@@ -156,8 +156,8 @@ HIVE_API hive_code hive_drone_from_arguments(const char* kind, const char* summa
 HIVE_API hive_code hive_drone_on_log(hive_drone* drone, hive_log_callback callback, void* user);
 HIVE_API hive_code hive_drone_name(const hive_drone* drone, char** name);
 
-/* The value that a parameter will begin with: given by --set, or (*remembered) told before a crash. *json is null when
-   it is its default. */
+/* The value that a parameter will begin with: given by --set, or (*remembered) told before a crash, in which
+   case --set may say the same once more. *json is null when it is its default. */
 HIVE_API hive_code hive_drone_given(hive_drone* drone, const char* parameter, char** json, bool* remembered);
 /* {"name", "type": "integer" | "number" | "flag" | "text", "default", "help"} and, if wanted, "least", "most" (both
    inclusive), "choices" [texts], "unit" ("px"), "operator" (it concerns the drone's machine, as a path or a login: over

@@ -59,10 +59,10 @@ HIVE_API hive_code hive_swarm_up(hive_swarm* swarm, int64_t timeout_ms, hive_pro
    for events on their way; then, or when it is cancelled, they are lost. *json as above. */
 HIVE_API hive_code hive_swarm_down(hive_swarm* swarm, int64_t timeout_ms, hive_progress_callback progress, void* user,
                                    char** json, size_t* length);
-/* Starts drones again that fell and whose "restart" says so, at most 5 times within 60 s each. Returns when `told`
-   returns something but HIVE_OK, which is then its own result, and HIVE_STOPPED when hive_on_wait() cancels it or
-   another thread closes the swarm or the application. As long as it stays, other calls of this application wait: other
-   threads take one of their own. */
+/* Starts drones again that fell and whose "restart" says so, at most 5 times within 60 s each; what was taken down
+   stays down until it is brought up again. Returns when `told` returns something but HIVE_OK, which is then its own
+   result, and HIVE_STOPPED when hive_on_wait() cancels it or another thread closes the swarm or the application. As
+   long as it stays, other calls of this application wait: other threads take one of their own. */
 HIVE_API hive_code hive_swarm_stay(hive_swarm* swarm, hive_told_callback told, void* user);
 
 /* The swarms that were brought up from this home: [{"swarm", "text": the file}, ...]. To take one down,

@@ -38,6 +38,23 @@ const char* changed_text(SetResult::Changed changed)
     return changed == SetResult::Changed::all ? "all" : changed == SetResult::Changed::none ? "none" : "unclear";
 }
 
+/// Another timeout for as long as this lives, also where a call is cancelled.
+class OwnTimeout {
+public:
+    OwnTimeout(Application& application, std::chrono::milliseconds own, std::chrono::milliseconds before)
+        : application_(application), before_(before)
+    {
+        application_.timeout(own);
+    }
+    ~OwnTimeout() { application_.timeout(before_); }
+    OwnTimeout(const OwnTimeout&) = delete;
+    OwnTimeout& operator=(const OwnTimeout&) = delete;
+
+private:
+    Application& application_;
+    std::chrono::milliseconds before_;
+};
+
 /// The state of a drone in words: its own, or "gone", or "silent".
 std::string state_of(Application& application, const std::string& name)
 {
@@ -151,9 +168,8 @@ hive_code hive_application_wait(hive_application* application, const char* drone
             const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
             std::string found;
             object->with([&](Application& open) {
-                open.timeout(std::clamp<std::chrono::milliseconds>(left, 1ms, 500ms));
+                const OwnTimeout looking(open, std::clamp<std::chrono::milliseconds>(left, 1ms, 1s), object->timeout());
                 found = state_of(open, name);
-                open.timeout(object->timeout());
             });
             if (reached(goal, found))
                 return;

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-import time
 from typing import Any, Mapping, Optional, Sequence, Union
 
 from ._errors import Error, error_of
 from ._library import as_json, ask, encoded, lib
-from .collector import SLICE, Seconds, milliseconds
+from .collector import Seconds, milliseconds
 
 Names = Union[str, Sequence[str]]
 
@@ -75,17 +74,7 @@ class Finding:
 
         :raises hive.Error: "timeout"
         """
-        end = time.monotonic() + timeout
-        while True:
-            left = end - time.monotonic()
-            try:
-                lib.hive_application_wait(
-                    self._handle, encoded(drone), encoded(state), milliseconds(min(left, SLICE))
-                )
-                return
-            except Error as error:
-                if error.code != "timeout" or left <= SLICE:
-                    raise
+        lib.hive_application_wait(self._handle, encoded(drone), encoded(state), milliseconds(timeout))
 
     def _named(self, drones: Names) -> list[str]:
         """Each once, in the order given."""

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import numpy
 
 MOST_PIXELS = 40_000_000
+MOST_SCANS, MOST_PIXEL_SCANS = 100, 640_000_000  # of one JPEG: what decoding a progressive one costs
 _LONGEST_SIDE = 1 << 20
 _LONGEST_ROW = 1 << 31
 _CHANNELS = {"bgr8": 3, "gray8": 1}
@@ -101,6 +102,9 @@ def _decode_compressed(kind: str, data: bytes) -> numpy.ndarray:
         raise _malformed(f"{kind}: {len(data)} bytes that are no such picture, or one that is cut short")
     if size[0] * size[1] > MOST_PIXELS:
         raise Error("too_large", f"{kind}: {size[0]}x{size[1]} pixels are too many")
+    scans = data.count(b"\xff\xda") if kind == "image/jpeg" else 0  # these bytes are nowhere else but in a thumbnail
+    if scans > MOST_SCANS or size[0] * size[1] * scans > MOST_PIXEL_SCANS:
+        raise Error("too_large", f"{kind}: {scans} scans of {size[0]}x{size[1]} pixels are too many")
     try:
         import cv2
     except ImportError:

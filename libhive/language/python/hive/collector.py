@@ -17,7 +17,7 @@ _MOST_IN_SET = 64
 
 
 def milliseconds(seconds: float) -> int:
-    return max(0, min(int(seconds * 1000 + 0.999), 24 * 3600 * 1000))
+    return max(0, int(min(seconds, 24 * 3600) * 1000 + 0.999))
 
 
 class _Collecting:

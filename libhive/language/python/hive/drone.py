@@ -146,7 +146,8 @@ class Drone(Callbacks):
         return self._begins_with(parameter)[0]
 
     def remembered(self, parameter: str) -> bool:
-        """Is that what the drone was told before a crash, and not given now?"""
+        """Is that what the drone was told before a crash?  Also when it is given the same value now, as by an engine
+        that starts it again."""
         return self._begins_with(parameter)[1]
 
     def _begins_with(self, parameter: str) -> tuple[Any, bool]:

@@ -235,7 +235,9 @@ def _loan_of(image: numpy.ndarray) -> Optional[_Memory]:
     while base is not None and not isinstance(base, memoryview):
         base = getattr(base, "base", None)
     memory = getattr(base.obj, "_memory", None) if base is not None else None
-    whole = memory is not None and image.flags.c_contiguous and image.__array_interface__["data"][0] == memory.address
+    if memory is None or image.nbytes != memory.size:
+        return None
+    whole = image.flags.c_contiguous and image.__array_interface__["data"][0] == memory.address
     return memory if whole and not base.readonly and image.flags.writeable else None
 
 

@@ -172,7 +172,8 @@ class Swarm:
 
     def stay(self, told: Optional[Callable[[str], Any]] = None) -> None:
         """Starts drones again that fell and whose "restart" says so, at most 5 times within 60 s each, until Ctrl-C or
-        :meth:`close`; the swarm goes on then.  As long as it stays, other calls of its application wait.
+        :meth:`close`; the swarm goes on then.  What was taken down stays down until it is brought up again.  As long
+        as it stays, other calls of its application wait.
 
         :param told: hears what happened, as a sentence; None: ``logging`` does, as "hive.NAME"
         :raises hive.Error: "stopped" when it was closed

@@ -40,7 +40,8 @@ struct SwarmOutcome {
 /// How the caller goes along with work that takes a while.
 struct SwarmWatch {
     std::function<void(std::size_t done, std::size_t all, const std::string& what)> on_progress{};
-    std::function<bool()> cancelled{};  ///< asked often; true: what was begun is undone
+    std::function<bool()> cancelled{};                    ///< asked often; true: what was begun is undone
+    std::function<void(const std::string& text)> told{};  ///< hears what it waits for, as a sentence
 };
 
 /// The drones that belong together by the name of their swarm. A home remembers, in NAME.swarm, the plan that was
@@ -54,15 +55,19 @@ public:
     /// one on another machine; Errc::unreachable when it cannot be told what a drone is doing.
     std::vector<SwarmStep> differences();
     /// Starts what does not run and waits until it answers, then sets, connects, disconnects and stops what differs:
-    /// everything, or (after a failure, or when cancelled) nothing. Again, it finds nothing to do.
-    /// @param patience  for all drones to be ready
+    /// everything, or (after a failure, or when cancelled) nothing. Again, it finds nothing to do. One process at a
+    /// time changes a swarm: it waits for its turn, and throws Errc::locked when that does not come.
+    /// @param patience  for its turn, and then for all drones to be ready
     SwarmOutcome up(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
     /// Ends all drones: sources take nothing more, and each drone ends when it has handed on what it had.
-    /// @param patience  for events on their way; then they are lost
+    /// @param patience  for its turn, as up(), and then for events on their way; then they are lost
     SwarmOutcome down(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
 
     /// Starts drones again that fell and whose plan says so, at most 5 times within 60 s each; then
-    /// Application::failed() has them. Returns when `watch` says that it is cancelled; the swarm goes on.
+    /// Application::failed() has them. What down() ended, or an up() that has it no more, stays down until it
+    /// is brought up again; neither has to wait for a drone of this machine that is just being started again. One on
+    /// another machine is ready first, or given up after 75 s. Returns when `watch` says that it is cancelled; the
+    /// swarm goes on.
     /// @param told  hears what happened, as a sentence
     void stay(const std::function<void(const std::string& text)>& told, const SwarmWatch& watch);
 

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <deque>
 #include <list>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -22,9 +23,13 @@ using namespace std::chrono_literals;
 constexpr std::size_t sessions_at_once = 8;
 /// And all engines of this process together, so that descriptors do not run out: each takes three.
 constexpr int sessions_everywhere = 64;
-constexpr auto patience_there = 60s;  ///< for one drone to be ready
-constexpr auto patience_here = patience_there + 15s;
+constexpr auto patience_there = 60s;                  ///< for one drone to be ready
+constexpr auto patience_here = patience_there + 15s;  ///< longer, so that what a start there came to is known here
 constexpr auto patience_to_stop = 30s;
+constexpr auto patience_to_look = 10s;
+constexpr auto look_every = 1s;  ///< what has become of a drone that was ready there and does not answer here
+constexpr const char* lines_of_log = "15";
+constexpr int not_found = 3;  ///< the exit code of hivectl when a drone does not run
 
 std::atomic<int> running_everywhere{0};
 
@@ -34,21 +39,22 @@ public:
 
     void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
     std::vector<Report> poll() override;
-    /// The drone was ready when it was reported: the hivectl there waits for that.
-    void look_again(const std::string&) override {}
+    void look_again(const std::string& drone) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
 
 private:
-    /// One `hivectl start` there.
-    struct Start {
-        Start(std::string name, const std::vector<std::string>& words)
-            : drone(std::move(name)), command(words, patience_here)
+    using Clock = std::chrono::steady_clock;
+
+    /// One hivectl there.
+    struct Session {
+        Session(std::string name, const std::vector<std::string>& words, std::chrono::milliseconds limit)
+            : drone(std::move(name)), command(words, limit)
         {
             ++running_everywhere;
         }
-        ~Start() { --running_everywhere; }
-        Start(const Start&) = delete;
-        Start& operator=(const Start&) = delete;
+        ~Session() { --running_everywhere; }
+        Session(const Session&) = delete;
+        Session& operator=(const Session&) = delete;
 
         std::string drone;
         RunningCommand command;
@@ -57,15 +63,19 @@ private:
     [[nodiscard]] bool may_start() const;
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
+    void look_at_the_silent(std::vector<Report>& reports);
+    void read_log(const std::string& drone, std::vector<Report>& reports);
     Place place_of(const std::string& drone, const Json& started);
-    void await_starts(std::chrono::milliseconds patience);
+    void await_starts();
     std::optional<Error> stop_there(const std::vector<std::string>& drones) const;
 
     std::string ssh_;
     Remote remote_;
     std::string address_;  ///< of the machine; empty: not known yet
     std::deque<SwarmDrone> waiting_;
-    std::list<Start> starts_;
+    std::list<Session> starts_;
+    std::list<Session> looks_, logs_;  ///< at drones that were ready there and do not answer here
+    std::map<std::string, Clock::time_point> next_look_;
     std::set<std::string> begun_;  ///< that may run because of this engine
     bool connected_ = false;       ///< the first session has made the connection that the others share
 };
@@ -113,7 +123,7 @@ bool SshEngine::may_start() const
 std::vector<Engine::Report> SshEngine::poll()
 {
     std::vector<Report> reports;
-    std::erase_if(starts_, [&](Start& start) {
+    std::erase_if(starts_, [&](Session& start) {
         const auto result = start.command.poll();
         if (result)
             reports.push_back(report_of(start.drone, *result));
@@ -121,7 +131,45 @@ std::vector<Engine::Report> SshEngine::poll()
     });
     while (may_start())
         start_next(reports);
+    look_at_the_silent(reports);
     return reports;
+}
+
+/// The drone was ready when it was reported, since the hivectl there waits for that; but it may have ended since.
+void SshEngine::look_again(const std::string& drone)
+{
+    const auto now = Clock::now();
+    auto& next = next_look_.try_emplace(drone, now + look_every).first->second;
+    if (now < next || looks_.size() + logs_.size() >= sessions_at_once || running_everywhere >= sessions_everywhere)
+        return;
+    next = now + patience_to_look + look_every;
+    looks_.emplace_back(drone, remote_.command({"ps", drone}), patience_to_look);
+}
+
+void SshEngine::look_at_the_silent(std::vector<Report>& reports)
+{
+    std::erase_if(looks_, [&](Session& look) {
+        const auto result = look.command.poll();
+        if (result && !result->late && result->exit_code == not_found)
+            read_log(look.drone, reports);
+        return result.has_value();
+    });
+    std::erase_if(logs_, [&](Session& log) {
+        const auto result = log.command.poll();
+        if (result)
+            reports.push_back({.drone = log.drone,
+                               .error = Error(Errc::failed, remote_.host() + ": " + log.drone
+                                                                + " was ready and has ended since; its log says:\n"
+                                                                + (result->out.empty() ? "(nothing)" : result->out))});
+        return result.has_value();
+    });
+}
+
+void SshEngine::read_log(const std::string& drone, std::vector<Report>& reports)
+try {
+    logs_.emplace_back(drone, remote_.command({"logs", drone, "-n", lines_of_log}), patience_to_look);
+} catch (const Error& error) {
+    reports.push_back({.drone = drone, .error = error});
 }
 
 void SshEngine::start_next(std::vector<Report>& reports)
@@ -129,7 +177,7 @@ void SshEngine::start_next(std::vector<Report>& reports)
     const auto drone = std::move(waiting_.front());
     waiting_.pop_front();
     try {
-        starts_.emplace_back(drone.name, remote_.command(words_of(drone)));
+        starts_.emplace_back(drone.name, remote_.command(words_of(drone)), patience_here);
         begun_.insert(drone.name);
     } catch (const Error& error) {
         reports.push_back({.drone = drone.name, .error = error});
@@ -138,8 +186,8 @@ void SshEngine::start_next(std::vector<Report>& reports)
 
 Engine::Report SshEngine::report_of(const std::string& drone, const CommandResult& result)
 try {
-    if (result.exit_code == 255 || result.exit_code == 127)
-        begun_.erase(drone);  // nothing was begun
+    if ((result.exit_code == 255 && !connected_) || result.exit_code == 127)
+        begun_.erase(drone);  // nothing was begun; a connection that was there may have ended later than that
     remote_.require_there(result);
     connected_ = true;
     if (result.exit_code == 0) {
@@ -148,7 +196,8 @@ try {
             begun_.erase(drone);  // somebody else's, or that of a hivectl that was killed: not ours to end
         return {.drone = drone, .place = place_of(drone, started)};
     }
-    begun_.erase(drone);  // the hivectl there has ended it
+    if (result.exit_code < 128)  // else a signal ended ssh
+        begun_.erase(drone);     // the hivectl there has ended it
     const auto complaint = complaint_in(result.err);
     const bool key = complaint.find("swarm key") != std::string::npos;
     return {.drone = drone,
@@ -168,15 +217,13 @@ Place SshEngine::place_of(const std::string& drone, const Json& started)
     return {.drone = drone, .host = remote_.host(), .address = remote_.met_at(places, address_), .ssh = ssh_};
 }
 
-/// A start that is under way there goes on when its ssh is ended here, so it is waited for and then undone.
-void SshEngine::await_starts(std::chrono::milliseconds patience)
+/// A start that is under way there goes on when its ssh is ended here, so it is waited for, as long as the hivectl
+/// there may take, and then undone. One that is asked to stop before it is ready there would be ready later.
+void SshEngine::await_starts()
 {
-    const auto until = std::chrono::steady_clock::now() + patience;
-    for (auto& start : starts_) {
-        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
-        if (const auto result = start.command.poll(std::max(left, 0ms)))
+    for (auto& start : starts_)
+        if (const auto result = start.command.poll(patience_here))  // all of them began by now
             static_cast<void>(report_of(start.drone, *result));
-    }
     starts_.clear();
 }
 
@@ -184,7 +231,7 @@ std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones
 {
     std::set<std::string> meant(drones.begin(), drones.end());
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant.contains(drone.name); });
-    await_starts(patience_to_stop);
+    await_starts();
     std::erase_if(meant, [&](const std::string& name) { return !begun_.contains(name); });
     if (meant.empty())
         return {};
@@ -201,7 +248,6 @@ std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones
 
 std::optional<Error> SshEngine::stop_there(const std::vector<std::string>& drones) const
 try {
-    constexpr int not_found = 3;  // of hivectl: it does not run any more
     std::vector<std::string> words{"stop"};
     words.insert(words.end(), drones.begin(), drones.end());
     const auto result = remote_.hivectl(words, patience_to_stop);

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <deque>
 #include <map>
 #include <sstream>
@@ -43,6 +44,7 @@ private:
     using Words = std::vector<std::string>;
 
     void write_next(std::vector<Report>& reports);
+    void require_free(const std::string& drone) const;
     void write(const SwarmDrone& drone);
     void call(std::vector<Report>& reports);
     void look(std::vector<Report>& reports);
@@ -124,6 +126,7 @@ void SystemdEngine::write_next(std::vector<Report>& reports)
         try {
             if (home_.alive(drone.name))
                 throw Error(Errc::name_taken, drone.name + " runs already");
+            require_free(drone.name);
             write(drone);
             started.push_back(unit_name(drone.name));
         } catch (const Error& error) {
@@ -132,6 +135,20 @@ void SystemdEngine::write_next(std::vector<Report>& reports)
     }
     if (started.size() > 2)
         calls_.insert(calls_.end(), {{"daemon-reload"}, started});
+}
+
+/// The units of a user are those of all homes.
+void SystemdEngine::require_free(const std::string& drone) const
+{
+    const auto unit = unit_directory() / unit_name(drone);
+    std::ostringstream text;
+    text << std::ifstream(unit).rdbuf();
+    const auto own = environment_line("HIVE_HOME=" + home_.directory().string());
+    if (text.str().empty() || text.str().find(own) != std::string::npos)
+        return;
+    if (run_command(systemctl({"is-active", unit_name(drone)}), patience_of_systemd).out.starts_with("active"))
+        throw Error(Errc::refused, unit_name(drone) + " runs already, of another home",
+                    "end that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
 }
 
 void SystemdEngine::write(const SwarmDrone& drone)
@@ -240,18 +257,24 @@ std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& dr
         }
     if (ours.empty())
         return {};
-    run_command(systemctl(words), patience_of_systemd);
+    std::optional<Error> failed;
+    try {
+        run_command(systemctl(words), patience_of_systemd);
+    } catch (const Error& error) {
+        failed = error;
+    }
     std::vector<SwarmFailure> remains;
     std::error_code ignored;
     for (const auto& name : ours) {
         if (home_.alive(name)) {
-            remains.push_back({name, Error(Errc::failed, "systemd has not ended " + unit_name(name))});
+            remains.push_back({name, failed.value_or(Error(Errc::failed, "systemd has not ended " + unit_name(name)))});
             continue;
         }
         std::filesystem::remove(unit_directory() / unit_name(name), ignored);
         units_.erase(name);
     }
-    run_command(systemctl({"daemon-reload"}), patience_of_systemd);
+    if (!failed)
+        run_command(systemctl({"daemon-reload"}), patience_of_systemd);
     return remains;
 }
 

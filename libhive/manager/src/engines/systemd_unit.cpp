@@ -56,6 +56,8 @@ std::string quoted_for_systemd(const std::string& text) { return word(text, true
 
 std::string unit_name(const std::string& drone) { return "hive-" + drone + ".service"; }
 
+std::string environment_line(const std::string& variable) { return "Environment=" + word(variable, false) + "\n"; }
+
 std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, const std::filesystem::path& log)
 {
     const auto file = "append:" + without_specifiers(log.string());
@@ -63,7 +65,7 @@ std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, cons
         "# Written by hivectl up.\n[Unit]\nDescription=Hive drone " + drone.name + " (" + without_specifiers(drone.kind)
         + ")\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\nExecStart=" + command_line(command) + "\n";
     for (const auto& variable : command.environment)
-        text += "Environment=" + word(variable, false) + "\n";
+        text += environment_line(variable);
     return text + "StandardOutput=" + file + "\nStandardError=" + file + "\nRestart=" + restart_of(drone) + "\n";
 }
 

@@ -15,6 +15,9 @@ std::string unit_name(const std::string& drone);
 /// A word of a command line as systemd reads it back.
 std::string quoted_for_systemd(const std::string& word);
 
+/// The line of a unit that sets NAME=VALUE.
+std::string environment_line(const std::string& variable);
+
 /// The unit file.
 /// @param command  runs the drone, with all of its arguments and its environment
 /// @param log      takes what it says

@@ -11,7 +11,7 @@ namespace hive::swarm {
 
 class Ending {
 public:
-    Ending(Application& application, SwarmPlan plan) : application_(application), plan_(std::move(plan)) {}
+    Ending(Application& application, const SwarmPlan& plan) : application_(application), plan_(plan) {}
 
     /// @param patience  as long as events are still on their way
     SwarmOutcome run(std::chrono::milliseconds patience, const SwarmWatch& watch);
@@ -21,7 +21,7 @@ private:
     void stop(const std::vector<std::string>& drones);
 
     Application& application_;
-    SwarmPlan plan_;
+    const SwarmPlan& plan_;
     SwarmOutcome outcome_{};
 };
 

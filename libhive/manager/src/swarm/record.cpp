@@ -4,6 +4,7 @@
 #include "differences.hpp"
 
 #include <hive/event/home.hpp>
+#include <hive/name.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -26,6 +27,15 @@ SwarmPlan read_plan(const fs::path& file)
         throw Error(Errc::malformed, "what " + file.string() + " remembers cannot be read: " + reading.mistakes[0].text,
                     "remove it; its drones are then no longer known to belong together");
     return std::move(reading.plan);
+}
+
+/// One for a machine that has no drone of the plan is a mistake in a swarm file.
+void drop_unused_engines(SwarmPlan& plan)
+{
+    std::erase_if(plan.engines, [&](const auto& engine) {
+        return std::ranges::none_of(plan.drones,
+                                    [&](const SwarmDrone& drone) { return matches_glob(engine.first, drone.host); });
+    });
 }
 
 }  // namespace
@@ -70,7 +80,25 @@ SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before)
         if (std::ranges::none_of(plan.connections,
                                  [&](const SwarmConnection& kept) { return same_ends(kept, connection); }))
             plan.connections.push_back(connection);
-    std::ranges::copy(before.engines, std::back_inserter(plan.engines));
+    for (const auto& engine : before.engines)
+        if (std::ranges::none_of(plan.engines, [&](const auto& kept) { return kept.first == engine.first; }))
+            plan.engines.push_back(engine);
+    drop_unused_engines(plan);
+    return plan;
+}
+
+SwarmPlan not_ended(SwarmPlan plan, const std::vector<SwarmFailure>& failures)
+{
+    const auto ended = [&](const std::string& drone) {
+        return std::ranges::find(failures, drone, &SwarmFailure::drone) == failures.end();
+    };
+    std::erase_if(plan.drones, [&](const SwarmDrone& drone) { return ended(drone.name); });
+    std::erase_if(plan.connections, [&](const SwarmConnection& connection) {
+        return ended(connection.from.drone) || ended(connection.to.drone);
+    });
+    for (auto& drone : plan.drones)
+        drone.restart = Restart::never;
+    drop_unused_engines(plan);
     return plan;
 }
 

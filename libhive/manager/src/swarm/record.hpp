@@ -30,4 +30,7 @@ private:
 /// The first, and what only the second has: as long as not all of that is ended it is not forgotten.
 SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before);
 
+/// What a `down` that failed leaves: the drones that it could not end, which nobody is to start again.
+SwarmPlan not_ended(SwarmPlan plan, const std::vector<SwarmFailure>& failures);
+
 }  // namespace hive::swarm

@@ -7,6 +7,7 @@
 #include <hive/event/clock.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <thread>
 
 namespace hive::swarm {
@@ -36,17 +37,41 @@ std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, 
     return std::exchange(failures_, {});
 }
 
-std::vector<SwarmFailure> Starting::undo()
+std::vector<SwarmFailure> Starting::undo(const std::set<std::string>& drones)
 {
     std::vector<SwarmFailure> remains;
     std::map<Engine*, std::vector<std::string>> by_engine;
-    for (const auto& drone : begun_)
+    for (const auto& drone : drones)
         by_engine[&engine_of(*plan_.drone(drone))].push_back(drone);
-    for (const auto& [engine, drones] : by_engine)
-        for (auto& failure : engine->stop(drones))
-            remains.push_back(std::move(failure));
-    begun_.clear();
+    for (const auto& [engine, begun] : by_engine)
+        try {
+            std::ranges::move(engine->stop(begun), std::back_inserter(remains));
+        } catch (const Error& error) {  // the other engines end theirs all the same
+            for (const auto& drone : begun)
+                remains.push_back({drone, error});
+        }
+    auto ended = drones;
+    for (const auto& failure : remains)
+        ended.erase(failure.drone);
+    forget_places(ended);
     return remains;
+}
+
+/// But of those that answer: an engine leaves alone what it has found and not begun.
+void Starting::forget_places(const std::set<std::string>& drones)
+try {
+    std::vector<Place> elsewhere;
+    for (const auto& [drone, place] : places_)
+        if (drones.contains(drone))
+            elsewhere.push_back(place);
+    std::vector<std::string> names;
+    std::ranges::transform(elsewhere, std::back_inserter(names), &Place::drone);
+    const auto answers = application_.status(names);
+    for (std::size_t i = 0; i < elsewhere.size(); ++i)
+        if (answers[i].error)
+            application_.forget_place(elsewhere[i]);
+} catch (const Error&) {
+    // Cancelled once more: they stay in the list, as unreachable.
 }
 
 Engine& Starting::engine_of(const SwarmDrone& drone)
@@ -74,8 +99,10 @@ void Starting::hear_engines()
     for (auto& [host, engine] : engines_)
         for (auto& report : engine->poll())
             if (!report.error) {
-                if (!is_here(report.place))
+                if (!is_here(report.place)) {
                     places.push_back(report.place);
+                    places_[report.drone] = report.place;
+                }
                 placed_.insert(report.drone);
             } else if (report.error->code() == Errc::name_taken) {
                 placed_.insert(report.drone);  // an earlier hivectl that was killed had begun it

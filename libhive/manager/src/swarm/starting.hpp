@@ -10,6 +10,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hive::swarm {
@@ -24,11 +25,13 @@ public:
     std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
                                   const SwarmWatch& watch, AtFailure at_failure = AtFailure::end);
     /// Ends what was begun. What cannot be ended is told.
-    std::vector<SwarmFailure> undo();
+    std::vector<SwarmFailure> undo() { return undo(std::exchange(begun_, {})); }
+    std::vector<SwarmFailure> undo(const std::set<std::string>& drones);
 
 private:
     Engine& engine_of(const SwarmDrone& drone);
     void begin(const std::vector<std::string>& drones);
+    void forget_places(const std::set<std::string>& drones);
     void hear_engines();
     void look_who_is_ready();
     void failed(std::string drone,
@@ -40,6 +43,7 @@ private:
     std::set<std::string> begun_;                             ///< all
     std::set<std::string> placed_;                            ///< of those: met somewhere, but not known to be ready
     std::set<std::string> waiting_;                           ///< of those begun: neither ready nor failed
+    std::map<std::string, Place> places_;                     ///< where those are met that are elsewhere
     std::vector<SwarmFailure> failures_;
 };
 

@@ -12,6 +12,8 @@
 
 namespace hive::swarm {
 
+class Starting;
+
 /// How often a drone may be started again: 5 times within 60 s. Pure logic.
 class RestartLimit {
 public:
@@ -27,6 +29,8 @@ private:
     std::deque<Clock::time_point> times_;
 };
 
+/// It changes the swarm as `up` and `down` do: only with the claim, which it leaves to whoever waits for that, and only
+/// drones that were brought up and not taken down.
 class Staying {
 public:
     using Clock = std::chrono::steady_clock;
@@ -41,19 +45,27 @@ public:
     void look(const SwarmWatch& watch);
 
 private:
+    using Texts = std::vector<std::string>;
+
     void look_after_the_fallen(const SwarmWatch& watch);
-    [[nodiscard]] std::vector<std::string> fallen() const;
+    [[nodiscard]] std::vector<std::string> fallen();
+    [[nodiscard]] bool may_be_ending(const StatusAnswer& answer);
+    Texts start_what_fell(const SwarmWatch& watch);
     void give_up(const std::string& drone);
-    void start(const std::vector<std::string>& drones, const SwarmWatch& watch);
+    Texts start(const std::vector<std::string>& drones, const SwarmWatch& watch);
+    std::vector<SwarmFailure> give_way(Starting& starting, std::vector<SwarmFailure> failures);
     /// Gives those that were started again the values and connections that they do not remember.
     void settle();
+    Texts settle_alone();
     void tell_trouble(const std::string& text);
 
     Application& application_;
     const SwarmPlan& plan_;
     std::function<void(const std::string& text)> told_;
     std::map<std::string, RestartLimit> limits_;
-    std::set<std::string> given_up_, unsettled_;
+    std::map<std::string, Clock::time_point> missing_since_;  ///< of drones elsewhere
+    std::set<std::string> given_up_, taken_down_, unsettled_;
+    std::set<std::string> put_off_;  ///< ended before they were ready, for somebody who wanted to change the swarm
     Clock::time_point settle_at_{};
     std::string trouble_;
 };

@@ -74,6 +74,7 @@ keep() {
     done
 }
 
+steps=()
 )";
 
 std::string step(const SwarmDrone& drone, const CommandLines& lines)
@@ -87,7 +88,7 @@ std::string step(const SwarmDrone& drone, const CommandLines& lines)
         text += " --nodelist=" + node;
     for (const auto& word : lines.of(drone))
         text += " " + shell_word(word);
-    return text + " &\n";
+    return text + " &\nsteps+=($!)\n";
 }
 
 }  // namespace
@@ -101,7 +102,9 @@ ExportedFiles write_slurm(const SwarmPlan& plan, const ExportOptions&)
                        + functions;
     for (const auto* drone : steps)
         text += step(*drone, lines);
-    text += "wait\n";
+    text += "\n# The job fails when one of them does.\ncode=0\nfor step in \"${steps[@]}\"; do wait \"$step\" || "
+            "code=$?; done\n"
+            "exit \"$code\"\n";
     return {{plan.name + ".sbatch", text, true}};
 }
 

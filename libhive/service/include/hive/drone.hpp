@@ -141,7 +141,8 @@ public:
     /// crash. Before run(); for drones whose ports depend on it. Nothing: its default. It is checked when the drone
     /// runs.
     [[nodiscard]] std::optional<Json> given(const std::string& parameter) const;
-    /// Is that what the drone was told before a crash, and not given now?
+    /// Is that what the drone was told before a crash? Also when it is given the same value now, as by an engine that
+    /// starts it again.
     [[nodiscard]] bool remembered(const std::string& parameter) const;
     /// Declares a parameter bound to `variable`, whose present value is the default. `set` assigns it between
     /// callbacks.

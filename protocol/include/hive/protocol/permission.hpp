@@ -1,4 +1,4 @@
-// Who may send what to whom: one table of role, packet type and direction (SPEC.md, section 10.2).
+// Who may send what to whom: one table of role, packet type and direction (SPEC.md, section 10.3).
 #pragma once
 
 #include <hive/protocol/packet.hpp>

@@ -27,11 +27,12 @@ public:
     Browser& operator=(const Browser&) = delete;
 
     /// The drones of our own key. The first time it waits for what the daemon knows, which it tells in milliseconds
-    /// unless the machine is busy, for `longest_wait` at most, and for what the network tells in 300 ms; from then on
-    /// it knows what is announced and taken back.
+    /// unless the machine is busy: until it has said nothing new for `longest_silence`, for `longest_wait` at most. It
+    /// also waits for what the network tells in 300 ms; from then on it knows what is announced and taken back.
     [[nodiscard]] std::vector<Neighbour> found();
 
-    static constexpr std::chrono::milliseconds longest_wait{1000};
+    static constexpr std::chrono::milliseconds longest_silence{1000};
+    static constexpr std::chrono::milliseconds longest_wait{5000};
 
 private:
     class Work;

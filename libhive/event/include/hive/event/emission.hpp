@@ -13,6 +13,9 @@
 
 namespace hive::event {
 
+/// So many shared or lossless stages one event can go through.
+inline constexpr std::size_t most_shares = 16;
+
 /// An event that was emitted. Made on the thread that emits (which pays for encoding the header), then read by the
 /// network side and the encoder thread.
 class Emission {
@@ -30,6 +33,8 @@ public:
     [[nodiscard]] const std::optional<Share>& own() const noexcept { return own_; }
     /// The same event for keeping: whoever only holds it must not hold up the acknowledgement of what it was made of.
     [[nodiscard]] std::shared_ptr<const Emission> without_custody() const;
+    /// The same event for those who report it: nobody gets it, so no limit counts. Its own share becomes the `last`.
+    [[nodiscard]] std::shared_ptr<const Emission> given_up(const std::optional<Share>& last) const;
     /// May it go to a receiver of this kind?
     [[nodiscard]] bool serves(Delivery delivery) const noexcept
     {

@@ -23,6 +23,8 @@ public:
         return *this;
     }
 
+    /// Gives it away.
+    [[nodiscard]] int release() noexcept { return std::exchange(number_, -1); }
     [[nodiscard]] int get() const noexcept { return number_; }
     explicit operator bool() const noexcept { return number_ >= 0; }
 

@@ -1,0 +1,13 @@
+// Another name for a file that must not be written over.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace next_free {
+
+/// "run-2.hive" for "run.hive", "run-3.hive" for that, "run-2/" for "run/"; the first that is not there.
+/// @param folder  where `file` is looked for when it is relative; empty: in the present one
+std::string after(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+}  // namespace next_free

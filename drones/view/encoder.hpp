@@ -1,0 +1,53 @@
+// Decodes and encodes pictures on a thread of its own, so that the thread that answers browsers never waits for that.
+#pragma once
+
+#include "exchange.hpp"
+
+#include <condition_variable>
+#include <functional>
+#include <thread>
+
+namespace view {
+
+/// A picture as browsers get it.
+struct Encoded {
+    Jpeg jpeg;  ///< null: there was none yet
+    std::uint64_t version = 0;
+};
+
+/// One picture is worked on at a time, and then the one that is the newest by then; nothing when nobody asks.
+class Encoder {
+public:
+    /// @param exchange  outlives the encoder
+    /// @param done      called on its thread when a picture is ready
+    Encoder(const Exchange& exchange, std::function<void()> done);
+    /// Waits for the picture that is being worked on.
+    ~Encoder();
+    Encoder(const Encoder&) = delete;
+    Encoder& operator=(const Encoder&) = delete;
+
+    /// The last picture that is ready. Where that is not the newest one, it has that prepared. Never waits for a
+    /// picture. From any thread.
+    /// @param plain  without the caption
+    Encoded newest(bool plain, Exchange::Time now = std::chrono::steady_clock::now());
+
+private:
+    /// With the caption, or without.
+    struct Kind {
+        Encoded ready;
+        bool asked = false;
+    };
+
+    void run();
+    void encode(Kind& kind, const Picture& picture, std::uint64_t version);
+
+    const Exchange& exchange_;
+    std::function<void()> done_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    Kind captioned_, plain_;  ///< under the mutex
+    bool ending_ = false;     ///< under the mutex
+    std::thread thread_;
+};
+
+}  // namespace view

@@ -1,0 +1,63 @@
+// A lock file as those of drones, NAME.swarm.lock; whoever waits for it holds NAME.swarm.next.
+#include "claim.hpp"
+
+#include <hive/error.hpp>
+#include <hive/event/clock.hpp>
+
+#include <thread>
+
+namespace hive::swarm {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+std::string name_of(const std::string& swarm) { return swarm + ".swarm"; }
+
+Claim claim_unless_taken(const event::Home& home, const std::string& swarm, event::NameClaim::To what)
+try {
+    return std::make_unique<const event::NameClaim>(home, name_of(swarm), what);
+} catch (const Error& error) {
+    if (error.code() != Errc::name_taken)
+        throw;
+    return nullptr;
+}
+
+}  // namespace
+
+Claim claim(const std::filesystem::path& home, const std::string& swarm, std::chrono::milliseconds patience,
+            const SwarmWatch& watch)
+{
+    const event::Home directory(home);
+    const auto begin = event::Clock::now(), end = begin + patience;
+    Claim waiting;
+    for (bool told = !watch.told;; std::this_thread::sleep_for(10ms)) {
+        if (auto claim = claim_unless_taken(directory, swarm, event::NameClaim::To::name))
+            return claim;
+        if (watch.cancelled && watch.cancelled())
+            return nullptr;
+        const auto now = event::Clock::now();
+        if (!told && now - begin >= 1s) {
+            told = true;
+            watch.told("somebody else is changing the swarm " + swarm + " now; waiting until that is done");
+        }
+        if (now >= end)
+            throw Error(Errc::locked, "somebody else is changing the swarm " + swarm + " now",
+                        "try again when that is done, or wait longer: --timeout SECONDS");
+        if (!waiting)
+            waiting = claim_unless_taken(directory, swarm, event::NameClaim::To::succession);
+    }
+}
+
+Claim claim_if_free(const std::filesystem::path& home, const std::string& swarm)
+{
+    return claim_is_wanted(home, swarm) ? nullptr
+                                        : claim_unless_taken(event::Home(home), swarm, event::NameClaim::To::name);
+}
+
+bool claim_is_wanted(const std::filesystem::path& home, const std::string& swarm)
+{
+    return event::Home(home).succession(name_of(swarm));
+}
+
+}  // namespace hive::swarm

@@ -1,0 +1,160 @@
+// The HTTP server of the view drone while pictures take long to decode.
+#include "stage.hpp"
+
+#include <doctest/doctest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <future>
+#include <utility>
+
+using hive::test::eventually, hive::test::Milliseconds;
+using http::Client, http::get;
+using stage::next_width, stage::Stage;
+
+namespace {
+
+/// Pictures whose decoding takes until they are let go.
+class Stuck {
+public:
+    explicit Stuck(Stage& stage) : stage_(stage) {}
+    ~Stuck() { let_go(); }
+    Stuck(const Stuck&) = delete;
+    Stuck& operator=(const Stuck&) = delete;
+
+    void put(int width)
+    {
+        stage_.put_pixels([width, begun = begun_, gone = gone_] {
+            ++*begun;
+            gone.wait_for(Milliseconds(10'000));
+            return cv::Mat(30, width, CV_8UC3, cv::Scalar::all(1));
+        });
+    }
+    void let_go()
+    {
+        if (!std::exchange(let_go_, true))
+            go_.set_value();
+    }
+    /// How many are being decoded, or were.
+    [[nodiscard]] int begun() const { return *begun_; }
+
+private:
+    Stage& stage_;
+    std::shared_ptr<std::atomic<int>> begun_ = std::make_shared<std::atomic<int>>(0);
+    std::promise<void> go_;
+    std::shared_future<void> gone_ = go_.get_future().share();
+    bool let_go_ = false;
+};
+
+Milliseconds time_of(const std::function<void()>& what)
+{
+    const auto begin = std::chrono::steady_clock::now();
+    what();
+    return std::chrono::ceil<Milliseconds>(std::chrono::steady_clock::now() - begin);
+}
+
+}  // namespace
+
+TEST_CASE("view server: while a picture of 40 Mpixel is decoded for one browser the others are answered at once")
+{
+    const cv::Size size(8000, 5000);
+    std::vector<unsigned char> png;
+    {
+        cv::Mat tile(500, 500, CV_8UC3);
+        cv::randu(tile, 0, 255);
+        cv::imencode(".png", cv::repeat(tile, size.height / tile.rows, size.width / tile.cols), png,
+                     {cv::IMWRITE_PNG_COMPRESSION, 1});
+    }
+    std::atomic<bool> begun{false};
+    std::promise<void> all_answered;
+    Stage stage({.preparing = hive::test::patient(Milliseconds(20'000))});
+    Client looking(stage.port());
+    stage.put_pixels([&, answered = all_answered.get_future().share()] {
+        begun = true;
+        auto picture = cv::imdecode(png, cv::IMREAD_COLOR);
+        answered.wait_for(Milliseconds(10'000));  // a fast machine would be done before the others have asked
+        return picture;
+    });
+    looking.ask("/picture.jpg");
+    REQUIRE(eventually([&] { return begun.load(); }, Milliseconds(5000)));
+    std::vector<Milliseconds> times;
+    for (int i = 0; i < 5; ++i)
+        for (const char* path : {"/status.json", "/"})
+            times.push_back(time_of([&] { CHECK(get(stage.port(), path).code == 200); }));
+    CHECK_FALSE(looking.more_within(Milliseconds(1)));
+    all_answered.set_value();
+    CHECK(std::ranges::count_if(times, [](auto time) { return time <= hive::test::patient(Milliseconds(500)); }) >= 9);
+    CHECK(looking.reply(hive::test::patient(Milliseconds(20'000))).picture().size() == size);
+}
+
+TEST_CASE("view server: of the pictures that come while one is decoded only the newest is decoded as well")
+{
+    Stage stage;
+    Client streaming(stage.port()), looking(stage.port());
+    Stuck stuck(stage);
+    stuck.put(40);
+    streaming.ask("/stream.mjpg");
+    REQUIRE(eventually([&] { return stuck.begun() == 1; }, Milliseconds(5000)));
+    for (int width = 41; width <= 60; ++width) {
+        stuck.put(width);
+        REQUIRE(get(stage.port(), "/status.json").code == 200);  // so that the server has seen this one
+    }
+    looking.ask("/picture.jpg");
+    stuck.let_go();
+    CHECK(looking.reply().picture().cols == 60);
+    const int first = next_width(streaming);  // 40, unless both were ready before it had its turn
+    CHECK((first == 40 ? next_width(streaming) : first) == 60);
+    CHECK(stuck.begun() == 2);
+}
+
+TEST_CASE("view server: who waits too long for a picture is told so, and who asks again gets it when it is there")
+{
+    Stage stage({.preparing = Milliseconds(300)});
+    Stuck stuck(stage);
+    stuck.put(40);
+    Client one(stage.port()), two(stage.port());
+    one.ask("/picture.jpg");
+    two.ask("/plain/stream.mjpg");
+    for (auto* client : {&one, &two}) {
+        const auto reply = client->reply();
+        CHECK(reply.code == 503);
+        CHECK(reply.body == "The picture is not ready yet; ask again.\n");
+    }
+    CHECK(stage.browsers() == 0);
+    stuck.let_go();
+    CHECK(eventually([&] {
+        const auto reply = get(stage.port(), "/picture.jpg");
+        return reply.code == 200 && reply.picture().cols == 40;
+    }));
+}
+
+TEST_CASE("view server: one that goes while it waits for a picture is forgotten, and another takes its place")
+{
+    Stage stage({.connections = 1});
+    Stuck stuck(stage);
+    stuck.put(40);
+    {
+        Client leaving(stage.port());
+        leaving.ask("/picture.jpg");
+        REQUIRE(eventually([&] { return stuck.begun() == 1; }, Milliseconds(5000)));
+        CHECK(get(stage.port(), "/").code == 503);
+    }
+    stuck.let_go();
+    CHECK(eventually([&] { return get(stage.port(), "/picture.jpg").code == 200; }, Milliseconds(5000)));
+}
+
+TEST_CASE("view server: ends while a picture is being decoded, and whoever waits for that is let go")
+{
+    auto stage = std::make_unique<Stage>();
+    Stuck stuck(*stage);
+    stuck.put(40);
+    Client looking(stage->port()), streaming(stage->port());
+    looking.ask("/picture.jpg");
+    streaming.ask("/stream.mjpg");
+    REQUIRE(eventually([&] { return stuck.begun() == 1; }, Milliseconds(5000)));
+    const auto ended = std::async(std::launch::async, [&] { stage.reset(); });
+    for (auto* client : {&looking, &streaming})
+        CHECK(client->closed_within(hive::test::patient(Milliseconds(3000))));  // before the picture is ready
+    stuck.let_go();
+    CHECK(ended.wait_for(hive::test::patient(Milliseconds(3000))) == std::future_status::ready);
+}

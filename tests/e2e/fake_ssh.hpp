@@ -1,0 +1,60 @@
+// Another machine without a network: a home that is reached by a program called ssh.
+#pragma once
+
+#include "swarm.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace hive::test {
+
+/// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh,
+/// and what runs there goes on when it is killed. me@gpu1 is sound; on me@gpu2 a drone called brief is killed as soon
+/// as it is ready; on bare there is no hivectl.
+class FakeSsh {
+public:
+    FakeSsh(const Swarm& here, const Swarm& there)
+        : here_(here), directory_(here.home() / "ssh"), path_(directory_.string() + ":" + std::getenv("PATH"))
+    {
+        std::filesystem::create_directory(directory_);
+        const auto file = directory_ / "ssh";
+        std::ofstream(file) << "#!/bin/sh\n"
+                               "if [ \"$1\" = -G ]; then echo hostname 127.0.0.1; exit; fi\n"
+                               "while [ \"$1\" != -- ]; do shift; done\n"
+                               "case $2 in\n"
+                               "  me@gpu1) HIVE_HOME="
+                            << there.home().string() << " PATH=" << there.program("hivectl").parent_path().string()
+                            << ":$PATH setsid -w sh -c \"$3\" & wait $!; exit ;;\n"
+                            << "  me@gpu2) HIVE_HOME=" << there.home().string()
+                            << " PATH=" << there.program("hivectl").parent_path().string()
+                            << ":$PATH; export HIVE_HOME PATH; sh -c \"$3\"; code=$?\n"
+                               "    case $3 in *\"'start'\"*) kill -9 $(cat $HIVE_HOME/brief.lock) ;; esac\n"
+                               "    exit $code ;;\n"
+                               "  bare) PATH=/nowhere exec /bin/sh -c \"$3\" ;;\n"
+                               "esac\n"
+                               "echo 'ssh: Could not resolve hostname '$2 >&2\n"
+                               "exit 255\n";
+        std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+    }
+    /// The words that run hivectl here with this ssh.
+    [[nodiscard]] std::vector<std::string> words(const std::vector<std::string>& of_hivectl) const
+    {
+        std::vector<std::string> all{"/usr/bin/env", "PATH=" + path_, here_.program("hivectl").string()};
+        all.insert(all.end(), of_hivectl.begin(), of_hivectl.end());
+        return all;
+    }
+    [[nodiscard]] Finished hivectl(const std::vector<std::string>& of_hivectl) const
+    {
+        return here_.run(words(of_hivectl), Milliseconds(40'000));
+    }
+
+private:
+    const Swarm& here_;
+    std::filesystem::path directory_;
+    std::string path_;
+};
+
+}  // namespace hive::test
