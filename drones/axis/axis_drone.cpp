@@ -179,7 +179,8 @@ void AxisDrone::open()
         link_ = std::make_unique<CameraLink>(
             LinkSettings{std::move(*found), place_.credentials, place_.pace == "live" ? Pace::live : Pace::demand,
                          told_},
-            LinkHooks{[this] { drone_.wake(); }, [this](const std::string& text) { drone_.log(text); }, measure});
+            LinkHooks{[this] { drone_.wake(); },
+                      [this](const std::string& text) { drone_.log(text, hive::LogLevel::debug); }, measure});
     opened_ = place_;
 }
 
@@ -221,7 +222,7 @@ std::chrono::microseconds AxisDrone::step()
     const auto picture = link_->take();
     if (picture)
         send(*picture);
-    say(link_->condition());
+    say(link_->condition(), hive::LogLevel::warning);
     if (place_.pace == "demand" && !picture && image_.asked())
         link_->ask();
     return 250ms;
@@ -239,12 +240,12 @@ void AxisDrone::send(const Picture& picture)
     image_.emit_captured(picture.captured, place_.pace == "demand", header, body, "image/jpeg");
 }
 
-void AxisDrone::say(const std::string& condition)
+void AxisDrone::say(const std::string& condition, hive::LogLevel level)
 {
     if (condition == condition_)
         return;
     condition_ = condition;
-    drone_.condition(condition);
+    drone_.condition(condition, hive::Reason::none, level);
 }
 
 }  // namespace axis

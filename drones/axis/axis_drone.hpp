@@ -35,7 +35,7 @@ private:
     void take_over(const Parameters& applied);
     std::chrono::microseconds step();
     void send(const Picture& picture);
-    void say(const std::string& condition);
+    void say(const std::string& condition, hive::LogLevel level = hive::LogLevel::info);
 
     hive::Drone& drone_;
     hive::Output image_;

@@ -84,11 +84,11 @@ void background_drone(hive::Drone& drone)
                 finder.restart();  // another scene, or the same one from its beginning
             const Foreground found = finder.find(picture);
             if (found.learned == 1)
-                drone.log("learns a background of " + std::to_string(found.mask.cols) + "x"
-                          + std::to_string(found.mask.rows) + " px");
+                drone.log("learning a background size=" + std::to_string(found.mask.cols) + "x"
+                          + std::to_string(found.mask.rows));
             if (found.light_changed)
-                drone.log("the light changed at picture " + std::to_string(event.identity.sequence)
-                          + ": goes on with the known background in the new light");
+                drone.log("adapted the known background to new light sequence="
+                          + std::to_string(event.identity.sequence));
             hive::Json of_boxes = boxes_header(found, picture), of_mask = mask_header(found);
             media_fields::pass_on(event.header, of_boxes);
             media_fields::pass_on(event.header, of_mask);

@@ -298,7 +298,7 @@ void CameraDrone::say(const std::string& condition, hive::Reason why)
     if (condition == condition_)
         return;
     condition_ = condition;
-    drone_.condition(condition, why);
+    drone_.condition(condition, why, why == hive::Reason::none ? hive::LogLevel::warning : hive::LogLevel::info);
 }
 
 }  // namespace camera

@@ -104,7 +104,8 @@ void RecordDrone::spare_what_was_recorded()
     if (std::error_code none; !fs::exists(folder_ / file_, none))
         return;
     const auto before = std::exchange(file_, next_free::after(folder_, file_));
-    drone_.log(before + " was being recorded when the drone was killed, and stays as it is; goes on in " + file_);
+    drone_.log("kept " + before + ", unfinished when the drone was killed; continuing in " + file_,
+               hive::LogLevel::warning);
 }
 
 std::unique_ptr<hive::recording::Writer> RecordDrone::writer_of(const std::string& file) const
@@ -183,7 +184,7 @@ void RecordDrone::go_on()
 {
     const auto next = next_free::after(folder_, writes_);
     begin(next, writer_of(next));
-    drone_.log("more came after the end: goes on in " + next);
+    drone_.log("continuing in " + next + ", since events arrived after the end");
 }
 
 void RecordDrone::close(const std::string& how)
@@ -201,7 +202,8 @@ void RecordDrone::close(const std::string& how)
 void RecordDrone::finish(hive::recording::Writer& writer, const std::string& file, const std::string& how)
 {
     writer.finish(how);
-    drone_.log(file + ": " + std::to_string(writer.summary().events()) + " events, ended: " + writer.ended());
+    drone_.log("closed " + file + " events=" + std::to_string(writer.summary().events()) + " reason=\"" + writer.ended()
+               + "\"");
 }
 
 void RecordDrone::take(const hive::Event& event)

@@ -103,7 +103,8 @@ void WriteDrone::spare_what_was_written()
     if (!fs::exists(file_, none) || (is_folder && fs::is_empty(file_, none)))
         return;
     const auto before = std::exchange(file_, next_free::after({}, is_folder ? fs::path(file_) / "" : fs::path(file_)));
-    drone_.log(before + " was being written when the drone was killed, and stays as it is; goes on in " + file_);
+    drone_.log("kept " + before + ", unfinished when the drone was killed; continuing in " + file_,
+               hive::LogLevel::warning);
 }
 
 /// The new file first: if it cannot be, the old one goes on. A set that is put back, because another drone refuses it,
@@ -209,7 +210,7 @@ void WriteDrone::close(File& file, const std::string& how, const std::string& pr
         trouble += (trouble.empty() ? "" : "; ") + std::string(error.what());
     }
     file.ended = how;
-    drone_.log(file.path + ": " + std::to_string(file.written) + " pictures, ended: " + how);
+    drone_.log("closed " + file.path + " images=" + std::to_string(file.written) + " reason=\"" + how + "\"");
     if (!drone_.stopping())
         files_.emit({{"file", file.path},
                      {"frames", file.written},

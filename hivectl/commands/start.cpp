@@ -112,7 +112,7 @@ Run declare(CommandLine& line, Session& session)
     line.flag("--remote-operator", options->remote_operator,
               "who has the swarm's key may also set over the network what concerns this machine: paths, URLs, logins");
     line.option("--log-level", options->log_level,
-                "how much it writes to its log: debug, info (default), warning, error or off")
+                "lowest level of its log lines: debug, info (default), warning, error or off")
         .type_name("LEVEL")
         .one_of({"debug", "info", "warning", "error", "off"});
     return [options, &session] {

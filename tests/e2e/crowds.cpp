@@ -21,7 +21,7 @@ struct House {
         swarm.hivectl_done({"key", "new"});
         swarm.hivectl_done({"key", "new", "--file", wrong_key.string()});
         ticker = swarm.drone("ticker", "ticker", {"fps=100"}, {"--listen", "tcp://127.0.0.1:0"}, environment);
-        const std::string text = swarm.log("ticker"), before = "listening at ";
+        const std::string text = swarm.log("ticker"), before = "listening on ";
         const auto begin = text.find(before + "tcp://") + before.size();
         address = text.substr(begin, text.find('\n', begin) - begin);
     }

@@ -67,7 +67,7 @@ std::string local_address(const Swarm& swarm, const std::string& drone)
 /// The address that a drone says it listens at.
 std::string tcp_address(const Swarm& swarm, const std::string& drone)
 {
-    const std::string text = swarm.log(drone), before = "listening at ";
+    const std::string text = swarm.log(drone), before = "listening on ";
     const auto begin = text.find(before + "tcp://");
     REQUIRE(begin != std::string::npos);
     return text.substr(begin + before.size(), text.find('\n', begin) - begin - before.size());

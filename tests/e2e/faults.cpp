@@ -192,6 +192,7 @@ TEST_CASE("state: a saved value that is refused now is left out with a word, and
     std::ofstream(file, std::ios::trunc) << state;
     drone = swarm.drone("sleeper", "heir");
     CHECK(swarm.application().get("heir", {"work_ms", "throw_at"}) == Json{{"work_ms", 0}, {"throw_at", 7}});
+    CHECK(has(swarm.log("heir"), "warning heir: ignored a saved value"));
     CHECK(has(swarm.log("heir"), "colour"));
     drone.kill();
     std::ofstream(file, std::ios::trunc) << "{\"kind\": \"slee";

@@ -25,7 +25,7 @@ void hand_over(const fs::path& file, const Swarm& to)
 
 std::string tcp_address(const Swarm& swarm, const std::string& drone)
 {
-    const std::string text = swarm.log(drone), before = "listening at ";
+    const std::string text = swarm.log(drone), before = "listening on ";
     const auto begin = text.find(before + "tcp://");
     REQUIRE(begin != std::string::npos);
     return text.substr(begin + before.size(), text.find('\n', begin) - begin - before.size());

@@ -89,7 +89,7 @@ TEST_CASE("machines: a camera and two workers on three machines, wired and colle
         // One clock for all namespaces: what is measured is the error.
         CHECK(std::abs(edge.at("clock_offset_us").get<std::int64_t>()) < 100'000);
     }
-    CHECK(has(lab.hivectl_done("logs face-1"), "listening at tcp://"));
+    CHECK(has(lab.hivectl_done("logs face-1"), "listening on tcp://"));
     CHECK(lab.hivectl_done("set camera source=scene") == "scene\n");  // over the network it is not permitted
     lab.hivectl_done("stop --all");
     CHECK(lab.hivectl_done("ps --json") == "[]\n");

@@ -129,7 +129,7 @@ private:
     void start()
     {
         process_.emplace(swarm_.drone("sleeper", "sleeper", {}, {"--listen", "tcp://127.0.0.1:0"}));
-        const std::string text = swarm_.log("sleeper"), before = "listening at ";
+        const std::string text = swarm_.log("sleeper"), before = "listening on ";
         const auto begin = text.rfind(before + "tcp://") + before.size();
         address_ = text.substr(begin, text.find('\n', begin) - begin);
     }

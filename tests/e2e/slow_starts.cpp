@@ -42,7 +42,7 @@ TEST_CASE("up: a drone on another machine that ends before it is met from here i
     CHECK(refused.exit_code == 5);
     CHECK(refused.took < patient(15'000ms));
     CHECK_MESSAGE(has(refused.err, "gpu2: brief was ready and has ended since; its log says:"), refused.err);
-    CHECK_MESSAGE(has(refused.err, "listening at tcp://"), refused.err);
+    CHECK_MESSAGE(has(refused.err, "listening on tcp://"), refused.err);
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
     CHECK(there.application().remembered().empty());
 }

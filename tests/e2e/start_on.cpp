@@ -25,7 +25,7 @@ TEST_CASE("start --on: the drone runs there, is in the list of places until it i
     const auto places = Json::parse(here.hivectl_done({"place", "list", "--json"}));
     REQUIRE(places.size() == 1);
     CHECK(places.at(0).at("ssh") == "me@gpu1");
-    CHECK(has(ssh.hivectl({"logs", "t-1"}).out, "listening at tcp://"));
+    CHECK(has(ssh.hivectl({"logs", "t-1"}).out, "listening on tcp://"));
     const auto wired = ssh.hivectl({"start", "sleeper", "--on", "me@gpu1", "--as", "worker", "--connect",
                                     "image=t-1.tick,window=2", "--insecure"});
     REQUIRE_MESSAGE(wired.exit_code == 0, wired.err);

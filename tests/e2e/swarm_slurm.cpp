@@ -56,7 +56,7 @@ TEST_CASE("up under slurm: a swarm on three nodes, each drone a step, what fell 
                   : row.at("name") == "worker-1" || row.at("name") == "worker-3" ? "n2"
                                                                                  : "n3"));
     CHECK(lines_of(lab.shell_done("hivectl results 'worker-*' -n 8")) == 8);
-    CHECK(has(lab.shell_done("hivectl logs source || cat $HIVE_HOME/source.log"), "listening at tcp://"));
+    CHECK(has(lab.shell_done("hivectl logs source || cat $HIVE_HOME/source.log"), "listening on tcp://"));
     CHECK(lab.shell_done(up).empty());
 
     lab.shell_done("scancel --signal=KILL $(squeue -s -h -j $SLURM_JOB_ID -o '%i %j' | grep worker-2 | cut -d' ' -f1)");

@@ -250,7 +250,7 @@ TEST_CASE("hostile sender: one that does not even take the connection holds up n
                                        .dump())));
     CHECK_FALSE(asker.next(Milliseconds(100)));  // it is dialing
     REQUIRE(raw::error_of(asker.ask(raw::stop)) == "");
-    CHECK(hive::test::eventually([&] { return face.log().find(": ended") != std::string::npos; }, within(1000)));
+    CHECK(hive::test::eventually([&] { return face.log().find(": stopped") != std::string::npos; }, within(1000)));
 }
 
 TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connection goes on")

@@ -44,7 +44,7 @@ public:
     void be_quiet()
     {
         const std::lock_guard lock(mutex_);
-        plan_.log = [](const std::string&) {};
+        plan_.log = [](LogLevel, const std::string&) {};
     }
 
     bool begin(const Avahi& avahi, AvahiClient& client) override
@@ -109,7 +109,7 @@ private:
         if (result == 0)
             result = avahi_->entry_group_commit(&group);
         if (result != 0)
-            say(std::string("cannot be announced: ") + avahi_->strerror(result));
+            say(LogLevel::warning, std::string("not announced on the local network: ") + avahi_->strerror(result));
         return result == 0;
     }
 
@@ -124,7 +124,7 @@ private:
     void on_state(AvahiEntryGroup& group, AvahiEntryGroupState state)
     {
         if (state == AVAHI_ENTRY_GROUP_ESTABLISHED)
-            say("announced on the local network as " + label_);
+            say(LogLevel::info, "announced on the local network as " + label_);
         if (state == AVAHI_ENTRY_GROUP_FAILURE)
             failed_ = true;
         if (state != AVAHI_ENTRY_GROUP_COLLISION)
@@ -133,11 +133,11 @@ private:
         failed_ = avahi_->entry_group_reset(&group) != 0 || !publish(group);
     }
 
-    void say(const std::string& text)
+    void say(LogLevel level, const std::string& text)
     {
         const std::lock_guard lock(mutex_);
         if (text != said_)
-            plan_.log(said_ = text);
+            plan_.log(level, said_ = text);
     }
 
     std::mutex mutex_;  ///< of what writes lines

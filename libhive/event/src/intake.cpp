@@ -294,9 +294,9 @@ void Intake::link_closed(const Link& link)
     lost_ = Clock::now();
     round_trip_us_ = link.peer_clock().round_trip_us();
     if (stopped_)
-        try_to_leave();
-    else
-        retry();
+        return try_to_leave();
+    retry();
+    on_end_();
 }
 
 void Intake::disconnected()

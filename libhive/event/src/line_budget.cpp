@@ -1,22 +1,20 @@
-// Counting lines by peer and second.
 #include <hive/event/line_budget.hpp>
-
-#include <utility>
 
 namespace hive::event {
 namespace {
 
 constexpr auto window = std::chrono::seconds(1);
-constexpr std::size_t most_peers = 1024;
+constexpr std::size_t max_rows = 1024;
 
 }  // namespace
 
-std::optional<std::int64_t> LineBudget::ask(const std::string& peer, Clock::time_point now)
+std::optional<std::int64_t> LineBudget::ask(LogLevel level, const std::string& peer, Clock::time_point now)
 {
     const std::lock_guard lock(mutex_);
-    if (seconds_.size() >= most_peers && !seconds_.contains(peer))
+    const std::pair row(level, peer);
+    if (seconds_.size() >= max_rows && !seconds_.contains(row))
         forget_old(now);
-    auto& second = seconds_[peer];
+    auto& second = seconds_[row];
     if (now - second.begun >= window)
         second = {now, 0, second.left_out};
     if (++second.lines <= most_lines)
@@ -29,7 +27,7 @@ std::optional<std::int64_t> LineBudget::ask(const std::string& peer, Clock::time
 void LineBudget::forget_old(Clock::time_point now)
 {
     std::erase_if(seconds_, [&](const auto& row) { return now - row.second.begun >= window; });
-    if (seconds_.size() >= most_peers)
+    if (seconds_.size() >= max_rows)
         seconds_.clear();
 }
 

@@ -14,7 +14,7 @@ transport::Security Module::security()
 {
     return {.keys = options_.keys, .refused = [this](const std::string& who) {
                 if (const auto line = refusals_.pass(who, Clock::now()))
-                    log(*line);
+                    log(LogLevel::warning, *line);
             }};
 }
 
@@ -46,7 +46,7 @@ void Module::recheck_keys()
     if (options_.keys && options_.keys->trouble() != keys_trouble_) {
         keys_trouble_ = options_.keys->trouble();
         if (!keys_trouble_.empty())
-            log(keys_trouble_ + "; the keys that are known hold on");
+            log(LogLevel::warning, keys_trouble_ + "; the known keys stay valid");
     }
     if (needed)
         watch_keys();

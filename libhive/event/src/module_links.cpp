@@ -33,6 +33,8 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
                      [this, ready, told](Link& opened) {
                          *told = true;
                          const auto keep = opened.shared_from_this();
+                         const auto& place = opened.connection().peer();
+                         log_about(LogLevel::debug, place, "opened link to " + opened.peer().name + " at " + place);
                          end_earlier_run(keep);
                          ready(keep, Error(Errc::failed, ""));
                      },
@@ -199,13 +201,34 @@ Fate fate_by(Link& link, const Error& reason)
     return died ? Fate::lost_killed : Fate::lost_connection;
 }
 
+std::string without_prefix(std::string_view text, std::string_view prefix)
+{
+    return std::string(text.substr(text.starts_with(prefix) ? prefix.size() : 0));
+}
+
 }  // namespace
 
 /// By its address alone: each connection has another port.
-void Module::log_about(const std::string& peer, const std::string& text)
+void Module::log_about(LogLevel level, const std::string& peer, const std::string& text)
 {
-    if (const auto left_out = lines_.ask(peer.substr(0, peer.rfind(':')), Clock::now()))
-        log(text + left_out_text(*left_out));
+    if (const auto left_out = lines_.ask(level, peer.substr(0, peer.rfind(':')), Clock::now()))
+        log(level, text + left_out_text(*left_out));
+}
+
+/// A receiver that leaves deregisters first, and one that is replaced closes its connection and lives on.
+void Module::log_end(Link& link, const Error& reason, Fate fate)
+{
+    const auto& place = link.connection().peer();
+    const auto text = ": " + without_prefix(reason.what(), place + ": ");
+    const auto code = reason.code();
+    if (code == Errc::malformed || code == Errc::too_large || code == Errc::version_mismatch || code == Errc::io
+        || code == Errc::not_permitted)
+        return log_about(LogLevel::warning, place, "closed " + place + text);
+    const auto name = link.peer().name.empty() ? place : link.peer().name + " at " + place;
+    const auto receives = [&](const Outlet& outlet) { return outlet.receivers(link) > 0; };
+    if (fate != Fate::lost_connection && std::ranges::any_of(outlets_, receives))
+        return log_about(LogLevel::warning, place, "lost receiver " + name + text);
+    log_about(LogLevel::debug, place, "closed link to " + name + text);
 }
 
 /// What this peer shares could not be mapped: when it comes again, it does without. The others go on sharing.
@@ -221,9 +244,8 @@ void Module::on_closed(Link& link, const Error& reason)
 {
     if (reason.code() == Errc::io)
         come_through_the_socket(link.connection().peer());
-    if (reason.code() == Errc::malformed || reason.code() == Errc::too_large || reason.code() == Errc::version_mismatch
-        || reason.code() == Errc::io || reason.code() == Errc::not_permitted)
-        log_about(link.connection().peer(), "closed " + link.connection().peer() + ": " + reason.what());
+    const auto fate = fate_by(link, reason);
+    log_end(link, reason, fate);
     std::erase_if(dialed_, [&](const auto& row) { return row.second.get() == &link; });
     const auto [begin, end] = of_drones_.equal_range(link.peer().name);
     if (const auto row = std::find_if(begin, end, [&](const auto& each) { return each.second.get() == &link; });
@@ -231,7 +253,6 @@ void Module::on_closed(Link& link, const Error& reason)
         of_drones_.erase(row);
     links_.erase(link.shared_from_this());
     last_one_gone();
-    const auto fate = fate_by(link, reason);
     for (auto& outlet : outlets_)
         outlet.link_closed(link, fate);
     arm();

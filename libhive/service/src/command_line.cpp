@@ -46,7 +46,6 @@ void start_log(const std::string& name, const std::string& level)
     spdlog::set_default_logger(std::make_shared<spdlog::logger>("hive", std::make_shared<BoundedLog>(file)));
     spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
     spdlog::set_level(spdlog::level::from_str(level));
-    spdlog::flush_on(spdlog::level::info);
 }
 
 /// The words of the command line that are checked later.
@@ -100,7 +99,8 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
                    "ready; end if that takes longer than so many seconds (see `hivectl replace`)")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 86400.0));
-    app.add_option("--log-level", words.level, "what is written to stderr")
+    app.add_option("--log-level", words.level,
+                   "lowest level of the log lines on stderr: debug, info, warning, error, or off")
         ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
         ->capture_default_str();
     app.add_flag("--describe", settings.describe, "print inputs, outputs and parameters as JSON, and end");

@@ -84,10 +84,10 @@ void Drone::main(std::function<std::chrono::microseconds()> step) { core_.declar
 void Drone::run() { core_.run(); }
 void Drone::wake() { core_.wake(); }
 void Drone::stop() { core_.stop(); }
-void Drone::condition(const std::string& text, Reason why) { core_.condition(text, why); }
+void Drone::condition(const std::string& text, Reason why, LogLevel level) { core_.condition(text, why, level); }
 void Drone::source_events(std::int64_t events) { core_.source_events(events); }
 void Drone::report(Errc code, const std::string& text) { core_.reporter().report(Error(code, text)); }
-void Drone::log(const std::string& text) { core_.reporter().log(text); }
+void Drone::log(const std::string& text, LogLevel level) { core_.reporter().log(level, text); }
 Status Drone::status() const { return core_.status(); }
 bool Drone::stopping() const { return core_.stopping(); }
 

@@ -49,7 +49,8 @@ DroneCore::Running::Running(DroneCore& core)
               .limits = {},
               .timing = {},
               .keys = service::keys_for(wish),
-              .log = [&reporter = core.reporter_](const std::string& text) { reporter.log(text); }}),
+              .log = [&reporter = core.reporter_](LogLevel level,
+                                                  const std::string& text) { reporter.log(level, text); }}),
       listening(module, home, core.reporter_),
       halting(core.board_, core.mailbox_, module),
       worker({.declaration = core.declaration_,
@@ -158,11 +159,11 @@ void DroneCore::ended()
             board_.handed_over();
             running_->module.hand_over();
         });
-        reporter_.log("another process takes over");
+        reporter_.log(LogLevel::info, "replaced by another process");
     }
     mailbox_.discard([](const Event&) { return true; });
     running_->end();  // not reset(): what still runs on the network side uses it
-    reporter_.log("ended");
+    reporter_.log(LogLevel::info, "stopped");
 }
 
 void DroneCore::prepare()
@@ -199,7 +200,7 @@ void DroneCore::begin_work()
     board_.idle();
     if (settings_.halted)
         running_->halting.halt();
-    reporter_.log("started");
+    reporter_.log(LogLevel::info, "started");
     serve();
 }
 
@@ -317,10 +318,10 @@ Status DroneCore::status()
     return now;
 }
 
-void DroneCore::condition(const std::string& text, Reason why)
+void DroneCore::condition(const std::string& text, Reason why, LogLevel level)
 {
     if (board_.condition(text, why) && !text.empty())
-        reporter_.log("condition: " + text);
+        reporter_.log(level, "condition: " + text);
 }
 
 void DroneCore::wake()

@@ -26,10 +26,10 @@ struct DroneSettings {
     /// To take over from the running drone of this name, if it is ready by then.
     std::optional<std::chrono::steady_clock::time_point> take_over = {};
     bool describe = false;
-    bool remote_operator = false;                 ///< members may set what is the operator's
-    bool signals = true;                          ///< SIGINT and SIGTERM end the drone
-    bool ends_process = true;                     ///< told to stop, but its code does not return: the process ends
-    std::function<void(const std::string&)> log;  ///< any thread; empty: the log of the program
+    bool remote_operator = false;  ///< members may set what is the operator's
+    bool signals = true;           ///< SIGINT and SIGTERM end the drone
+    bool ends_process = true;      ///< told to stop, but its code does not return: the process ends
+    Log log;                       ///< any thread; empty: the log of the program
 };
 
 /// The user thread, but for what says otherwise.
@@ -61,7 +61,7 @@ public:
     // --- for Drone, from any thread ---
     [[nodiscard]] service::Reporter& reporter() noexcept { return reporter_; }
     [[nodiscard]] bool stopping() const noexcept { return board_.stopping(); }
-    void condition(const std::string& text, Reason why);
+    void condition(const std::string& text, Reason why, LogLevel level);
     void source_events(std::int64_t events) { board_.source_events(events); }
     void wake();
     void stop();

@@ -23,7 +23,7 @@ DroneSettings settings_of(const DroneProgram& program, EmbeddedOptions options)
     settings.policy = options.policy;
     settings.signals = options.signals;
     settings.ends_process = options.ends_process;
-    settings.log = options.log ? std::move(options.log) : [](const std::string&) {};
+    settings.log = options.log ? std::move(options.log) : [](LogLevel, const std::string&) {};
     return settings;
 }
 

@@ -90,7 +90,7 @@ void Listening::begin(const ListenWish& wish, const Json& state)
     places_ = {to_text(module_.listen(home_.address(module_.self().name)))};
     for (const auto& text : wish.listen) {
         held_.listen.push_back(to_text(listen(listen_address(text), before)));
-        reporter_.log("listening at " + held_.listen.back());
+        reporter_.log(LogLevel::info, "listening on " + held_.listen.back());
     }
     for (const auto& text : wish.advertise)
         held_.advertise.push_back(advertised(text, held_.listen));
@@ -105,13 +105,13 @@ void Listening::announce()
     if (!spot || held_.insecure || held_.no_announce)
         return;
     const auto& self = module_.self();
-    announcer_ = std::make_unique<discovery::Announcer>(
-        discovery::Announcer::Plan{.drone = self.name,
-                                   .kind = self.kind,
-                                   .epoch = self.epoch,
-                                   .spot = *spot,
-                                   .key = held_.key.empty() ? default_key_file() : std::filesystem::path(held_.key),
-                                   .log = [this](const std::string& text) { reporter_.log(text); }});
+    announcer_ = std::make_unique<discovery::Announcer>(discovery::Announcer::Plan{
+        .drone = self.name,
+        .kind = self.kind,
+        .epoch = self.epoch,
+        .spot = *spot,
+        .key = held_.key.empty() ? default_key_file() : std::filesystem::path(held_.key),
+        .log = [this](LogLevel level, const std::string& text) { reporter_.log(level, text); }});
 }
 
 /// At a port that is named, or on a unix socket.

@@ -202,9 +202,9 @@ bool ParameterRequests::settle(Worker& worker, const ProposalPtr& proposal)
         proposal->commit();
     if (!proposal->committed()) {
         if (proposal->prepared())
-            parts_.module.log_about(proposal->asker(),
-                                    proposal->asker()
-                                        + " has not decided on the set that it had prepared; the old values hold");
+            parts_.module.log_about(LogLevel::warning, proposal->asker(),
+                                    "aborted a set that " + proposal->asker()
+                                        + " prepared and did not decide; the old values are kept");
         give_up(proposal, too_late());
         return false;
     }

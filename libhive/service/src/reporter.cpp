@@ -7,6 +7,20 @@
 #include <spdlog/spdlog.h>
 
 namespace hive::service {
+namespace {
+
+spdlog::level::level_enum of_spdlog(LogLevel level)
+{
+    switch (level) {
+    case LogLevel::debug: return spdlog::level::debug;
+    case LogLevel::info: return spdlog::level::info;
+    case LogLevel::warning: return spdlog::level::warn;
+    case LogLevel::error: break;
+    }
+    return spdlog::level::err;
+}
+
+}  // namespace
 
 void Reporter::attach(event::Module& module)
 {
@@ -15,12 +29,12 @@ void Reporter::attach(event::Module& module)
                                      protocol::PacketType::exception);
 }
 
-void Reporter::log(const std::string& text) const
+void Reporter::log(LogLevel level, const std::string& text) const
 {
     if (sink_)
-        sink_(text);
+        sink_(level, text);
     else
-        spdlog::info("{}: {}", self_.name, text);
+        spdlog::log(of_spdlog(level), "{}: {}", self_.name, text);
 }
 
 void Reporter::report(const Error& error, const Event* cause)
@@ -33,9 +47,9 @@ void Reporter::report(const Error& error, const Event* cause)
                       .time_us = event::wall_us(),
                       .source = event.identity.source,
                       .sequence = event.identity.sequence});
-    if (const auto left_out = lines_.ask(cause ? cause->sender : "", event::Clock::now()))
-        log(std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what()
-            + event::left_out_text(*left_out));
+    if (const auto left_out = lines_.ask(LogLevel::error, cause ? cause->sender : "", event::Clock::now()))
+        log(LogLevel::error, std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what()
+                                 + event::left_out_text(*left_out));
     std::optional<Share> own;
     if (event.identity.lossless)
         own = Share{.of = self_.name + ".exceptions", .epoch = self_.epoch, .turn = ++given_};

@@ -6,15 +6,13 @@
 #include <hive/event/line_budget.hpp>
 #include <hive/event/module.hpp>
 
-#include <functional>
-
 namespace hive::service {
 
 /// Any thread, once it is attached.
 class Reporter {
 public:
     /// @param sink  takes the lines of the log; empty: the log of the program
-    Reporter(const protocol::Hello& self, StatusBoard& board, std::function<void(const std::string&)> sink)
+    Reporter(const protocol::Hello& self, StatusBoard& board, Log sink)
         : self_(self), board_(board), sink_(std::move(sink))
     {
     }
@@ -22,7 +20,7 @@ public:
     /// Before it, exceptions reach the log and the board alone.
     void attach(event::Module& module);
 
-    void log(const std::string& text) const;
+    void log(LogLevel level, const std::string& text) const;
     /// An exception goes to subscribed applications, to the status board and to the log.
     /// @param cause  the event that was worked on, or null
     void report(const Error& error, const Event* cause = nullptr);
@@ -32,7 +30,7 @@ private:
 
     const protocol::Hello& self_;
     StatusBoard& board_;
-    const std::function<void(const std::string&)> sink_;
+    const Log sink_;
     event::Module* module_ = nullptr;
     event::Outlet* exceptions_ = nullptr;
     event::LineBudget lines_;

@@ -23,12 +23,13 @@ try {
     if (!state)
         return Json::object();
     if (const auto kind = Fields(*state, "state").text("kind"); kind != self.kind && other == OtherKind::leave_out) {
-        reporter.log("what was told to a drone of this name and of the kind " + in_quotes(kind) + " is left out");
+        reporter.log(LogLevel::warning,
+                     "ignored the saved state of a drone of this name and of kind " + in_quotes(kind));
         return Json::object();
     }
     return *state;
 } catch (const std::exception& error) {
-    reporter.log(std::string("what a drone of this name was told cannot be read and is left out: ") + error.what());
+    reporter.log(LogLevel::warning, std::string("ignored the saved state, which cannot be read: ") + error.what());
     return Json::object();
 }
 
@@ -39,7 +40,7 @@ Json still_taken(const Json& saved, const ParameterSet& parameters, const Report
         try {
             values.update(parameters.checked(Json::object({{name, value}})));
         } catch (const Error& error) {
-            reporter.log(std::string("a saved value is left out: ") + error.what());
+            reporter.log(LogLevel::warning, std::string("ignored a saved value: ") + error.what());
         }
     return values;
 }

@@ -91,7 +91,7 @@ void Wiring::begin(IntakeSpec spec)
         const auto* error = std::get_if<Error>(&outcome);
         const auto waiting = weak.lock();
         if (error && waiting && !waiting->refusal() && error->code() != Errc::stopped)
-            reporter_.log(ends + ": waits for the sender: " + error->what());
+            reporter_.log(LogLevel::info, "waiting for the sender of " + ends + ": " + error->what());
     });
 }
 
@@ -104,7 +104,7 @@ void Wiring::restore(const Json& connections)
             if (std::ranges::none_of(module_.intakes(), same))
                 begin(std::move(spec));
         } catch (const Error& error) {
-            reporter_.log(std::string("a saved connection is left out: ") + error.what());
+            reporter_.log(LogLevel::warning, std::string("ignored a saved connection: ") + error.what());
         }
 }
 
@@ -142,17 +142,25 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
     return intake;
 }
 
-/// Each once, until something else is to be said. What is refused is tried again and again, since the sender may be
-/// started anew as another one.
+/// Each once, until something else is to be said. A refused connection is tried again and again, since the sender may
+/// be restarted as another one.
 void Wiring::say(const Intake& intake, std::string& said) const
 {
-    const auto refusal = intake.refusal();
-    const auto text = intake.connected() ? "connected"
-                      : refusal          ? std::string("the sender refuses the connection: ") + refusal->what()
-                                         : said;
-    if (text != said)
-        reporter_.log(ends_of(intake.spec()) + ": " + text);
-    said = text;
+    const auto ends = ends_of(intake.spec());
+    const auto line = [&]() -> std::pair<LogLevel, std::string> {
+        if (intake.connected())
+            return {LogLevel::debug, "connected " + ends};
+        if (const auto refusal = intake.refusal())
+            return {LogLevel::warning, "refused " + ends + ": " + refusal->what()};
+        if (!said.starts_with("connected"))
+            return {LogLevel::info, said};
+        if (intake.ended())  // the sender has said that nothing more comes
+            return {LogLevel::debug, "closed " + ends};
+        return {LogLevel::warning, "lost " + ends + "; reconnecting"};
+    }();
+    if (line.second != said)
+        module_.log_about(line.first, intake.spec().sender, line.second);
+    said = line.second;
 }
 
 void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <regex>
 #include <set>
 
@@ -42,6 +43,7 @@ hive_code no_body(void*, hive_body**) { return HIVE_OK; }
 hive_code no_encoding(void*, const hive_event*, const char*, hive_encoded*) { return HIVE_OK; }
 hive_code no_main(void*, std::int64_t*) { return HIVE_OK; }
 void no_log(void*, const char*) {}
+void no_leveled_log(void*, const char*, const char*) {}
 
 #define ON(kind, function, ...)                                                                                        \
     {                                                                                                                  \
@@ -85,6 +87,7 @@ std::map<std::string, Call> calls_of_events(Places& p)
 std::map<std::string, Call> calls_of_drones(Places& p)
 {
     return {ON(hive_drone, hive_drone_on_log, no_log, nullptr),
+            ON(hive_drone, hive_drone_on_leveled_log, no_leveled_log, nullptr),
             ON(hive_drone, hive_drone_name, &p.text),
             ON(hive_drone, hive_drone_given, "x", &p.text, &p.flag),
             ON(hive_drone, hive_drone_parameter, R"({"name": "x", "type": "flag", "default": true})"),
@@ -114,6 +117,7 @@ std::map<std::string, Call> calls_of_drones(Places& p)
             ON(hive_drone, hive_drone_source_events, 1),
             ON(hive_drone, hive_drone_report, HIVE_IO, "text"),
             ON(hive_drone, hive_drone_log, "text"),
+            ON(hive_drone, hive_drone_log_at, "info", "text"),
             ON(hive_drone, hive_drone_stopping, &p.flag),
             ON(hive_drone, hive_drone_status, &p.text, &p.size)};
 }
@@ -254,6 +258,55 @@ TEST_CASE("c: a handle lives until its last reference is released, and none is l
     CHECK(hive_handle_count() == before + 1);
     CHECK(hive_release(body) == HIVE_OK);
     CHECK(hive_handle_count() == before);
+}
+
+namespace {
+
+/// The lines of a log, each with its level if it has one; also from other threads.
+struct LogLines {
+    static void plain(void* self, const char* line) { static_cast<LogLines*>(self)->add(line); }
+    static void leveled(void* self, const char* level, const char* line)
+    {
+        static_cast<LogLines*>(self)->add(std::string(level) + " " + line);
+    }
+    void add(std::string line)
+    {
+        const std::lock_guard lock(mutex);
+        lines.push_back(std::move(line));
+    }
+    std::mutex mutex;
+    std::vector<std::string> lines;
+};
+
+/// What a callback gets of a drone that writes a line at each level and one at none.
+std::vector<std::string> logged(const std::function<hive_code(hive_drone*, LogLines&)>& listen)
+{
+    const Home home;
+    LogLines log;
+    auto* drone = new_drone("probe");
+    REQUIRE(listen(drone, log) == HIVE_OK);
+    CHECK(hive_drone_log(drone, "plain") == HIVE_OK);
+    for (const char* level : {"debug", "info", "warning", "error"})
+        CHECK(hive_drone_log_at(drone, level, "text") == HIVE_OK);
+    for (const char* level : {"loud", "off", static_cast<const char*>(nullptr)})
+        CHECK(hive_drone_log_at(drone, level, "text") == HIVE_INVALID_ARGUMENT);
+    hive_release(drone);
+    return log.lines;
+}
+
+}  // namespace
+
+TEST_CASE("c: a log line has its level for the callback that asks for it, and the other callback gets all lines")
+{
+    using Lines = std::vector<std::string>;
+    CHECK(logged([](auto* drone, auto& log) { return hive_drone_on_leveled_log(drone, LogLines::leveled, &log); })
+          == Lines{"info plain", "debug text", "info text", "warning text", "error text"});
+    CHECK(logged([](auto* drone, auto& log) { return hive_drone_on_log(drone, LogLines::plain, &log); })
+          == Lines{"plain", "text", "text", "text", "text"});
+    CHECK(logged([](auto* drone, auto& log) {
+              hive_drone_on_leveled_log(drone, LogLines::leveled, &log);
+              return hive_drone_on_log(drone, nullptr, nullptr);
+          }).empty());
 }
 
 TEST_CASE("c: the memory of the caller is given back when the last body over it is gone, and not on failure")

@@ -94,6 +94,20 @@ class Declarations(Embedded):
         self.run_embedded(drone)
         self.assertEqual(len(self.swarm.status("probe")["places"]), 2)
 
+    def test_log_lines_of_an_embedded_drone_have_their_level_in_logging(self):
+        drone = hive.Drone("probe", embedded=True)
+        self.run_embedded(drone)
+        with self.assertLogs("hive.probe", "DEBUG") as logs:
+            drone.log("plain")
+            for level in ("debug", "info", "warning", "error"):
+                drone.log("of " + level, level)
+            self.refused("invalid_argument", drone.log, "text", "loud")
+            drone.report("a report")
+        said = [(record.levelname, record.getMessage()) for record in logs.records]
+        for line in (("INFO", "plain"), ("DEBUG", "of debug"), ("INFO", "of info"), ("WARNING", "of warning"),
+                     ("ERROR", "of error"), ("ERROR", "exception: failed: a report")):
+            self.assertIn(line, said)
+
     def test_emitting_on_another_thread_is_refused_and_stop_and_condition_are_not(self):
         drone = hive.Drone("probe", embedded=True)
         output = drone.output("out", "a/b")

@@ -195,6 +195,39 @@ class Programs(World):
         self.swarm.wait("thing", "halted")
         self.assertIn('raise KeyError("missing")', self.log("thing"))
 
+    def test_the_log_has_the_lines_of_its_level_and_above(self):
+        body = """
+            import hive
+            drone = hive.Drone("thing", "Logs.")
+
+            @drone.on_start
+            def start():
+                drone.log("of no level")
+                for level in ("debug", "info", "warning", "error"):
+                    drone.log("of " + level, level)
+
+            @drone.on_event("in", "*/*")
+            def work(event):
+                raise KeyError("missing")
+
+            drone.run()
+            """
+        script = self.script(body)
+        for count, level in enumerate(("off", "error", "warning", "info", "debug")):
+            self.process(sys.executable, "-u", script, "--log-level", level, name=level)
+            self.swarm.put(level, b"")
+            failed = lambda name=level: self.swarm.status(name).get("last_exception")
+            self.assertTrue(eventually(failed))
+            lines = self.log(level).splitlines()
+            own = [line.split(" ", 1)[1] for line in lines if ": of " in line]
+            levels = ("debug", "info", "info", "warning", "error")
+            texts = ("of debug", "of no level", "of info", "of warning", "of error")
+            wanted = {f"{one} {level}: {text}" for one, text in zip(levels, texts)
+                      if ("error", "warning", "info", "debug").index(one) < count}
+            self.assertEqual(set(own), wanted)
+            self.assertEqual('raise KeyError("missing")' in self.log(level), level != "off")
+            self.assertEqual("exception: failed" in self.log(level), level != "off")
+
     def test_a_worker_that_is_killed_loses_nothing_of_shared_work(self):
         source = self.drone("ticker", "source", "pace=demand", "count=60", "bytes=5000")
         workers = [self.thing(name, "--set", "work_ms=5") for name in ("one", "two")]

@@ -32,7 +32,7 @@ extern "C" {
 
 /* Grows when something is added, never for less: what is here stays as it is as long as the library is libhive-c.so.0.
  */
-#define HIVE_ABI_VERSION 3
+#define HIVE_ABI_VERSION 4
 
 /* --- errors --- */
 
@@ -137,6 +137,8 @@ typedef hive_code (*hive_set_callback)(void* user, const hive_event* const* even
 typedef hive_code (*hive_main_callback)(void* user, int64_t* wait_us);
 typedef hive_code (*hive_end_callback)(void* user, const char* text);
 typedef void (*hive_log_callback)(void* user, const char* line);
+/* `level`: "debug", "info", "warning" or "error". */
+typedef void (*hive_leveled_log_callback)(void* user, const char* level, const char* line);
 
 /* A drone inside of a program that is more than a drone: it takes neither signals nor the process's end nor a log.
    `kind` says which program it is ("face"), `summary` what it does, in one sentence.
@@ -154,6 +156,8 @@ HIVE_API hive_code hive_drone_from_arguments(const char* kind, const char* summa
                                              const char* const* argv, hive_drone** drone, int* exit_code);
 /* Takes the lines of the log of a drone made by hive_drone_new(), on any thread, until the drone is released. */
 HIVE_API hive_code hive_drone_on_log(hive_drone* drone, hive_log_callback callback, void* user);
+/* The same with the level of each line, in place of hive_drone_on_log(). */
+HIVE_API hive_code hive_drone_on_leveled_log(hive_drone* drone, hive_leveled_log_callback callback, void* user);
 HIVE_API hive_code hive_drone_name(const hive_drone* drone, char** name);
 
 /* The value that a parameter will begin with: given by --set, or (*remembered) told before a crash, in which
@@ -240,7 +244,10 @@ HIVE_API hive_code hive_drone_condition(hive_drone* drone, const char* text, con
 HIVE_API hive_code hive_drone_source_events(hive_drone* drone, int64_t events);
 /* An exception, without failing. */
 HIVE_API hive_code hive_drone_report(hive_drone* drone, hive_code code, const char* text);
+/* Writes a line to the log, at level "info". */
 HIVE_API hive_code hive_drone_log(hive_drone* drone, const char* text);
+/* The same at another level: "debug", "info", "warning" or "error". */
+HIVE_API hive_code hive_drone_log_at(hive_drone* drone, const char* level, const char* text);
 HIVE_API hive_code hive_drone_stopping(const hive_drone* drone, bool* stopping);
 /* User thread: what an application would be told now, {"state", "events", "outputs", "inputs", ...}. */
 HIVE_API hive_code hive_drone_status(hive_drone* drone, char** json, size_t* length);

@@ -2,6 +2,7 @@
 #include "drone_object.hpp"
 #include "texts.hpp"
 
+#include <algorithm>
 #include <climits>
 
 using namespace hive;
@@ -44,6 +45,14 @@ Reason reason_of(const std::string& word)
         if (token(static_cast<Reason>(i)) == word)
             return static_cast<Reason>(i);
     throw Error(Errc::invalid_argument, in_quotes(word) + " is not one of the reasons why nothing moves");
+}
+
+LogLevel level_of(const std::string& word)
+{
+    const auto* found = std::ranges::find(log_levels, word);
+    if (found == log_levels.end())
+        throw Error(Errc::invalid_argument, in_quotes(word) + " is not a log level: debug, info, warning or error");
+    return static_cast<LogLevel>(found - log_levels.begin());
 }
 
 std::vector<MatchedInput> matched_inputs(const char* text, DroneObject& drone, hive_event_callback check, void* user)
@@ -102,7 +111,20 @@ hive_code hive_drone_from_arguments(const char* kind, const char* summary, const
 
 hive_code hive_drone_on_log(hive_drone* drone, hive_log_callback callback, void* user)
 {
-    return guarded([&] { get<DroneObject>(drone)->log().set(callback, user); });
+    return guarded([&] {
+        const auto write = [callback, user](LogLevel, const char* line) { callback(user, line); };
+        get<DroneObject>(drone)->log().set(callback ? LogSink::Write(write) : LogSink::Write());
+    });
+}
+
+hive_code hive_drone_on_leveled_log(hive_drone* drone, hive_leveled_log_callback callback, void* user)
+{
+    return guarded([&] {
+        const auto write = [callback, user](LogLevel level, const char* line) {
+            callback(user, log_levels.at(static_cast<std::size_t>(level)).data(), line);
+        };
+        get<DroneObject>(drone)->log().set(callback ? LogSink::Write(write) : LogSink::Write());
+    });
 }
 
 hive_code hive_drone_name(const hive_drone* drone, char** name)
@@ -296,6 +318,12 @@ hive_code hive_drone_report(hive_drone* drone, hive_code code, const char* text)
 hive_code hive_drone_log(hive_drone* drone, const char* text)
 {
     return with_drone(drone, [&](Drone& open) { open.log(text_or_empty(text)); });
+}
+
+hive_code hive_drone_log_at(hive_drone* drone, const char* level, const char* text)
+{
+    return with_drone(drone,
+                      [&](Drone& open) { open.log(text_or_empty(text), level_of(text_of(level, "the level"))); });
 }
 
 hive_code hive_drone_stopping(const hive_drone* drone, bool* stopping)

@@ -18,20 +18,19 @@ void end(EmbeddedDrone* drone)
 
 }  // namespace
 
-void LogSink::set(hive_log_callback callback, void* user)
+void LogSink::set(Write write)
 {
     const std::lock_guard lock(mutex_);
-    callback_ = callback;
-    user_ = user;
+    write_ = std::make_shared<Write>(std::move(write));
 }
 
-/// Under the lock, so that nobody is called any more when set() has returned.
-void LogSink::write(const std::string& line)
+/// Under the lock, so that the former callback is not running when set() has returned.
+void LogSink::write(LogLevel level, const std::string& line)
 {
     const std::lock_guard lock(mutex_);
     const LibraryThread here;
-    if (callback_)
-        callback_(user_, line.c_str());
+    if (const auto write = write_; *write)  // it may release the drone, and with it what set() was given
+        (*write)(level, line.c_str());
 }
 
 Json Variable::value() const
@@ -71,7 +70,7 @@ void Variable::take() const
 
 DroneObject::DroneObject(DroneProgram program, EmbeddedOptions options)
 {
-    options.log = [log = log_](const std::string& line) { log->write(line); };
+    options.log = [log = log_](LogLevel level, const std::string& line) { log->write(level, line); };
     drone_.reset(new EmbeddedDrone(std::move(program), std::move(options)), end);
     watch_changes();
 }
@@ -98,7 +97,7 @@ void DroneObject::released()
         const std::lock_guard lock(mutex_);
         last = std::move(drone_);
     }
-    log_->set(nullptr, nullptr);
+    log_->set({});
     try {
         if (inside_)
             last->drone().stop();  // somebody runs it, and ends it after that

@@ -9,6 +9,8 @@
 #include <atomic>
 #include <deque>
 #include <exception>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -17,13 +19,13 @@ namespace hive::c {
 /// Takes the lines of the log; it outlives the drone, whose network side may still write.
 class LogSink {
 public:
-    void set(hive_log_callback callback, void* user);
-    void write(const std::string& line);
+    using Write = std::function<void(LogLevel, const char* line)>;
+    void set(Write write);
+    void write(LogLevel level, const std::string& line);
 
 private:
     std::recursive_mutex mutex_;  ///< a callback may release the drone
-    hive_log_callback callback_ = nullptr;
-    void* user_ = nullptr;
+    std::shared_ptr<const Write> write_ = std::make_shared<Write>();
 };
 
 /// The variable of one parameter: the caller's, or one of our own.

@@ -73,7 +73,8 @@ class Callbacks:
                 drone = weak()
                 if drone is not None:
                     trace = traceback.format_exception(type(error), error, _own(error.__traceback__))
-                    lib.hive_drone_log(drone._handle, encoded("".join(trace).rstrip().replace("\0", "?")))
+                    lines = "".join(trace).rstrip().replace("\0", "?")
+                    lib.hive_drone_log_at(drone._handle, b"error", encoded(lines))
                 text = "".join(traceback.format_exception_only(type(error), error)).strip()
                 return int(lib.hive_fail(code_of("failed"), encoded(text.replace("\0", "?"))))
             except BaseException as leave:  # Ctrl-C or sys.exit() in a callback ends the drone, and then the program

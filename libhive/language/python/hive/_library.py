@@ -13,7 +13,7 @@ from typing import Any, Generator, Optional
 from ._errors import Error
 
 SONAME = "libhive-c.so.0"
-_ABI = 3
+_ABI = 4
 
 
 def _load() -> ctypes.CDLL:
@@ -48,6 +48,7 @@ progress_callback = ctypes.CFUNCTYPE(
 )
 told_callback = end_callback
 log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
+leveled_log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_char_p)
 
 # One letter for each argument. Results: a code unless there is a second word.
 _TYPES: dict[str, Any] = {
@@ -69,6 +70,7 @@ _TYPES: dict[str, Any] = {
     "S": set_callback,
     "M": main_callback,
     "L": log_callback,
+    "V": leveled_log_callback,
     "E": end_callback,
     "G": body_callback,
     "C": encode_callback,
@@ -79,12 +81,12 @@ error_code - c|error_text - s|error_advice - s|fail cs c|code_token c s|code_sen
 code_exit_code c i|version - s|abi_version - i|protocol_version - i|default_home P|retain h|release h|handle_count - n
 free h -|event_info hPN|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
 body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP|drone_new sssP|drone_from_arguments sssiAPI
-drone_on_log hLh|drone_name hP|drone_given hsPB|drone_parameter hs|drone_integer hsIss|drone_number hsDss
+drone_on_log hLh|drone_on_leveled_log hVh|drone_name hP|drone_given hsPB|drone_parameter hs|drone_integer hsIss|drone_number hsDss
 drone_flag hsBss|drone_text hsAss|drone_values hPN|drone_assign hs|drone_output hsssP|drone_encoded_output hssssChP
 encoded_give hsnh|drone_on_event hsssFh|drone_on_matched hssSFhP|matching_rule hs|drone_on_change hfh
 drone_on_start hfh|drone_on_end hEh|drone_main hMh|drone_describe hPN|drone_run h|drone_start h|drone_step hlB
 drone_end h|drone_wake h|drone_stop h|drone_condition hss|drone_source_events hl|drone_report hcs|drone_log hs
-drone_stopping hB|drone_status hPN|output_wanted hB|output_received hB|output_asked hB|output_loan hnP
+drone_log_at hss|drone_stopping hB|drone_status hPN|output_wanted hB|output_received hB|output_asked hB|output_loan hnP
 output_emit hsnhns|output_emit_body hsnhs|output_emit_made hsnGhs|output_emit_captured hlbsnhs
 output_emit_captured_made hlbsnGhs|output_fail hlbcs|output_repeat hh|output_end hs|output_begin_source h
 application_new sP|application_close h|application_name hP|application_timeout hl|application_drones hPN

@@ -74,11 +74,11 @@ class Drone(Callbacks):
 
         self._handle = ask_handle(lib.hive_drone_new, encoded(kind), encoded(summary), as_json(options))
         logger = logging.getLogger("hive." + self.name)
-        self._call(
-            lib.hive_drone_on_log,
-            _library.log_callback(lambda _, line: logger.info("%s", _library.text_of(line))),
-            None,
-        )
+
+        def write(_: Any, level: bytes, line: bytes) -> None:
+            logger.log(getattr(logging, level.decode().upper()), "%s", _library.text_of(line))
+
+        self._call(lib.hive_drone_on_leveled_log, _library.leveled_log_callback(write), None)
 
     def _open_program(self, kind: str, summary: str, stateful: bool, arguments: Sequence[str]) -> None:
         words = [os.fsencode(word) for word in ["hive-" + kind, *arguments]]
@@ -344,9 +344,12 @@ class Drone(Callbacks):
         """Reports an exception without raising one.  From any thread."""
         lib.hive_drone_report(self._handle, code_of(code), encoded(text))
 
-    def log(self, text: str) -> None:
-        """Writes a line to the drone's log.  From any thread."""
-        lib.hive_drone_log(self._handle, encoded(text))
+    def log(self, text: str, level: str = "info") -> None:
+        """Writes a line to the drone's log, unless its --log-level is above this one.  From any thread.
+
+        :param level: "debug", "info", "warning" or "error"
+        """
+        lib.hive_drone_log_at(self._handle, encoded(level), encoded(text))
 
     @property
     def stopping(self) -> bool:

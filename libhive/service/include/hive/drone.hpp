@@ -5,6 +5,7 @@
 #include <hive/error.hpp>
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
+#include <hive/log_level.hpp>
 #include <hive/match.hpp>
 #include <hive/status.hpp>
 #include <hive/transfer.hpp>
@@ -191,17 +192,17 @@ public:
     /// the drone was told is forgotten. For a drone whose world has ended. From any thread, from on_start on; before it
     /// Errc::invalid_argument is thrown.
     void stop();
-    /// Says what state the drone's world is in, shown by `ps`: "stalled", "end of source"; empty: all is well. From any
-    /// thread.
-    void condition(const std::string& text, Reason why = Reason::none);
+    /// Sets the state of the drone's world, shown by `ps` and logged: "stalled", "end of source"; empty: all is well.
+    /// From any thread.
+    void condition(const std::string& text, Reason why = Reason::none, LogLevel level = LogLevel::info);
     /// Says how many events the present source has in all, from its first to its end, so that others can tell how far
     /// it is; 0: unknown, or without end. From any thread.
     void source_events(std::int64_t events);
     /// Reports an exception without throwing: it reaches subscribed applications and stays in the status. From any
     /// thread.
     void report(Errc code, const std::string& text);
-    /// One line in the drone's log. From any thread.
-    void log(const std::string& text);
+    /// Writes a line to the drone's log, unless its --log-level is above `level`. From any thread.
+    void log(const std::string& text, LogLevel level = LogLevel::info);
     /// What an application would be told now (SPEC.md, section 6.4); after run(), how it was at the end.
     [[nodiscard]] Status status() const;
     /// True when the drone should end; for loops in threads of the author's own. From any thread.

@@ -30,7 +30,7 @@ struct EmbeddedOptions {
     bool halted = false;                      ///< from the start
     bool signals = false;                     ///< SIGINT and SIGTERM end the drone
     bool ends_process = false;  ///< told to stop, but its code does not return within two seconds: the process ends
-    std::function<void(const std::string&)> log{};  ///< takes the lines of the log, on any thread; empty: nobody does
+    Log log{};                  ///< gets the log lines of all levels, on any thread; empty: there is no log
 };
 
 /// Declare with drone(), then either run(), or start(), step() as often as wanted, and end(). All functions are for

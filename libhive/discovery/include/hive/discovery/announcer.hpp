@@ -2,9 +2,9 @@
 #pragma once
 
 #include <hive/discovery/announcement.hpp>
+#include <hive/log_level.hpp>
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 
 namespace hive::discovery {
@@ -19,8 +19,8 @@ public:
         std::string drone, kind;
         std::int64_t epoch = 0;
         Spot spot;
-        std::filesystem::path key;                    ///< the file
-        std::function<void(const std::string&)> log;  ///< any thread, until the end of the Announcer
+        std::filesystem::path key;  ///< the file
+        Log log;                    ///< any thread, until the end of the Announcer
     };
 
     explicit Announcer(Plan plan);

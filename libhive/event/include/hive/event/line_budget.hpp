@@ -1,23 +1,26 @@
-// How many lines of the log anybody else may cause.
+// Limits the log lines that peers cause.
 #pragma once
 
 #include <hive/event/clock.hpp>
+#include <hive/log_level.hpp>
 
 #include <cstdint>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace hive::event {
 
-/// Ten lines a second for each peer; what is left out is counted. Any thread.
+/// At most ten lines per second, peer and level, so that no line keeps back one of another level; counts the rest. Any
+/// thread.
 class LineBudget {
 public:
     static constexpr int most_lines = 10;
 
-    /// May a line about this peer be written now? If so, how many were left out before it.
-    std::optional<std::int64_t> ask(const std::string& peer, Clock::time_point now);
+    /// If a line of this level about this peer may be written now: how many were left out before it.
+    std::optional<std::int64_t> ask(LogLevel level, const std::string& peer, Clock::time_point now);
 
 private:
     struct Second {
@@ -28,7 +31,7 @@ private:
     void forget_old(Clock::time_point now);
 
     std::mutex mutex_;
-    std::map<std::string, Second> seconds_;
+    std::map<std::pair<LogLevel, std::string>, Second> seconds_;
 };
 
 /// " (and 3 lines before it, left out)"; empty for none.

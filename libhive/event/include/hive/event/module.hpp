@@ -11,6 +11,7 @@
 #include <hive/event/loop.hpp>
 #include <hive/event/mailbox.hpp>
 #include <hive/event/outlet.hpp>
+#include <hive/log_level.hpp>
 
 #include <asio/signal_set.hpp>
 #include <asio/steady_timer.hpp>
@@ -53,7 +54,7 @@ public:
         std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: it is plain, and every peer is a member
         std::size_t most_dialed = 0;  ///< more are kept only as long as all have something to do; 0: no matter how many
         std::size_t most_dialing = 0;  ///< at once, but for those that take long; others wait; 0: no matter how many
-        std::function<void(const std::string&)> log = [](const std::string&) {};  ///< any thread
+        Log log = [](LogLevel, const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
     using IntakeHost::OnLink;
@@ -87,9 +88,9 @@ public:
     /// Where bodies are made that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
-    void log(const std::string& text) const { options_.log(text); }
-    /// What a peer causes, who could cause it again and again.
-    void log_about(const std::string& peer, const std::string& text);
+    void log(LogLevel level, const std::string& text) const { options_.log(level, text); }
+    /// A line that a peer causes: limited, since it could cause the same again and again.
+    void log_about(LogLevel level, const std::string& peer, const std::string& text);
     /// While halted, intakes ask for nothing and mailboxes give commands only.
     void halt(bool halted);
     /// The user thread, once nothing is begun any more: waits a moment until what was emitted is acknowledged.
@@ -165,6 +166,7 @@ private:
     void expire_asked(Link& link, Clock::time_point now);
     void come_through_the_socket(const std::string& peer);
     void on_closed(Link& link, const Error& reason);
+    void log_end(Link& link, const Error& reason, Fate fate);
     void demand_changed();
     void tick();
     void expire_dialing(Clock::time_point now);
