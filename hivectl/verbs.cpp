@@ -7,7 +7,7 @@ namespace hivectl {
 
 std::vector<Verb> verbs()
 {
-#define HIVECTL_CALL(name) name##_verb(),
+#define HIVECTL_CALL(name) name##_verb::verb(),
     return {HIVECTL_VERBS(HIVECTL_CALL)};
 #undef HIVECTL_CALL
 }

@@ -1,4 +1,4 @@
-// The list of verbs. A new one is its file under commands/ and one line here.
+// The list of verbs. A new one is its file under commands/, with a namespace of its own, and one line here.
 #pragma once
 
 #include "verb.hpp"
@@ -45,7 +45,8 @@
 
 namespace hivectl {
 
-#define HIVECTL_DECLARE(name) Verb name##_verb();
+#define HIVECTL_DECLARE(name)                                                                                          \
+    namespace name##_verb { Verb verb(); }
 HIVECTL_VERBS(HIVECTL_DECLARE)
 #undef HIVECTL_DECLARE
 

@@ -7,7 +7,7 @@
 #include "../table.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::check_verb {
 namespace {
 
 void print(const std::string& file, const hive::SwarmReading& reading)
@@ -49,7 +49,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb check_verb()
+Verb verb()
 {
     return {.name = "check",
             .group = "a swarm from a file",
@@ -66,4 +66,4 @@ Verb check_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::check_verb

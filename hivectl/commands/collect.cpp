@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace hivectl {
+namespace hivectl::collect_verb {
 namespace {
 
 struct Options {
@@ -115,7 +115,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb collect_verb()
+Verb verb()
 {
     return {.name = "collect",
             .group = "look",
@@ -134,4 +134,4 @@ Verb collect_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::collect_verb

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace hivectl {
+namespace hivectl::complete_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -127,7 +127,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb complete_verb()
+Verb verb()
 {
     return {.name = "complete",
             .usage = "-- WORD...",
@@ -136,4 +136,4 @@ Verb complete_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::complete_verb

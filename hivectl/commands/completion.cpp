@@ -6,7 +6,7 @@
 #include "../table.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::completion_verb {
 namespace {
 
 // All three only ask `hivectl complete` for the words that fit; nothing about verbs is known here.
@@ -60,7 +60,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb completion_verb()
+Verb verb()
 {
     return {.name = "completion",
             .group = "shell",
@@ -71,4 +71,4 @@ Verb completion_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::completion_verb

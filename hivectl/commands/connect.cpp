@@ -7,7 +7,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::connect_verb {
 namespace {
 
 struct Options {
@@ -105,7 +105,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb connect_verb()
+Verb verb()
 {
     return {.name = "connect",
             .group = "wire them",
@@ -122,4 +122,4 @@ Verb connect_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::connect_verb

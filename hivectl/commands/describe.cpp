@@ -7,7 +7,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::describe_verb {
 namespace {
 
 std::vector<Row> port_rows(const std::vector<hive::Port>& ports)
@@ -91,7 +91,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb describe_verb()
+Verb verb()
 {
     return {.name = "describe",
             .group = "run drones",
@@ -105,4 +105,4 @@ Verb describe_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::describe_verb

@@ -17,7 +17,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace hivectl {
+namespace hivectl::devices_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,7 +101,7 @@ Run declare(CommandLine& /*line*/, Session& session)
 
 }  // namespace
 
-Verb devices_verb()
+Verb verb()
 {
     return {.name = "devices",
             .group = "run drones",
@@ -114,4 +114,4 @@ Verb devices_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::devices_verb

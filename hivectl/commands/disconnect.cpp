@@ -7,7 +7,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::disconnect_verb {
 namespace {
 
 struct Options {
@@ -44,7 +44,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb disconnect_verb()
+Verb verb()
 {
     return {.name = "disconnect",
             .group = "wire them",
@@ -58,4 +58,4 @@ Verb disconnect_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::disconnect_verb

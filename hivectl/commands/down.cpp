@@ -11,7 +11,7 @@
 
 #include <hive/swarm.hpp>
 
-namespace hivectl {
+namespace hivectl::down_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -61,7 +61,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb down_verb()
+Verb verb()
 {
     return {.name = "down",
             .group = "a swarm from a file",
@@ -77,4 +77,4 @@ Verb down_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::down_verb

@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-namespace hivectl {
+namespace hivectl::edges_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -105,7 +105,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb edges_verb()
+Verb verb()
 {
     return {
         .name = "edges",
@@ -147,4 +147,4 @@ Verb edges_verb()
         .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::edges_verb

@@ -10,7 +10,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::exceptions_verb {
 namespace {
 
 struct Options {
@@ -121,7 +121,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb exceptions_verb()
+Verb verb()
 {
     return {
         .name = "exceptions",
@@ -139,4 +139,4 @@ Verb exceptions_verb()
         .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::exceptions_verb

@@ -15,7 +15,7 @@
 #include <cstring>
 #include <fstream>
 
-namespace hivectl {
+namespace hivectl::export_verb {
 namespace {
 
 struct Options {
@@ -130,7 +130,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb export_verb()
+Verb verb()
 {
     return {.name = "export",
             .group = "a swarm from a file",
@@ -150,4 +150,4 @@ Verb export_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::export_verb

@@ -8,7 +8,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::get_verb {
 namespace {
 
 struct Options {
@@ -57,7 +57,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb get_verb()
+Verb verb()
 {
     return {.name = "get",
             .group = "configure them",
@@ -73,4 +73,4 @@ Verb get_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::get_verb

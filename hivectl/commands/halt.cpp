@@ -2,9 +2,9 @@
 #include "../each_drone.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::halt_verb {
 
-Verb halt_verb()
+Verb verb()
 {
     return {.name = "halt",
             .group = "when something goes wrong",
@@ -21,4 +21,4 @@ Verb halt_verb()
             }};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::halt_verb

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <chrono>
 
-namespace hivectl {
+namespace hivectl::key_verb {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,7 +160,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb key_verb()
+Verb verb()
 {
     return {.name = "key",
             .group = "on several machines",
@@ -179,4 +179,4 @@ Verb key_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::key_verb

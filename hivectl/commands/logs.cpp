@@ -17,7 +17,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace hivectl {
+namespace hivectl::logs_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -127,7 +127,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb logs_verb()
+Verb verb()
 {
     return {.name = "logs",
             .group = "run drones",
@@ -141,4 +141,4 @@ Verb logs_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::logs_verb

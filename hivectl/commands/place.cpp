@@ -13,7 +13,7 @@
 
 #include <algorithm>
 
-namespace hivectl {
+namespace hivectl::place_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -149,7 +149,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb place_verb()
+Verb verb()
 {
     return {.name = "place",
             .group = "run drones",
@@ -166,4 +166,4 @@ Verb place_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::place_verb

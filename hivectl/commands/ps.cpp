@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hivectl {
+namespace hivectl::ps_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -156,7 +156,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb ps_verb()
+Verb verb()
 {
     return {
         .name = "ps",
@@ -180,4 +180,4 @@ Verb ps_verb()
         .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::ps_verb

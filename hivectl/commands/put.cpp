@@ -9,7 +9,7 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::put_verb {
 namespace {
 
 constexpr std::size_t most_bytes = 1024ull * 1024 * 1024;  // no drone takes more, whatever its operator allows
@@ -64,7 +64,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb put_verb()
+Verb verb()
 {
     return {.name = "put",
             .group = "look",
@@ -78,4 +78,4 @@ Verb put_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::put_verb

@@ -17,7 +17,7 @@
 
 #include <csignal>
 
-namespace hivectl {
+namespace hivectl::record_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -217,7 +217,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb record_verb()
+Verb verb()
 {
     return {.name = "record",
             .group = "keep",
@@ -236,4 +236,4 @@ Verb record_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::record_verb

@@ -12,7 +12,7 @@
 #include <hive/remote.hpp>
 #include <hive/replace.hpp>
 
-namespace hivectl {
+namespace hivectl::replace_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -111,7 +111,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb replace_verb()
+Verb verb()
 {
     return {.name = "replace",
             .group = "run drones",
@@ -137,4 +137,4 @@ Verb replace_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::replace_verb

@@ -12,7 +12,7 @@
 
 #include <filesystem>
 
-namespace hivectl {
+namespace hivectl::replay_verb {
 namespace {
 
 struct Options {
@@ -133,7 +133,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb replay_verb()
+Verb verb()
 {
     return {.name = "replay",
             .group = "keep",
@@ -152,4 +152,4 @@ Verb replay_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::replay_verb

@@ -14,7 +14,7 @@
 
 #include <algorithm>
 
-namespace hivectl {
+namespace hivectl::results_verb {
 namespace {
 
 struct Options {
@@ -136,7 +136,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb results_verb()
+Verb verb()
 {
     return {.name = "results",
             .group = "look",
@@ -155,4 +155,4 @@ Verb results_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::results_verb

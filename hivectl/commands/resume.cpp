@@ -2,9 +2,9 @@
 #include "../each_drone.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::resume_verb {
 
-Verb resume_verb()
+Verb verb()
 {
     return {.name = "resume",
             .group = "when something goes wrong",
@@ -21,4 +21,4 @@ Verb resume_verb()
             }};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::resume_verb

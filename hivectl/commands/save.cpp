@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <sys/wait.h>
 
-namespace hivectl {
+namespace hivectl::save_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -186,7 +186,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb save_verb()
+Verb verb()
 {
     return {.name = "save",
             .group = "keep",
@@ -203,4 +203,4 @@ Verb save_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::save_verb

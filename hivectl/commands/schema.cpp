@@ -7,7 +7,7 @@
 
 #include <hive/swarm_plan.hpp>
 
-namespace hivectl {
+namespace hivectl::schema_verb {
 namespace {
 
 Run declare(CommandLine&, Session&)
@@ -20,7 +20,7 @@ Run declare(CommandLine&, Session&)
 
 }  // namespace
 
-Verb schema_verb()
+Verb verb()
 {
     return {.name = "schema",
             .group = "a swarm from a file",
@@ -34,4 +34,4 @@ Verb schema_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::schema_verb

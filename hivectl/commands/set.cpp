@@ -15,7 +15,7 @@
 
 #include <set>
 
-namespace hivectl {
+namespace hivectl::set_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -99,7 +99,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb set_verb()
+Verb verb()
 {
     return {
         .name = "set",
@@ -122,4 +122,4 @@ Verb set_verb()
         .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::set_verb

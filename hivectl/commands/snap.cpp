@@ -13,7 +13,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace hivectl {
+namespace hivectl::snap_verb {
 namespace {
 
 struct Options {
@@ -118,7 +118,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb snap_verb()
+Verb verb()
 {
     return {.name = "snap",
             .group = "look",
@@ -133,4 +133,4 @@ Verb snap_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::snap_verb

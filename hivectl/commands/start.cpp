@@ -8,7 +8,7 @@
 
 #include <hive/program.hpp>
 
-namespace hivectl {
+namespace hivectl::start_verb {
 namespace {
 
 struct Options {
@@ -124,7 +124,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb start_verb()
+Verb verb()
 {
     return {.name = "start",
             .group = "run drones",
@@ -145,4 +145,4 @@ Verb start_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::start_verb

@@ -11,7 +11,7 @@
 
 #include <hive/name.hpp>
 
-namespace hivectl {
+namespace hivectl::stop_verb {
 namespace {
 
 struct Options {
@@ -128,7 +128,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb stop_verb()
+Verb verb()
 {
     return {.name = "stop",
             .group = "run drones",
@@ -145,4 +145,4 @@ Verb stop_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::stop_verb

@@ -7,7 +7,7 @@
 #include "../session.hpp"
 #include "../verbs.hpp"
 
-namespace hivectl {
+namespace hivectl::top_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -67,7 +67,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb top_verb()
+Verb verb()
 {
     return {.name = "top",
             .group = "look",
@@ -86,4 +86,4 @@ Verb top_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::top_verb

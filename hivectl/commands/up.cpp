@@ -10,7 +10,7 @@
 
 #include <hive/swarm.hpp>
 
-namespace hivectl {
+namespace hivectl::up_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -79,7 +79,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb up_verb()
+Verb verb()
 {
     return {.name = "up",
             .group = "a swarm from a file",
@@ -98,4 +98,4 @@ Verb up_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::up_verb

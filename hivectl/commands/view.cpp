@@ -15,7 +15,7 @@
 #include <sys/random.h>
 #include <sys/wait.h>
 
-namespace hivectl {
+namespace hivectl::view_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -160,7 +160,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb view_verb()
+Verb verb()
 {
     return {.name = "view",
             .group = "look",
@@ -176,4 +176,4 @@ Verb view_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::view_verb

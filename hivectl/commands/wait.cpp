@@ -14,7 +14,7 @@
 
 #include <algorithm>
 
-namespace hivectl {
+namespace hivectl::wait_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -87,7 +87,7 @@ Run declare(CommandLine& line, Session& session)
 
 }  // namespace
 
-Verb wait_verb()
+Verb verb()
 {
     return {.name = "wait",
             .group = "run drones",
@@ -101,4 +101,4 @@ Verb wait_verb()
             .declare = declare};
 }
 
-}  // namespace hivectl
+}  // namespace hivectl::wait_verb
