@@ -1,6 +1,8 @@
 // Addresses that are free, taken, stale, dead or forbidden.
 #include "transport_world.hpp"
 
+#include <possible.hpp>
+
 #include <fcntl.h>
 #include <fstream>
 #include <netinet/in.h>
@@ -219,12 +221,10 @@ TEST_CASE("place: a path that is too long, a folder that is missing and an unkno
     CHECK(text.find("folder") != std::string::npos);
 }
 
-TEST_CASE("place: a peer of another user is closed by the listener and refused by the dialer")
+TEST_CASE("place: a peer of another user is closed by the listener and refused by the dialer (needs root)")
 {
-    if (::geteuid() != 0) {
-        MESSAGE("skipped: needs root to become another user");
+    if (!hive::test::possible(::geteuid() == 0 ? "" : "root, to become another user"))
         return;
-    }
     Folder folder;
     Loop loop;
     int welcomed = 0;

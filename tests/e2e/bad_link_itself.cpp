@@ -2,7 +2,8 @@
 #include "bad_link.hpp"
 #include "lab.hpp"
 #include "network_space.hpp"
-#include "possible.hpp"
+
+#include <possible.hpp>
 
 #include <algorithm>
 #include <cstring>

@@ -3,8 +3,9 @@
 #include "bad_pair.hpp"
 #include "lab.hpp"
 #include "measure.hpp"
-#include "possible.hpp"
 #include "switched_off.hpp"
+
+#include <possible.hpp>
 
 #include <cstdlib>
 #include <functional>

@@ -2,11 +2,11 @@
 // there. What this machine does not have (systemd, a container engine, a cluster of Kubernetes) is stood in for.
 #include "engine_lab.hpp"
 #include "free_port.hpp"
-#include "possible.hpp"
 #include "reader.hpp"
 #include "slurm_lab.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <fstream>
 #include <sstream>

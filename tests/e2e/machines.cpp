@@ -2,11 +2,11 @@
 // is needed, and iproute2 and openssh-server; where that is not to be had, the tests say so and end.
 #include "delay_relay.hpp"
 #include "lab.hpp"
-#include "possible.hpp"
 #include "reader.hpp"
 #include "rows.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <csignal>
 #include <set>

@@ -1,9 +1,9 @@
 // Drones that are found by what they announce on the local network, with the real daemons: namespaces on a bridge, each
 // with a system bus and an Avahi daemon. Where that is not to be had, the tests say so and end.
 #include "lan.hpp"
-#include "possible.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <csignal>

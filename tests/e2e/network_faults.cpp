@@ -1,9 +1,9 @@
 // Networks that fail in the middle of work, and come back. Slow, since each failure has to be noticed first.
 #include "bad_link.hpp"
 #include "lab.hpp"
-#include "possible.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <functional>

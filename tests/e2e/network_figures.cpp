@@ -1,7 +1,8 @@
 // How long whole commands take in a swarm of several machines.
 #include "lab.hpp"
 #include "measure.hpp"
-#include "possible.hpp"
+
+#include <possible.hpp>
 
 #include <algorithm>
 #include <array>

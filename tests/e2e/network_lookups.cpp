@@ -1,7 +1,8 @@
 // Host names across machines when the server that knows them is silent, and when a name moves.
 #include "bad_link.hpp"
 #include "lab.hpp"
-#include "possible.hpp"
+
+#include <possible.hpp>
 
 #include <algorithm>
 #include <csignal>

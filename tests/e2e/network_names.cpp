@@ -1,7 +1,8 @@
 // Names across machines when what they stand on fails: the machine that has one, or its clock.
 #include "lab.hpp"
-#include "possible.hpp"
 #include "wall_clock.hpp"
+
+#include <possible.hpp>
 
 #include <csignal>
 #include <cstdlib>

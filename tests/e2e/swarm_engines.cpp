@@ -1,9 +1,9 @@
 // The ready-made swarms, written for each engine and run by a stand-in for it: the command lines alone, in any order,
 // each killed once, and all started again after a reboot, make the swarm that `hivectl up` makes.
 #include "engine_lab.hpp"
-#include "possible.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <random>

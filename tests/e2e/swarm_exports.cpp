@@ -5,6 +5,7 @@
 #include <hive/swarm_export.hpp>
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <fstream>
 #include <map>
@@ -72,10 +73,8 @@ void check_form(const std::string& form, const std::string& validator,
                 const std::function<std::string(const std::vector<Paths>&)>& command)
 {
     const Swarm swarm;
-    if (swarm.run({"/bin/bash", "-c", "command -v " + validator}).exit_code != 0) {
-        MESSAGE("skipped: " << validator << " is not installed");
+    if (!possible(swarm.run({"/bin/bash", "-c", "command -v " + validator}).exit_code == 0 ? "" : validator))
         return;
-    }
     std::vector<Paths> paths;
     for (const auto& plan : plans(form))
         paths.push_back(written(swarm, plan, form));

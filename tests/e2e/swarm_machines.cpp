@@ -1,9 +1,9 @@
 // Whole swarms over several machines that ssh reaches: network namespaces, each with an sshd of its own. Root is
 // needed, and iproute2 and openssh-server; where that is not to be had, the tests say so and end.
-#include "possible.hpp"
 #include "swarm_lab.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <random>

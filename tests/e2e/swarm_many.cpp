@@ -1,6 +1,5 @@
 // Swarms of many drones: over four machines, and by a hivectl that may not have a descriptor for each.
 // HIVE_TEST_DRONES=1000 has as many as a swarm can have; the figures of one machine are from scripts/measure-many.
-#include "possible.hpp"
 #include "swarm_lab.hpp"
 
 #include <mute_server.hpp>
@@ -8,6 +7,7 @@
 #include <hive/event/module.hpp>
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // The ready-made swarm shared-face, as a lab has it: a camera and four workers on three machines.
-#include "possible.hpp"
 #include "swarm_lab.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <csignal>

@@ -1,10 +1,10 @@
 // Whole swarms as steps of a Slurm allocation, on a cluster of three nodes on this machine. Where that is not to be
 // had, the tests say so and end.
 #include "free_port.hpp"
-#include "possible.hpp"
 #include "slurm_lab.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <csignal>

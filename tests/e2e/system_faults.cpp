@@ -2,11 +2,11 @@
 // watched for a while.
 #include "free_port.hpp"
 #include "measure.hpp"
-#include "possible.hpp"
 #include "status_sums.hpp"
 #include "wall_clock.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <cmath>
 #include <fstream>

@@ -3,6 +3,7 @@
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <cmath>
 #include <fstream>
@@ -243,7 +244,7 @@ TEST_CASE("swarm scripts: a second run goes on with the drones that run, and a d
 TEST_CASE("three swarms: each has its own rate, and stopping one changes those of gesture and track, and how soon face "
           "has its next picture, by less than 2 %")
 {
-    if (sanitized())
+    if (!possible(missing_if_sanitized()))
         return;  // a measurement
     ThreeSwarms swarms({"fps=30"});
     double fps = 0;
@@ -251,10 +252,8 @@ TEST_CASE("three swarms: each has its own rate, and stopping one changes those o
         swarms.rate(fps = tried);
         return swarms.have_room(tried);
     };
-    if (!room(30) && !room(15) && !room(8)) {
-        MESSAGE("this machine has no room for three swarms now: how their rates change is not measured");
+    if (!possible(room(30) || room(15) || room(8) ? "" : "free processors for three swarms at 8 fps"))
         return;
-    }
     const auto all = swarms.watch();
     if (static_cast<double>(all.at("face").size()) > 0.8 * static_cast<double>(all.at("track").size()))
         swarms.slow_down_face();  // so that it has a rate of its own
@@ -297,7 +296,7 @@ TEST_CASE("three swarms: each has its own rate, and stopping one changes those o
 
 TEST_CASE("three swarms: of a source on demand the slowest sets the rate of all, so there stopping it is seen")
 {
-    if (sanitized())
+    if (!possible(missing_if_sanitized()))
         return;  // a measurement
     ThreeSwarms swarms({"pace=demand"});
     std::map<std::string, std::vector<double>> ratios;

@@ -1,5 +1,5 @@
 // The drone contract: what every drone binary promises, whatever it does.
-#include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include "subject.hpp"
 
@@ -9,5 +9,5 @@ int main(int argc, char** argv)
 {
     if (argc > 2 && std::string_view(argv[1]) == "--without-sockets")
         return subject::run_without_sockets(argv + 2);
-    return doctest::Context(argc, argv).run();
+    return hive::test::run_cases(argc, argv);
 }

@@ -204,7 +204,7 @@ TEST_CASE("foreground: a method that nobody knows is refused")
     CHECK_THROWS_AS(static_cast<void>(finder.find(Clip().picture(0))), std::invalid_argument);
 }
 
-TEST_CASE("foreground: on the clip of two blobs the mask is the true one")
+TEST_CASE("foreground: on the clip of two blobs the mask is the true one (needs media)")
 {
     const auto clip = media::shared("media/bgs_two_blobs_brick.mp4"),
                truth = media::shared("media/bgs_two_blobs_brick_mask.avi");

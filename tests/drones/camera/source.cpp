@@ -285,7 +285,7 @@ TEST_CASE("source: a clip that is shorter than it says tells how much there is, 
     CHECK(whole->cut_short().empty());
 }
 
-TEST_CASE("source: the media's videos and the GIF have as many pictures as they should")
+TEST_CASE("source: the media's videos and the GIF have as many pictures as they should (needs media)")
 {
     struct Case {
         const char* name;

@@ -142,7 +142,8 @@ TEST_CASE("people finder: on drawn walkers it finds the windows of a plain OpenC
     CHECK(found >= all - 1);
 }
 
-TEST_CASE("people finder: on filmed walkers it finds the windows of a plain OpenCV program, and most of the walkers")
+TEST_CASE("people finder: on filmed walkers it finds the windows of a plain OpenCV program, and most of the walkers "
+          "(needs media)")
 {
     const auto video = media::shared("media/pedestrians_0001-0400.avi");
     if (!video)

@@ -4,6 +4,7 @@
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <people_finder.hpp>
 
@@ -19,10 +20,8 @@ TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture
           "class finds")
 {
     const auto video = shared_data("media/pedestrians_0001-0400.avi");
-    if (!video) {
-        MESSAGE("skipped: there is no video beside the source tree");
+    if (!possible(video ? "" : "the videos in the folder that HIVE_SHARED names"))
         return;
-    }
     constexpr int pictures = sanitized() ? 2 : 6;
     cv::setNumThreads(1);
     const Swarm swarm;

@@ -39,7 +39,7 @@ FaceFinder loaded_finder()
 
 }  // namespace
 
-TEST_CASE("face finder: on the photographs it gives the boxes of a plain OpenCV program")
+TEST_CASE("face finder: on the photographs it gives the boxes of a plain OpenCV program (needs media)")
 {
     FaceFinder finder = loaded_finder();
     for (const auto& path : media::pictures({".jpg", ".png"})) {
@@ -49,7 +49,7 @@ TEST_CASE("face finder: on the photographs it gives the boxes of a plain OpenCV 
     }
 }
 
-TEST_CASE("face finder: with other parameters it still gives the boxes of a plain OpenCV program")
+TEST_CASE("face finder: with other parameters it still gives the boxes of a plain OpenCV program (needs media)")
 {
     FaceFinder finder = loaded_finder();
     finder.scale = 1.25;
@@ -62,7 +62,7 @@ TEST_CASE("face finder: with other parameters it still gives the boxes of a plai
         }
 }
 
-TEST_CASE("face finder: the known faces of the photographs are found")
+TEST_CASE("face finder: the known faces of the photographs are found (needs media)")
 {
     struct Case {
         const char* name;
@@ -81,7 +81,7 @@ TEST_CASE("face finder: the known faces of the photographs are found")
         }
 }
 
-TEST_CASE("face finder: 13 of the 18 faces of the group pictures are found, and no other")
+TEST_CASE("face finder: 13 of the 18 faces of the group pictures are found, and no other (needs media)")
 {
     using Boxes = std::vector<cv::Rect2d>;
     const std::map<std::string, Boxes> groups{
@@ -112,7 +112,8 @@ TEST_CASE("face finder: 13 of the 18 faces of the group pictures are found, and 
     CHECK(score.false_alarms == 0);
 }
 
-TEST_CASE("face finder: the face over the wall is found in every picture, where a plain OpenCV program finds it")
+TEST_CASE("face finder: the face over the wall is found in every picture, where a plain OpenCV program finds it (needs "
+          "media)")
 {
     const auto video = media::shared("media/face_over_brick.mp4");
     if (!video)
@@ -134,7 +135,7 @@ TEST_CASE("face finder: the face over the wall is found in every picture, where 
     CHECK(score.false_alarms == 0);
 }
 
-TEST_CASE("face finder: a largest size leaves out what is larger, and the picture is not changed")
+TEST_CASE("face finder: a largest size leaves out what is larger, and the picture is not changed (needs media)")
 {
     const auto path = media::shared("media/astronaut.png");
     if (!path)

@@ -3,6 +3,7 @@
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -57,10 +58,8 @@ std::vector<std::filesystem::path> photographs(const std::filesystem::path& fold
 TEST_CASE("photographs: the face drone at its defaults finds in each exactly the boxes of a plain OpenCV program")
 {
     const auto media = shared_data("media");
-    if (!media) {
-        MESSAGE("skipped: there are no photographs beside the source tree");
+    if (!possible(media ? "" : "the photographs in the folder that HIVE_SHARED names"))
         return;
-    }
     cv::setNumThreads(1);
     const auto files = photographs(*media);
     const Swarm swarm;

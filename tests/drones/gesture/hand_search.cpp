@@ -1,5 +1,6 @@
 // The search for hands: beside a face, by a region, and by the usual colours; drawn ones, and photographs.
 #include <doctest/doctest.h>
+#include <possible.hpp>
 #include <drawn_face.hpp>
 #include <drawn_hand.hpp>
 #include <hand_search.hpp>
@@ -169,13 +170,11 @@ TEST_CASE("hand search: a cascade that is not there, or is none, is refused in a
     CHECK_NOTHROW(search.load_faces(""));
 }
 
-TEST_CASE("hand search: of the photographs half are read right, where none were by their silhouettes")
+TEST_CASE("hand search: of the photographs half are read right, where none were by their silhouettes (needs media)")
 {
     const auto media = hive::test::shared_data("media");
-    if (!media) {
-        MESSAGE("skipped: there are no photographs beside the source tree");
+    if (!hive::test::possible(media ? "" : "the photographs in the folder that HIVE_SHARED names"))
         return;
-    }
     HandSearch search;
     search.load_faces(cascade);
     int right = 0;

@@ -7,6 +7,7 @@
 #include <hive/recording/reader.hpp>
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <csignal>
 #include <fstream>
@@ -176,10 +177,10 @@ TEST_CASE("recording: a recorder that is killed leaves every event that it had t
 TEST_CASE("recording: a full disk is said within a second, costs others nothing, and the file is whole up to there")
 {
     const Swarm swarm;
-    if (swarm.run({"/usr/bin/unshare", "-Urm", "/bin/true"}).exit_code != 0) {
-        MESSAGE("skipped: this user may not mount a small file system");
+    if (!possible(swarm.run({"/usr/bin/unshare", "-Urm", "/bin/true"}).exit_code == 0
+                      ? ""
+                      : "the right to mount a file system"))
         return;
-    }
     const auto disk = swarm.home() / "disk", copy = swarm.home() / "copy.hive";
     fs::create_directory(disk);
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});

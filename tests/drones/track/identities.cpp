@@ -60,7 +60,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the true identities")
+TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the true identities (needs media)")
 {
     const auto list = media::shared("media/pedestrians_0001-0400.gt.csv");
     if (!list)
@@ -78,7 +78,7 @@ TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the tr
     CHECK(score.covered >= 0.98 * score.truths);
 }
 
-TEST_CASE("identities: pedestrians in the open, by background subtraction alone")
+TEST_CASE("identities: pedestrians in the open, by background subtraction alone (needs media)")
 {
     const auto clip = media::shared("media/pedestrians_0001-0400.avi"),
                list = media::shared("media/pedestrians_0001-0400.gt.csv");

@@ -4,6 +4,8 @@
 
 #include "../../../drones/track/boxes.hpp"
 
+#include <possible.hpp>
+
 #include <opencv2/videoio.hpp>
 
 using namespace hive::test;
@@ -71,10 +73,8 @@ TEST_CASE("tracking swarm: the tracks of every picture on demand are those of on
 TEST_CASE("tracking swarm: so are those of filmed walkers")
 {
     const auto video = shared_data("media/pedestrians_0001-0400.avi");
-    if (!video) {
-        MESSAGE("skipped: there is no video beside the source tree");
+    if (!possible(video ? "" : "the videos in the folder that HIVE_SHARED names"))
         return;
-    }
     const Swarm swarm;
     const auto track = swarm.drone("track", "track", {"fps=" + std::to_string(fps)});
     const auto background = swarm.drone("background", "background", {"min_area=75"});

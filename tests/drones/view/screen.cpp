@@ -5,6 +5,7 @@
 #include <swarm.hpp>
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -24,11 +25,8 @@ namespace {
 bool installed(const std::string& program)
 {
     if (sanitized())
-        return false;  // Qt leaves memory behind at its end, which is not for us to judge
-    if (std::filesystem::exists("/usr/bin/" + program))
-        return true;
-    MESSAGE("skipped: ", program, " is not installed");
-    return false;
+        return possible(missing_if_sanitized());  // Qt leaks at its end
+    return possible(std::filesystem::exists("/usr/bin/" + program) ? "" : program);
 }
 
 /// A display of its own.
@@ -117,8 +115,8 @@ private:
 
 }  // namespace
 
-TEST_CASE(
-    "view window: shows the picture in its size; q or closing it ends the drone; it can be hidden and shown again")
+TEST_CASE("view window: shows the picture in its size; q or closing it ends the drone; it can be hidden and shown "
+          "again (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -143,7 +141,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("view window: a picture that is larger than the screen is shown smaller, in its shape")
+TEST_CASE("view window: a picture that is larger than the screen is shown smaller, in its shape (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -158,7 +156,7 @@ TEST_CASE("view window: a picture that is larger than the screen is shown smalle
     CHECK(eventually([&] { return screen.look(window()).first == cv::Size(760, 427); }, Milliseconds(5000)));
 }
 
-TEST_CASE("view window: the text on a picture that stays is written anew")
+TEST_CASE("view window: the text on a picture that stays is written anew (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -176,7 +174,7 @@ TEST_CASE("view window: the text on a picture that stays is written anew")
                      Milliseconds(12'000)));
 }
 
-TEST_CASE("hivectl view: ends well when its window is closed")
+TEST_CASE("hivectl view: ends well when its window is closed (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -192,7 +190,7 @@ TEST_CASE("hivectl view: ends well when its window is closed")
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
-TEST_CASE("view page: a browser shows the picture and the numbers")
+TEST_CASE("view page: a browser shows the picture and the numbers (needs chromium)")
 {
     if (!installed("chromium"))
         return;

@@ -6,6 +6,7 @@
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 #include <opencv2/videoio.hpp>
 
 #include <cmath>
@@ -76,10 +77,8 @@ int differing(const std::string& path, const std::string& from)
 TEST_CASE(
     "save: 300 pictures of a clip, with the faces framed, are 300 frames at the same times, as ffprobe reads them")
 {
-    if (!std::filesystem::exists("/usr/bin/ffprobe")) {
-        MESSAGE("skipped: no ffprobe here; it is in Debian's package ffmpeg");
+    if (!possible(std::filesystem::exists("/usr/bin/ffprobe") ? "" : "ffprobe, of Debian's package ffmpeg"))
         return;
-    }
     const Swarm swarm;
     const media::Folder folder;
     const auto from = clip_with_face(folder.path()), path = (folder.path() / "out.mp4").string();

@@ -1,4 +1,4 @@
 // The entry of every test program that has none of its own.
-#include <doctest/doctest.h>
+#include "possible.hpp"
 
-int main(int argc, char** argv) { return doctest::Context(argc, argv).run(); }
+int main(int argc, char** argv) { return hive::test::run_cases(argc, argv); }

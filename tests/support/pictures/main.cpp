@@ -1,5 +1,6 @@
 // The entry of a test program that uses OpenCV as the drones do.
-#include <doctest/doctest.h>
+#include <possible.hpp>
+
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
@@ -7,5 +8,5 @@ int main(int argc, char** argv)
 {
     cv::setNumThreads(1);  // as in the drones
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return doctest::Context(argc, argv).run();
+    return hive::test::run_cases(argc, argv);
 }

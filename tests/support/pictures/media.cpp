@@ -2,6 +2,7 @@
 #include "media.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -20,7 +21,7 @@ std::optional<fs::path> shared(const std::string& name)
     const fs::path path = (told ? fs::path(told) : fs::path(HIVE_SOURCE_DIR).parent_path() / "shared") / name;
     if (fs::exists(path))
         return path;
-    MESSAGE("skipped: no " << path.string() << " (HIVE_SHARED names the folder of media)");
+    hive::test::possible(name + " in the folder that HIVE_SHARED names");
     return std::nullopt;
 }
 

@@ -16,10 +16,11 @@ namespace media {
 
 using Bytes = std::vector<unsigned char>;
 
-/// `$HIVE_SHARED/<name>`, or beside the source tree `../shared/<name>`; says that it skips and gives nothing if there
-/// is none.
+/// `$HIVE_SHARED/<name>`, or next to the source tree `../shared/<name>`; nothing if it is missing, and then the test
+/// case counts as skipped.
 std::optional<std::filesystem::path> shared(const std::string& name);
-/// The files of the media folder with one of these suffixes, sorted; empty (and said) without one.
+/// The files of the media folder with one of these suffixes, sorted; empty without one, and then the test case counts
+/// as skipped.
 std::vector<std::filesystem::path> pictures(const std::vector<std::string>& suffixes);
 std::vector<cv::Rect2d> boxes(const std::vector<TrueBox>& things);
 Bytes read(const std::filesystem::path& path);

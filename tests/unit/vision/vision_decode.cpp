@@ -52,7 +52,7 @@ media::Bytes with_orientation(const media::Bytes& jpeg, unsigned char orientatio
 
 }  // namespace
 
-TEST_CASE("decode: every photograph of the media equals cv::imdecode bit for bit")
+TEST_CASE("decode: every photograph of the media equals cv::imdecode bit for bit (needs media)")
 {
     for (const auto& path : media::pictures({".jpg", ".png"})) {
         CAPTURE(path.filename().string());
