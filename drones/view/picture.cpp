@@ -1,7 +1,7 @@
 // Does each piece of work when somebody first needs it, and never again.
 #include "picture.hpp"
 
-#include <opencv2/imgcodecs.hpp>
+#include <hive/vision/image.hpp>
 
 #include <exception>
 #include <utility>
@@ -11,9 +11,8 @@ namespace {
 
 Jpeg encode(const cv::Mat& picture, int quality)
 {
-    auto bytes = std::make_shared<std::vector<unsigned char>>();
-    cv::imencode(".jpg", picture, *bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-    return bytes;
+    const hive::Body jpeg = hive::vision::encode_jpeg(picture, quality);
+    return std::make_shared<std::vector<unsigned char>>(jpeg.data(), jpeg.data() + jpeg.size());
 }
 
 }  // namespace

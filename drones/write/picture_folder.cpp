@@ -3,7 +3,7 @@
 
 #include "video_file.hpp"
 
-#include <opencv2/imgcodecs.hpp>
+#include <hive/vision/image.hpp>
 
 #include <array>
 #include <cstdio>
@@ -94,10 +94,9 @@ void PictureFolder::add(const Picture& picture, std::chrono::microseconds time)
     if (!picture.encoded.empty()) {
         write_file(path, picture.encoded);
     } else {
-        std::vector<unsigned char> bytes;
-        if (!cv::imencode(ending, picture.pixels, bytes, {cv::IMWRITE_JPEG_QUALITY, settings_.quality}))
-            throw std::runtime_error(path.string() + ": the picture could not be encoded");
-        write_file(path, bytes);
+        const hive::Body body = ending == ".png" ? hive::vision::encode_png(picture.pixels)
+                                                 : hive::vision::encode_jpeg(picture.pixels, settings_.quality);
+        write_file(path, {body.data(), body.size()});
     }
     times_ << name << ',' << picture.sequence << ',' << time.count() << '\n';
     if (!times_.flush())

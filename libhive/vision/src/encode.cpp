@@ -1,33 +1,70 @@
-// Pictures to JPEG and PNG.
+// Images to JPEG by TurboJPEG, and to PNG; the bytes are those that cv::imencode makes by default.
+#include "png_pixels.hpp"
+
 #include <hive/error.hpp>
 #include <hive/vision/image.hpp>
 
-#include <opencv2/imgcodecs.hpp>
+#include <turbojpeg.h>
+
+#include <limits>
+#include <memory>
 
 namespace hive::vision {
 namespace {
 
-Body encode(const char* suffix, const cv::Mat& picture, const std::vector<int>& options)
+constexpr int max_jpeg_side = 65'500;
+
+void check_type(const cv::Mat& picture)
 {
-    if (picture.empty() || (picture.type() != CV_8UC3 && picture.type() != CV_8UC1 && picture.type() != CV_16UC1))
+    if (picture.empty() || picture.dims != 2
+        || (picture.type() != CV_8UC3 && picture.type() != CV_8UC1 && picture.type() != CV_16UC1))
         throw Error(Errc::invalid_argument,
-                    "only pictures of 8 bits and 1 or 3 channels, or of 16 bits and 1, are encoded");
-    std::vector<unsigned char> bytes;
-    if (!cv::imencode(suffix, picture, bytes, options))
-        throw Error(Errc::failed, "the picture could not be encoded");
-    return bytes;
+                    "only images of 8 bits and 1 or 3 channels, or of 16 bits and 1, can be encoded");
+}
+
+void check_jpeg_size(const cv::Mat& picture)
+{
+    if (picture.cols > max_jpeg_side || picture.rows > max_jpeg_side
+        || picture.step > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+        throw Error(Errc::too_large, "JPEG: " + std::to_string(picture.cols) + "x" + std::to_string(picture.rows)
+                                         + " pixels are too many; each side has at most "
+                                         + std::to_string(max_jpeg_side));
+}
+
+cv::Mat with_eight_bits(const cv::Mat& picture)
+{
+    cv::Mat result = picture;
+    if (picture.depth() == CV_16U)
+        picture.convertTo(result, CV_8U, 1.0 / 257);
+    return result;
 }
 
 }  // namespace
 
 Body encode_jpeg(const cv::Mat& picture, int quality)
 {
-    cv::Mat eight_bits = picture;
-    if (picture.type() == CV_16UC1)
-        picture.convertTo(eight_bits, CV_8U, 1.0 / 257);
-    return encode(".jpg", eight_bits, {cv::IMWRITE_JPEG_QUALITY, quality});
+    check_type(picture);
+    check_jpeg_size(picture);
+    const cv::Mat pixels = with_eight_bits(picture);
+    const bool grey = pixels.channels() == 1;
+    const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
+    if (!encoder)
+        throw Error(Errc::failed, "the JPEG encoder could not be created");
+    unsigned char* bytes = nullptr;
+    unsigned long size = 0;
+    const int status = tjCompress2(encoder.get(), pixels.data, pixels.cols, static_cast<int>(pixels.step), pixels.rows,
+                                   grey ? TJPF_GRAY : TJPF_BGR, &bytes, &size, grey ? TJSAMP_GRAY : TJSAMP_420, quality,
+                                   TJFLAG_ACCURATEDCT);
+    const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(bytes, tjFree);
+    if (status != 0)
+        throw Error(Errc::failed, std::string("JPEG: ") + tjGetErrorStr2(encoder.get()));
+    return std::vector(bytes, bytes + size);
 }
 
-Body encode_png(const cv::Mat& picture) { return encode(".png", picture, {}); }
+Body encode_png(const cv::Mat& picture)
+{
+    check_type(picture);
+    return write_png(picture);
+}
 
 }  // namespace hive::vision

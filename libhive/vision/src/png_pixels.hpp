@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace hive::vision {
 
@@ -12,5 +13,9 @@ namespace hive::vision {
 /// else is there. Throws Errc::malformed when the bytes are damaged or too few.
 /// @param bytes  of png_structure()
 void read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture);
+
+/// A PNG of the same channels and bits. Throws Errc::failed if libpng refuses, as it does a side over a million pixels.
+/// @param picture  8 bit with 1 or 3 (BGR) channels, or 16 bit grey
+std::vector<unsigned char> write_png(const cv::Mat& picture);
 
 }  // namespace hive::vision

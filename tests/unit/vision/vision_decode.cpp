@@ -122,14 +122,3 @@ TEST_CASE("decode: a picture larger than its event's header says is refused")
     event.header = {{"width", -40}, {"height", -30}};
     CHECK_THROWS_AS(vision::decode(event), hive::Error);
 }
-
-TEST_CASE("encode: JPEG is what cv::imencode makes, PNG comes back exactly")
-{
-    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
-    const media::Bytes expected = media::encoded(".jpg", picture, {cv::IMWRITE_JPEG_QUALITY, 55});
-    const Body jpeg = vision::encode_jpeg(picture, 55);
-    CHECK(std::equal(expected.begin(), expected.end(), jpeg.data(), jpeg.data() + jpeg.size()));
-    CHECK(media::same(vision::decode(vision::encode_png(picture), "image/png"), picture));
-    CHECK_THROWS_AS(vision::encode_jpeg(cv::Mat(), 80), hive::Error);
-    CHECK_THROWS_AS(vision::encode_png(cv::Mat(4, 4, CV_32FC3)), hive::Error);
-}
