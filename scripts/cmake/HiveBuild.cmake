@@ -60,7 +60,7 @@ function(hive_layer name)
   add_library(${name} OBJECT ${layer_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
   target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
-  hive_batches(${name} 10)
+  hive_batches(${name} 16)
   set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
 endfunction()
 
