@@ -1,4 +1,5 @@
-# What `cmake --install` puts where, in the components that CPack makes Debian packages of: libhive0, libhive-dev, hive, python3-hive.
+# What `cmake --install` puts where, in the components that CPack makes Debian packages of: libhive0, libhive-dev, hive,
+# hive-view (which brings Qt), python3-hive.
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/hive)
 
@@ -45,7 +46,8 @@ add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/share/made
   DEPENDS hivectl ${programs} ${PROJECT_SOURCE_DIR}/scripts/make-documents ${PROJECT_SOURCE_DIR}/scripts/make-man VERBATIM)
 add_custom_target(documents ALL DEPENDS ${CMAKE_BINARY_DIR}/share/made)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion ${CMAKE_BINARY_DIR}/share/zsh
-  ${CMAKE_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT hive)
+  ${CMAKE_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT hive PATTERN hive-view.1 EXCLUDE)
+install(FILES ${CMAKE_BINARY_DIR}/share/man/man1/hive-view.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT hive-view)
 
 # The Debian packages.
 set(CPACK_GENERATOR DEB)
@@ -55,19 +57,20 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "distributed vision processing")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_OUTPUT_FILE_PREFIX ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL libhive0 libhive-dev hive python3-hive)
+set(CPACK_COMPONENTS_ALL libhive0 libhive-dev hive hive-view python3-hive)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
 set(exactly "(= ${PROJECT_VERSION})")
-foreach(component libhive0 libhive-dev hive python3-hive)
+foreach(component ${CPACK_COMPONENTS_ALL})
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${component})
 endforeach()
 set(CPACK_COMPONENT_LIBHIVE0_DESCRIPTION "distributed vision processing: the libraries")
 set(CPACK_COMPONENT_LIBHIVE-DEV_DESCRIPTION "distributed vision processing: to build drones and applications in C++ and C")
 set(CPACK_COMPONENT_HIVE_DESCRIPTION "distributed vision processing: hivectl and the drones")
+set(CPACK_COMPONENT_HIVE-VIEW_DESCRIPTION "distributed vision processing: shows images in a window or a browser")
 set(CPACK_COMPONENT_PYTHON3-HIVE_DESCRIPTION "distributed vision processing: drones and applications in Python")
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_RECOMMENDS "libavahi-client3")  # loaded, not linked
@@ -76,7 +79,8 @@ set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS "libhive0 ${exactly}, nlohmann-json3-dev")
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SUGGESTS "libopencv-imgcodecs-dev, libpng-dev, libturbojpeg0-dev")
 set(CPACK_DEBIAN_HIVE_PACKAGE_DEPENDS "libhive0 ${exactly}, opencv-data")
-set(CPACK_DEBIAN_HIVE_PACKAGE_SUGGESTS "python3-hive")
+set(CPACK_DEBIAN_HIVE_PACKAGE_SUGGESTS "hive-view, python3-hive")
+set(CPACK_DEBIAN_HIVE-VIEW_PACKAGE_DEPENDS "libhive0 ${exactly}")
 set(CPACK_DEBIAN_PYTHON3-HIVE_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON3-HIVE_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON3-HIVE_PACKAGE_DEPENDS "python3 (>= 3.9), libhive0 ${exactly}")
