@@ -6,10 +6,13 @@ set(package ${CMAKE_INSTALL_LIBDIR}/cmake/hive)
 # The libraries.
 install(TARGETS hive hive_c EXPORT hive
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libhive0 NAMELINK_COMPONENT libhive-dev)
-install(TARGETS hive_vision EXPORT hive ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libhive-dev)
+install(TARGETS hive_vision EXPORT hive-vision ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libhive-dev)
 set_target_properties(hive_c PROPERTIES EXPORT_NAME c INSTALL_RPATH "\$ORIGIN")
 set_target_properties(hive_vision PROPERTIES EXPORT_NAME vision)
 target_link_libraries(hive_vision INTERFACE $<INSTALL_INTERFACE:hive::hive>)
+foreach(target hive hive_vision)
+  target_compile_features(${target} INTERFACE cxx_std_20)
+endforeach()
 foreach(target hive hive_c hive_vision)
   target_include_directories(${target} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 endforeach()
@@ -23,6 +26,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/libhive/language/c/include/ DESTINATION 
 
 # find_package(hive), and pkg-config.
 install(EXPORT hive NAMESPACE hive:: FILE hive-targets.cmake DESTINATION ${package} COMPONENT libhive-dev)
+install(EXPORT hive-vision NAMESPACE hive:: FILE hive-vision-targets.cmake DESTINATION ${package} COMPONENT libhive-dev)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/hive-config.cmake.in ${CMAKE_BINARY_DIR}/package/hive-config.cmake
   INSTALL_DESTINATION ${package})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/hive-config-version.cmake COMPATIBILITY SameMinorVersion)
@@ -76,8 +80,7 @@ set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_RECOMMENDS "libavahi-client3")  # loaded, not linked
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SUGGESTS "avahi-daemon")
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS "libhive0 ${exactly}, nlohmann-json3-dev")
-set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SUGGESTS "libopencv-imgcodecs-dev, libpng-dev, libturbojpeg0-dev")
+set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS "libhive0 ${exactly}, nlohmann-json3-dev, libopencv-core-dev, libopencv-imgproc-dev, libpng-dev, libturbojpeg0-dev")
 set(CPACK_DEBIAN_HIVE_PACKAGE_DEPENDS "libhive0 ${exactly}, opencv-data")
 set(CPACK_DEBIAN_HIVE_PACKAGE_SUGGESTS "hive-view, python3-hive")
 set(CPACK_DEBIAN_HIVE-VIEW_PACKAGE_DEPENDS "libhive0 ${exactly}")
