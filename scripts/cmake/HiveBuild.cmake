@@ -67,9 +67,9 @@ endfunction()
 # What a user runs: hivectl and every drone; the tests are not among it.
 add_custom_target(programs)
 
-# Installs a program, which finds the library beside its folder wherever it is installed.
-function(hive_program target)
-  install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT hive)
+# Installs a program as part of the package `component`; it finds the library beside its folder wherever it is installed.
+function(hive_program target component)
+  install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${component})
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endfunction()
 
@@ -99,9 +99,13 @@ endfunction()
 
 # A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
 # main.cpp and, where the wiring is longer than one file, WIRING. LIBRARIES are the algorithm's, or without one the executable's.
-# If this machine lacks one of them, building the drone fails; the others can be built.
+# PACKAGE is the Debian package that it belongs to, if that is not `hive`. If this machine lacks one of the libraries, building the drone
+# fails; the others can be built.
 function(hive_drone name)
-  cmake_parse_arguments(PARSE_ARGV 1 drone "" "" "ALGORITHM;LIBRARIES;WIRING")
+  cmake_parse_arguments(PARSE_ARGV 1 drone "" "PACKAGE" "ALGORITHM;LIBRARIES;WIRING")
+  if(NOT drone_PACKAGE)
+    set(drone_PACKAGE hive)
+  endif()
   hive_find_absent(drone_LIBRARIES absent ${drone_LIBRARIES})
   if(drone_ALGORITHM)
     add_library(${name}_algorithm STATIC ${drone_ALGORITHM})
@@ -126,7 +130,7 @@ function(hive_drone name)
   endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
   add_dependencies(programs hive-${name})
-  hive_program(hive-${name})
+  hive_program(hive-${name} ${drone_PACKAGE})
 endfunction()
 
 # A drone in Python: NAME.py (hyphens written as underscores) in its folder. What a build has in bin/ runs it from there, with the package

@@ -1,14 +1,18 @@
-# What `cmake --install` puts where, in the components that CPack makes Debian packages of: libhive0, libhive-dev, hive, python3-hive.
+# What `cmake --install` puts where, in the components that CPack makes Debian packages of: libhive0, libhive-dev, hive,
+# hive-view (which brings Qt), python3-hive.
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/hive)
 
 # The libraries.
 install(TARGETS hive hive_c EXPORT hive
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libhive0 NAMELINK_COMPONENT libhive-dev)
-install(TARGETS hive_vision EXPORT hive ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libhive-dev)
+install(TARGETS hive_vision EXPORT hive-vision ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libhive-dev)
 set_target_properties(hive_c PROPERTIES EXPORT_NAME c INSTALL_RPATH "\$ORIGIN")
 set_target_properties(hive_vision PROPERTIES EXPORT_NAME vision)
 target_link_libraries(hive_vision INTERFACE $<INSTALL_INTERFACE:hive::hive>)
+foreach(target hive hive_vision)
+  target_compile_features(${target} INTERFACE cxx_std_20)
+endforeach()
 foreach(target hive hive_c hive_vision)
   target_include_directories(${target} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 endforeach()
@@ -22,6 +26,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/libhive/language/c/include/ DESTINATION 
 
 # find_package(hive), and pkg-config.
 install(EXPORT hive NAMESPACE hive:: FILE hive-targets.cmake DESTINATION ${package} COMPONENT libhive-dev)
+install(EXPORT hive-vision NAMESPACE hive:: FILE hive-vision-targets.cmake DESTINATION ${package} COMPONENT libhive-dev)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/hive-config.cmake.in ${CMAKE_BINARY_DIR}/package/hive-config.cmake
   INSTALL_DESTINATION ${package})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/hive-config-version.cmake COMPATIBILITY SameMinorVersion)
@@ -45,7 +50,8 @@ add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/share/made
   DEPENDS hivectl ${programs} ${PROJECT_SOURCE_DIR}/scripts/make-documents ${PROJECT_SOURCE_DIR}/scripts/make-man VERBATIM)
 add_custom_target(documents ALL DEPENDS ${CMAKE_BINARY_DIR}/share/made)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion ${CMAKE_BINARY_DIR}/share/zsh
-  ${CMAKE_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT hive)
+  ${CMAKE_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT hive PATTERN hive-view.1 EXCLUDE)
+install(FILES ${CMAKE_BINARY_DIR}/share/man/man1/hive-view.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT hive-view)
 
 # The Debian packages.
 set(CPACK_GENERATOR DEB)
@@ -55,28 +61,29 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "distributed vision processing")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_OUTPUT_FILE_PREFIX ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL libhive0 libhive-dev hive python3-hive)
+set(CPACK_COMPONENTS_ALL libhive0 libhive-dev hive hive-view python3-hive)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
 set(exactly "(= ${PROJECT_VERSION})")
-foreach(component libhive0 libhive-dev hive python3-hive)
+foreach(component ${CPACK_COMPONENTS_ALL})
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${component})
 endforeach()
 set(CPACK_COMPONENT_LIBHIVE0_DESCRIPTION "distributed vision processing: the libraries")
 set(CPACK_COMPONENT_LIBHIVE-DEV_DESCRIPTION "distributed vision processing: to build drones and applications in C++ and C")
 set(CPACK_COMPONENT_HIVE_DESCRIPTION "distributed vision processing: hivectl and the drones")
+set(CPACK_COMPONENT_HIVE-VIEW_DESCRIPTION "distributed vision processing: shows images in a window or a browser")
 set(CPACK_COMPONENT_PYTHON3-HIVE_DESCRIPTION "distributed vision processing: drones and applications in Python")
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_RECOMMENDS "libavahi-client3")  # loaded, not linked
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SUGGESTS "avahi-daemon")
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS "libhive0 ${exactly}, nlohmann-json3-dev")
-set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SUGGESTS "libopencv-imgcodecs-dev, libpng-dev, libturbojpeg0-dev")
+set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS "libhive0 ${exactly}, nlohmann-json3-dev, libopencv-core-dev, libopencv-imgproc-dev, libpng-dev, libturbojpeg0-dev")
 set(CPACK_DEBIAN_HIVE_PACKAGE_DEPENDS "libhive0 ${exactly}, opencv-data")
-set(CPACK_DEBIAN_HIVE_PACKAGE_SUGGESTS "python3-hive")
+set(CPACK_DEBIAN_HIVE_PACKAGE_SUGGESTS "hive-view, python3-hive")
+set(CPACK_DEBIAN_HIVE-VIEW_PACKAGE_DEPENDS "libhive0 ${exactly}")
 set(CPACK_DEBIAN_PYTHON3-HIVE_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON3-HIVE_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON3-HIVE_PACKAGE_DEPENDS "python3 (>= 3.9), libhive0 ${exactly}")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# An empty Debian, and in it the packages of a build and nothing else of Hive: a swarm of what is installed, drones built there in C++,
-# C and Python, the wheel in a fresh environment. Needs root, debootstrap and a network, and downloads some 300 MB, so it is run by hand:
+# An empty Debian, and in it the packages of a build and nothing else of Hive: README's drone built with libhive-dev, g++ and cmake alone,
+# then a swarm of what is installed, drones built there in C++, C and Python, the wheel in a fresh environment. Needs root, debootstrap and a network, and downloads some 300 MB, so it is run by hand:
 # tests/install/empty_root.sh SOURCE BUILD [ROOT]
 set -euo pipefail
 source=$(cd "$1" && pwd) build=$(cd "$2" && pwd)
@@ -27,6 +27,12 @@ cd /try
 export DEBIAN_FRONTEND=noninteractive HIVE_HOME=/tmp/home LC_ALL=C.UTF-8
 fail() { echo "empty_root: $1" >&2; exit 1; }
 apt-get update -qq
+apt-get install -y -qq --no-install-recommends ./libhive0_*.deb ./libhive-dev_*.deb g++ cmake make > log 2>&1 \
+    || { tail -n 5 log; fail "libhive-dev does not install"; }
+{ cmake -S blur -B blur/build && cmake --build blur/build; } > log 2>&1 || { cat log; fail "README's drone does not build"; }
+blur/build/hive-blur --describe > log || fail "hive-blur --describe fails"
+grep -q '"blur"' log || fail "hive-blur --describe prints: $(cat log)"
+echo "empty_root: README's drone builds with libhive-dev, $(ldd blur/build/hive-blur | wc -l) libraries"
 apt-get install -y -qq --no-install-recommends ./*.deb > log 2>&1 || { tail -n 5 log; fail "the packages do not install"; }
 trap 'hivectl stop --all > log 2>&1 || true' EXIT
 hivectl start camera > log
@@ -34,7 +40,7 @@ hivectl start face > log
 hivectl connect camera face
 [ "$(hivectl results face -n 3 --json --timeout 60 | wc -l)" -eq 3 ] || fail "no results of face"
 echo "empty_root: hivectl start camera face: the swarm runs, from the packages alone"
-apt-get install -y -qq --no-install-recommends g++ cmake make pkg-config python3-numpy python3-venv > log 2>&1
+apt-get install -y -qq --no-install-recommends pkg-config python3-numpy python3-venv > log 2>&1
 { cmake -S cpp -B cpp/build && cmake --build cpp/build; } > log 2>&1 || { cat log; fail "no drone in C++"; }
 mkdir -p c/build
 # shellcheck disable=SC2046

@@ -20,11 +20,11 @@ fail() {
 
 (cd "$place" && "$cpack" --config "$build/CPackConfig.cmake" -G DEB -B "$place/made" -D CPACK_OUTPUT_FILE_PREFIX="$place/debs") \
     > "$place/log" 2>&1 || { tail -n 10 "$place/log" >&2; fail "cpack failed"; }
-for package in libhive0 libhive-dev hive python3-hive; do
+for package in libhive0 libhive-dev hive hive-view python3-hive; do
     file=$(echo "$place/debs/${package}"_*.deb)
     [ -f "$file" ] || fail "there is no package $package"
     dpkg-deb --contents "$file" | awk '$1 !~ /^d/ { print $6 }' >> "$place/files"
-    dpkg-deb -x "$file" "$root"
+    [ "$package" = hive-view ] || dpkg-deb -x "$file" "$root"  # added at the end
     dpkg-deb -f "$file" Depends > "$place/$package.depends"
 done
 [ -z "$(sort "$place/files" | uniq -d)" ] || fail "in two packages: $(sort "$place/files" | uniq -d)"
@@ -37,11 +37,16 @@ for word in libspdlog libssl libstdc++; do
 done
 dpkg-deb -f "$place/debs"/libhive0_*.deb Recommends > "$place/recommended"
 grep -q libavahi-client3 "$place/recommended" || fail "libhive0 does not recommend libavahi-client3"
-for package in libhive-dev hive python3-hive; do
+for package in libhive-dev hive hive-view python3-hive; do
     grep -q 'libhive0 (= ' "$place/$package.depends" || fail "$package does not depend on its libhive0"
 done
 grep -q libopencv-core "$place/hive.depends" || fail "hive does not depend on OpenCV"
 ! grep -q libopencv "$place/libhive0.depends" || fail "libhive0 depends on OpenCV"
+grep -q libopencv-highgui "$place/hive-view.depends" || fail "hive-view does not depend on highgui"
+! grep -q imgcodecs "$place/hive-view.depends" || fail "hive-view depends on imgcodecs, which brings GDAL"
+! grep -Eq 'highgui|[Qq]t5|libx11|microhttpd|hive-view' "$place/hive.depends" \
+    || fail "hive depends on what only hive-view needs: $(cat "$place/hive.depends")"
+dpkg-deb -f "$place/debs"/hive_*.deb Suggests | grep -q hive-view || fail "hive does not suggest hive-view"
 
 export PATH=$root/usr/bin:/usr/bin:/bin HIVE_PYTHON=$python PYTHONPATH=$root/usr/lib/python3/dist-packages
 unset LD_LIBRARY_PATH HIVE_DRONE_PATH HIVE_LIBRARY
@@ -50,6 +55,11 @@ hivectl start edges > "$place/out"
 hivectl connect camera edges > "$place/out"
 hivectl results edges.edges -n 2 --json --timeout 30 > "$place/out" || fail "no results of edges"
 [ "$(grep -c '"share"' "$place/out")" -eq 2 ] || fail "the results of edges are: $(cat "$place/out")"
+! DISPLAY=:0 hivectl view camera > "$place/out" 2>&1 || fail "hivectl view works without its package"
+grep -q 'apt install hive-view' "$place/out" || fail "hivectl view does not name its package: $(cat "$place/out")"
+dpkg-deb -x "$place/debs"/hive-view_*.deb "$root"
+hive-view --describe > "$place/out" || fail "hive-view does not run"
+[ -s "$root/usr/share/man/man1/hive-view.1" ] || fail "hive-view has no man page"
 hivectl stop --all > "$place/out"
 
 # The wheel, without the packages.

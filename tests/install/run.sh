@@ -49,6 +49,8 @@ for drone in cpp blur; do
         "$cmake" --build "$place/$drone/build"
     } > "$place/log" 2>&1 || { tail -n 20 "$place/log" >&2; fail "the drone $drone does not build by find_package(hive)"; }
 done
+modules=$(ldd "$place/blur/build/hive-blur" | grep -o 'libopencv_[a-z0-9]*' | sort -u | xargs)
+[ "$modules" = "libopencv_core libopencv_imgproc" ] || fail "hive-blur loads these modules of OpenCV: $modules"
 # shellcheck disable=SC2046
 "$cc" -std=c11 -Wall -Werror "$place/c/main.c" -o "$place/c/hive-brightness" $(pkg-config --cflags --libs hive-c) \
     -Wl,-rpath,"$prefix/lib" -Wl,-rpath-link,"$prefix/lib" || fail "a drone in C does not build by pkg-config"
@@ -70,6 +72,7 @@ for drone in "${drones[@]}"; do
     hivectl results "$drone" -n 2 --json --timeout 30 > "$place/out" || fail "no results of $drone"
     [ "$(grep -c '"mean"' "$place/out")" -eq 2 ] || fail "the results of $drone are: $(cat "$place/out")"
 done
+"$place/blur/build/hive-blur" --describe > "$place/out" || fail "hive-blur --describe fails"
 HIVE_DRONE_PATH=$place/blur/build hivectl start blur radius=5 > "$place/out"
 hivectl connect camera blur > "$place/out"
 hivectl snap blur "$place/blurred.jpg" > "$place/out" || fail "README's drone sends no picture"

@@ -76,9 +76,12 @@ DroneCommand command_of(const std::string& kind)
     std::string list;
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
+    const bool apart = kind == "view";  // a Debian package of its own, because it brings Qt
     throw no_such("there is no drone hive-" + kind + " beside " + program_invocation_short_name
                       + ", in $HIVE_DRONE_PATH or in $PATH; kinds found: " + (list.empty() ? "none" : list),
-                  kind, known, "see what can be started: hivectl start --help");
+                  kind, known,
+                  apart ? "install its package: apt install hive-view"
+                        : "see what can be started: hivectl start --help");
 }
 
 Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)

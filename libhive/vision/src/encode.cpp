@@ -13,6 +13,7 @@ namespace hive::vision {
 namespace {
 
 constexpr int max_jpeg_side = 65'500;
+constexpr int max_png_side = 1'000'000;  // libpng's own limit
 
 void check_type(const cv::Mat& picture)
 {
@@ -22,13 +23,18 @@ void check_type(const cv::Mat& picture)
                     "only images of 8 bits and 1 or 3 channels, or of 16 bits and 1, can be encoded");
 }
 
-void check_jpeg_size(const cv::Mat& picture)
+void check_size(const cv::Mat& picture, int max_side, const char* format)
 {
-    if (picture.cols > max_jpeg_side || picture.rows > max_jpeg_side
-        || picture.step > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-        throw Error(Errc::too_large, "JPEG: " + std::to_string(picture.cols) + "x" + std::to_string(picture.rows)
-                                         + " pixels are too many; each side has at most "
-                                         + std::to_string(max_jpeg_side));
+    if (picture.cols > max_side || picture.rows > max_side)
+        throw Error(Errc::too_large, std::string(format) + ": " + std::to_string(picture.cols) + "x"
+                                         + std::to_string(picture.rows) + " pixels; each side may have at most "
+                                         + std::to_string(max_side));
+}
+
+/// TurboJPEG takes the distance between rows as an int: a narrow part of an enormous image is copied.
+cv::Mat with_short_rows(const cv::Mat& picture)
+{
+    return picture.step > static_cast<std::size_t>(std::numeric_limits<int>::max()) ? picture.clone() : picture;
 }
 
 cv::Mat with_eight_bits(const cv::Mat& picture)
@@ -44,8 +50,8 @@ cv::Mat with_eight_bits(const cv::Mat& picture)
 Body encode_jpeg(const cv::Mat& picture, int quality)
 {
     check_type(picture);
-    check_jpeg_size(picture);
-    const cv::Mat pixels = with_eight_bits(picture);
+    check_size(picture, max_jpeg_side, "JPEG");
+    const cv::Mat pixels = with_short_rows(with_eight_bits(picture));
     const bool grey = pixels.channels() == 1;
     const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
     if (!encoder)
@@ -64,6 +70,7 @@ Body encode_jpeg(const cv::Mat& picture, int quality)
 Body encode_png(const cv::Mat& picture)
 {
     check_type(picture);
+    check_size(picture, max_png_side, "PNG");
     return write_png(picture);
 }
 

@@ -14,7 +14,7 @@ namespace hive::vision {
 /// @param bytes  of png_structure()
 void read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture);
 
-/// A PNG of the same channels and bits. Throws Errc::failed if libpng refuses, as it does a side over a million pixels.
+/// A PNG of the same channels and bits. Throws Errc::failed if libpng refuses.
 /// @param picture  8 bit with 1 or 3 (BGR) channels, or 16 bit grey
 std::vector<unsigned char> write_png(const cv::Mat& picture);
 

@@ -106,5 +106,6 @@ TEST_CASE("encode: sides that a format does not have are refused, the largest ar
     CHECK(encode_refusal([] { vision::encode_jpeg(cv::Mat(65'501, 1, CV_8UC3, cv::Scalar(9)), 80); })
           == Errc::too_large);
     CHECK_FALSE(vision::encode_png(cv::Mat(1, 1'000'000, CV_8UC1, cv::Scalar(9))).empty());
-    CHECK(encode_refusal([] { vision::encode_png(cv::Mat(1, 1'000'001, CV_8UC1, cv::Scalar(9))); }) == Errc::failed);
+    CHECK(encode_refusal([] { vision::encode_png(cv::Mat(1, 1'000'001, CV_8UC1, cv::Scalar(9))); }) == Errc::too_large);
+    CHECK(encode_refusal([] { vision::encode_jpeg(cv::Mat(1, 1, CV_8UC1, cv::Scalar(9)), 101); }) == Errc::failed);
 }

@@ -45,7 +45,8 @@ cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& 
 
 /// @param picture  8 bit with 1 or 3 (BGR) channels, or 16 bit grey, of which a JPEG keeps the upper eight
 /// @param quality  1 to 100; colour is subsampled 4:2:0
-/// @throws Error  too_large (a side of a JPEG has at most 65500 pixels), invalid_argument (pixels of another kind),
+/// @throws Error  too_large (a side has at most 65500 pixels, of a PNG 1000000), invalid_argument (pixels of another
+/// kind),
 ///                failed
 Body encode_jpeg(const cv::Mat& picture, int quality);
 Body encode_png(const cv::Mat& picture);
