@@ -44,8 +44,7 @@ struct Seal::Cipher {
 Seal::Seal(bool encrypts) : cipher_(std::make_unique<Cipher>())
 {
     const std::unique_ptr<EVP_CIPHER, decltype(&::EVP_CIPHER_free)> cipher(
-        ::EVP_CIPHER_fetch(nullptr, "AES-128-GCM", nullptr),
-        ::EVP_CIPHER_free);
+        ::EVP_CIPHER_fetch(nullptr, "AES-128-GCM", nullptr), ::EVP_CIPHER_free);
     constexpr std::array<unsigned char, 16> key{'n', 'o', ' ', 's', 'e', 'c', 'r', 'e', 't'};
     cipher_->encrypts = encrypts;
     require(::EVP_CipherInit_ex(cipher_->context.get(), cipher.get(), nullptr, key.data(), cipher_->number.data(),
