@@ -53,7 +53,7 @@ private:
 struct Loop {
     asio::io_context context;
     /// Runs until the condition holds; false when it does not within the limit.
-    bool until(const std::function<bool()>& condition, std::chrono::milliseconds limit = 10s);
+    bool until(const std::function<bool()>& condition, std::chrono::milliseconds limit = 60s);
     void run_for(std::chrono::milliseconds time);
 };
 
@@ -111,7 +111,7 @@ struct RawPair {
     RawPair(Address (*address)(const Folder&), const Timing& timing);
     /// Writes, in as many pieces as it takes; false when the other end is gone.
     bool write(const std::string& bytes);
-    bool until_closed(std::chrono::milliseconds limit = 10s);
+    bool until_closed(std::chrono::milliseconds limit = 60s);
 };
 
 std::string encoded(PacketType type, const std::string& header = {}, const std::string& body = {});

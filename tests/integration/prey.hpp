@@ -35,7 +35,8 @@ public:
     [[nodiscard]] const hive::test::Swarm& swarm() const { return *swarm_; }
     [[nodiscard]] pid_t pid() const { return process_.pid(); }
     [[nodiscard]] std::string log() const { return swarm_->log("prey"); }
-    /// Is it the same process, and does it answer before its peers would take it for dead, which is after two seconds?
+    /// Is it the same process, and does it answer, once in three times, before its peers would declare it dead, which
+    /// they do after two seconds?
     [[nodiscard]] bool well() const;
 
 private:
@@ -66,7 +67,7 @@ private:
 /// How long some answers to `status` take, one each 20 ms; the longest time there is for one that is an error.
 std::vector<Milliseconds> answer_times(raw::Peer& peer, int times);
 
-/// Where nothing disturbs the measurement: 95 % of the answers come within 100 ms, and all in good time.
+/// Where nothing disturbs the measurement: nine in ten answers come within 100 ms, and none is an error.
 void check_answers(std::vector<Milliseconds> times);
 
 }  // namespace hostile

@@ -1,6 +1,7 @@
 // Waiting for a state instead of for a time.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -25,11 +26,12 @@ constexpr Milliseconds patient(Milliseconds time) { return (sanitized() ? 6 : 3)
 /// A bound that is promised to users, and is measured: not stretched, but for a sanitizer.
 constexpr Milliseconds stated(Milliseconds time) { return sanitized() ? 6 * time : time; }
 
-/// Asks again and again, a few milliseconds apart, until it is true; false when the patience is over.
+/// Asks every few milliseconds until the condition is true. A false answer means that it hangs, not that the machine is
+/// busy: it takes a minute at least. A bound that is a promise is measured with stated().
 template <class Condition>
 bool eventually(Condition condition, Milliseconds patience = Milliseconds(5000))
 {
-    const auto end = Clock::now() + patient(patience);
+    const auto end = Clock::now() + std::max(Milliseconds(60'000), patient(patience));
     while (!condition()) {
         if (Clock::now() >= end)
             return false;

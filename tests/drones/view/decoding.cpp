@@ -14,6 +14,9 @@ using stage::next_width, stage::Stage;
 
 namespace {
 
+/// Longer than any answer takes that does not wait for a picture.
+constexpr Milliseconds hang(60'000);
+
 /// Pictures whose decoding takes until they are let go.
 class Stuck {
 public:
@@ -26,7 +29,7 @@ public:
     {
         stage_.put_pixels([width, begun = begun_, gone = gone_] {
             ++*begun;
-            gone.wait_for(Milliseconds(10'000));
+            gone.wait_for(hang);
             return cv::Mat(30, width, CV_8UC3, cv::Scalar::all(1));
         });
     }
@@ -46,13 +49,6 @@ private:
     bool let_go_ = false;
 };
 
-Milliseconds time_of(const std::function<void()>& what)
-{
-    const auto begin = std::chrono::steady_clock::now();
-    what();
-    return std::chrono::ceil<Milliseconds>(std::chrono::steady_clock::now() - begin);
-}
-
 }  // namespace
 
 TEST_CASE("view server: while a picture of 40 Mpixel is decoded for one browser the others are answered at once")
@@ -67,24 +63,22 @@ TEST_CASE("view server: while a picture of 40 Mpixel is decoded for one browser 
     }
     std::atomic<bool> begun{false};
     std::promise<void> all_answered;
-    Stage stage({.preparing = hive::test::patient(Milliseconds(20'000))});
+    Stage stage({.preparing = 2 * hang});
     Client looking(stage.port());
     stage.put_pixels([&, answered = all_answered.get_future().share()] {
         begun = true;
         auto picture = cv::imdecode(png, cv::IMREAD_COLOR);
-        answered.wait_for(Milliseconds(10'000));  // a fast machine would be done before the others have asked
+        answered.wait_for(hang);  // an answer that waited for this picture would not come before its reader gives up
         return picture;
     });
     looking.ask("/picture.jpg");
     REQUIRE(eventually([&] { return begun.load(); }, Milliseconds(5000)));
-    std::vector<Milliseconds> times;
     for (int i = 0; i < 5; ++i)
         for (const char* path : {"/status.json", "/"})
-            times.push_back(time_of([&] { CHECK(get(stage.port(), path).code == 200); }));
+            CHECK(get(stage.port(), path).code == 200);
     CHECK_FALSE(looking.more_within(Milliseconds(1)));
     all_answered.set_value();
-    CHECK(std::ranges::count_if(times, [](auto time) { return time <= hive::test::patient(Milliseconds(500)); }) >= 9);
-    CHECK(looking.reply(hive::test::patient(Milliseconds(20'000))).picture().size() == size);
+    CHECK(looking.reply(hang).picture().size() == size);
 }
 
 TEST_CASE("view server: of the pictures that come while one is decoded only the newest is decoded as well")
@@ -154,7 +148,7 @@ TEST_CASE("view server: ends while a picture is being decoded, and whoever waits
     REQUIRE(eventually([&] { return stuck.begun() == 1; }, Milliseconds(5000)));
     const auto ended = std::async(std::launch::async, [&] { stage.reset(); });
     for (auto* client : {&looking, &streaming})
-        CHECK(client->closed_within(hive::test::patient(Milliseconds(3000))));  // before the picture is ready
+        CHECK(client->closed_within(hang / 2));  // before the picture is ready
     stuck.let_go();
-    CHECK(ended.wait_for(hive::test::patient(Milliseconds(3000))) == std::future_status::ready);
+    CHECK(ended.wait_for(hang) == std::future_status::ready);
 }

@@ -10,6 +10,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -59,7 +60,7 @@ TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
     client.ask("/stream.mjpg");
     int pictures = 0;
     for (int width = 0, height = 0; pictures < 5; pictures += height == 480) {
-        const auto jpeg = client.next_picture(Milliseconds(10'000));
+        const auto jpeg = client.next_picture();
         REQUIRE(jpeg);
         width = http::decoded(*jpeg).cols;
         height = http::decoded(*jpeg).rows;
@@ -90,7 +91,7 @@ TEST_CASE("view: a JPEG goes to the browser byte for byte, unless it is to be wr
     CHECK(get(port, "/picture.jpg").picture().cols == 64);
 }
 
-TEST_CASE("view: a picture that turns out damaged when it is looked at is an exception and a notice; the next is shown")
+TEST_CASE("view: a picture that turns out damaged when it is looked at is an exception; the next is shown")
 {
     const Swarm swarm;
     const int port = free_port();
@@ -106,10 +107,12 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
     std::string damaged = good;
     damaged.replace(damaged.size() * 3 / 4, 12, "\xFF\xC4\x12\x34\xFF\xC4\x12\x34\xFF\xC4\x12\x34");
     put(damaged);
-    if (eventually([&] { return status_at(port).at("number") == 1; }, Milliseconds(1000)))
-        CHECK(get(port, "/picture.jpg").picture().cols == 640);  // the notice
-    const auto exception = exceptions->next(patient(Milliseconds(5000)));
-    REQUIRE(exception);
+    std::optional<hive::Event> exception;
+    REQUIRE(eventually([&] {
+        static_cast<void>(get(port, "/picture.jpg"));
+        exception = exceptions->next(Milliseconds(50));
+        return exception.has_value();
+    }));
     CHECK(exception->header.at("code") == "malformed");
     put(good);
     CHECK(eventually([&] { return get(port, "/picture.jpg").picture().cols == 64; }, Milliseconds(5000)));
@@ -125,7 +128,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
     application.connect({"camera", ""}, {"view", ""});
     Client client(port);
     client.ask("/stream.mjpg");
-    REQUIRE(client.next_picture(Milliseconds(10'000)));
+    REQUIRE(client.next_picture());
     REQUIRE(shows(port));
     swarm.hivectl_done({"halt", "camera"});
     REQUIRE(eventually([&] { return status_at(port).at("rate") == 0; }, Milliseconds(10'000)));
@@ -135,7 +138,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
                        Milliseconds(8000)));
     CHECK(snapshots.size() <= 4);
     // By turns: a picture of the stream that nobody reads may be left out, as of any stream.
-    for (const auto end = Clock::now() + patient(Milliseconds(10'000)); streamed.size() < 3 && Clock::now() < end;) {
+    for (const auto end = Clock::now() + Milliseconds(60'000); streamed.size() < 3 && Clock::now() < end;) {
         const auto picture = client.next_picture();
         REQUIRE(picture);
         snapshots.insert(get(port, "/picture.jpg").body);
@@ -202,7 +205,7 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     CHECK(edges[0].at("from") == "camera.image");
     CHECK(edges[0].at("encoding") == "jpeg:60");
     process.signal(SIGINT);
-    CHECK(process.wait(patient(Milliseconds(5000))) == 130);
+    CHECK(process.wait(Milliseconds(60'000)) == 130);
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
     for (const char* ending : {".sock", ".state", ".log"})
         CHECK_FALSE_MESSAGE(std::filesystem::exists(swarm.home() / ("viewer" + std::string(ending))), ending);
@@ -229,7 +232,7 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
         std::this_thread::sleep_for(Milliseconds(round * 5));
         process.signal(SIGTERM);
         const bool at_once = Clock::now() - first < Milliseconds(100);
-        CHECK(process.wait(patient(Milliseconds(5000))) == 128 + SIGTERM);
+        CHECK(process.wait(Milliseconds(60'000)) == 128 + SIGTERM);
         if (!at_once) {  // the second was one of its own, and ended it without more ado
             swarm.hivectl({"stop", "viewer"});
             continue;
@@ -267,7 +270,7 @@ TEST_CASE("hivectl view: several that begin at once show each in a drone of its 
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera", "viewer", "viewer-2", "viewer-3"});
     for (auto& view : views) {
         view.signal(SIGINT);
-        CHECK(view.wait(patient(Milliseconds(5000))) == 130);
+        CHECK(view.wait(Milliseconds(60'000)) == 130);
     }
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }

@@ -35,9 +35,9 @@ public:
     /// Sends a request that says the token of the tests.
     bool ask(const std::string& path);
     /// Reads up to the end of the connection, or to `patience`.
-    Reply reply(Milliseconds patience = hive::test::patient(Milliseconds(5000)));
+    Reply reply(Milliseconds patience = Milliseconds(40'000));
     /// The next picture of a stream; nothing when none comes in time.
-    std::optional<std::string> next_picture(Milliseconds patience = hive::test::patient(Milliseconds(5000)));
+    std::optional<std::string> next_picture(Milliseconds patience = Milliseconds(40'000));
     /// Does anything more come within the time?
     bool more_within(Milliseconds patience);
     /// Does the other end close within the time?

@@ -115,7 +115,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("view window: shows the picture in its size; q or closing it ends the drone; it can be hidden and shown "
+TEST_CASE("view window: shows the picture in its size, q or closing it ends the drone, and it can be hidden and shown "
           "again (needs Xvfb)")
 {
     if (!installed("Xvfb"))
@@ -137,7 +137,7 @@ TEST_CASE("view window: shows the picture in its size; q or closing it ends the 
         application.set("view", {{"window", "auto"}});
         REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(5000)));
         end();
-        CHECK(view.wait(patient(Milliseconds(5000))) == 0);
+        CHECK(view.wait(Milliseconds(60'000)) == 0);
     }
 }
 
@@ -186,7 +186,7 @@ TEST_CASE("hivectl view: ends well when its window is closed (needs Xvfb)")
                     {}, swarm.home() / "hivectl.log");
     REQUIRE(eventually([&] { return screen.find("camera.image - Hive view") != 0; }, Milliseconds(20'000)));
     screen.close(screen.find("camera.image - Hive view"));
-    CHECK(process.wait(patient(Milliseconds(5000))) == 0);
+    CHECK(process.wait(Milliseconds(60'000)) == 0);
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
