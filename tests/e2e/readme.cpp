@@ -3,6 +3,7 @@
 #include "reader.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <fstream>
 #include <set>
@@ -101,7 +102,7 @@ TEST_CASE("README: hivectl --help has each heading once")
 
 TEST_CASE("README: the examples of --help work as they stand there")
 {
-    if (sanitized())
+    if (!possible(missing_if_sanitized()))
         return;  // the same verbs as on the pages, a hundred times
     const Swarm swarm;
     for (const auto& verb : verbs) {
