@@ -89,7 +89,7 @@ class Examples(World):
         self.drone("face", "face")
         python = drones_in("python", "hive.Application(")
         c = drones_in("c", "hive_application_new")
-        self.assertEqual((len(python), len(c)), (2, 1))
+        self.assertEqual((len(python), len(c)), (1, 1))
         programs = [[sys.executable, self.write(f"faces{i}.py", text)] for i, (_, text) in enumerate(python)]
         for words in [*programs, [self.built(c[0][1], "faces")]]:
             done = subprocess.run(words, capture_output=True, text=True, timeout=60)
@@ -101,13 +101,11 @@ class Examples(World):
         (file,) = [text for text in blocks(SWARM_PAGE, "sh") if "<<'END'" in text]
         self.write("doorway.json", file.partition("<<'END'\n")[2].partition("END\n")[0])
         (c,) = blocks(SWARM_PAGE, "c")
-        python = [text for page in (SWARM_PAGE, "README.md") for text in blocks(page, "python")]
-        python = [text for text in python if "hive.Swarm(" in text]
-        self.assertEqual(len(python), 2)
-        scripts = [[sys.executable, self.write(f"swarm{i}.py", text)] for i, text in enumerate(python)]
+        (python,) = blocks(SWARM_PAGE, "python")
+        script = [sys.executable, self.write("swarm.py", python)]
         self.addCleanup(self.stop_all)
         environment = {**os.environ, "HIVE_DRONE_PATH": PROGRAMS}
-        for command in [[os.path.join(PROGRAMS, "swarm_of_page")], [self.built(c, "swarm")], *scripts]:
+        for command in [[os.path.join(PROGRAMS, "swarm_of_page")], [self.built(c, "swarm")], script]:
             with self.subTest(command[-1]):
                 for steps in (5, 0):
                     more = {"cwd": self.home, "env": environment, "timeout": 100}
