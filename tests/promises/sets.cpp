@@ -29,7 +29,7 @@ public:
     {
         auto command = swarm_.hivectl_running({"set", "s*", "work_ms=" + std::to_string(work_ms)}, "set");
         REQUIRE(is_busy(application_, "s2"));
-        eventually([&] { return value("s1") == work_ms; }, 300ms);
+        happens_within(300ms, [&] { return value("s1") == work_ms; });
         return command;
     }
     /// Returns when the second has dealt with all that it was asked to set.

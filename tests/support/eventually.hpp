@@ -26,18 +26,22 @@ constexpr Milliseconds patient(Milliseconds time) { return (sanitized() ? 6 : 3)
 /// A bound that is promised to users, and is measured: not stretched, but for a sanitizer.
 constexpr Milliseconds stated(Milliseconds time) { return sanitized() ? 6 * time : time; }
 
+/// Asks every few milliseconds until the condition is true, for at most this long; either answer may be right.
+template <class Condition>
+bool happens_within(Milliseconds time, Condition condition)
+{
+    for (const auto end = Clock::now() + time; !condition(); std::this_thread::sleep_for(Milliseconds(3)))
+        if (Clock::now() >= end)
+            return false;
+    return true;
+}
+
 /// Asks every few milliseconds until the condition is true. A false answer means that it hangs, not that the machine is
 /// busy: it takes a minute at least. A bound that is a promise is measured with stated().
 template <class Condition>
 bool eventually(Condition condition, Milliseconds patience = Milliseconds(5000))
 {
-    const auto end = Clock::now() + std::max(Milliseconds(60'000), patient(patience));
-    while (!condition()) {
-        if (Clock::now() >= end)
-            return false;
-        std::this_thread::sleep_for(Milliseconds(3));
-    }
-    return true;
+    return happens_within(std::max(Milliseconds(60'000), patient(patience)), condition);
 }
 
 }  // namespace hive::test
