@@ -92,8 +92,6 @@ std::vector<Target> key_targets()
 {
     return {
         {"throughput 6.22 MB, TLS: GB/s", "hive/tls", "", "thr6.2M", "gigabytes_per_second", at_least, 1.0},
-        {"sync 100 KB, encrypted by hand", "raw_sock/tcp-sealed", "raw_sock/tcp", "sync100K", "per_second", at_least,
-         0.8},
         {"sync 100 KB, TLS", "hive/tls", "hive/tcp", "sync100K", "per_second", at_least, 0.45},
         {"handshake: us more to connect", "hive/tls", "hive/tcp", "dial64", "p50", at_most, 1000, true},
     };
