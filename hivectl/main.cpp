@@ -75,8 +75,8 @@ int dispatch(int argc, char** argv)
 }  // namespace
 }  // namespace hivectl
 
-/// Whoever starts us without one of them would have its text in a socket or file that gets its number. Opened the wrong
-/// way around, so that using it fails.
+/// A standard descriptor that is closed at the start would become the number of a socket or file, which would then get
+/// our text. Opens it the wrong way around, so that using it fails.
 static void take_standard_descriptors()
 {
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})

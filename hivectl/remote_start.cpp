@@ -65,7 +65,7 @@ int start_remotely(Session& session, const RemotePlan& plan)
                                    "--timeout",
                                    std::to_string(std::max<std::int64_t>(1, limit / 1s))};
     words.insert(words.end(), plan.words.begin(), plan.words.end());
-    interrupt::defer_until_exit();  // what has begun there comes up, whether somebody waits for it here or not
+    interrupt::defer_until_exit();  // a drone that is starting there comes up even if this exits
     auto starting = std::async(std::launch::async, [&] { return remote.hivectl(words, limit + 12s); });
     for (bool told = false; starting.wait_for(50ms) != std::future_status::ready;)
         if (interrupt::requested() && !std::exchange(told, true))

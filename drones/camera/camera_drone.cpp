@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr double usual_fps = 30;  ///< of the scene and of pictures
 
 /// The size a picture of size `own` is sent with; a side of 0 follows the other, or stays as it is. Throws
-/// Errc::too_large when nobody would take it.
+/// Errc::too_large when receivers would refuse it.
 cv::Size size_to_send(cv::Size own, int width, int height)
 {
     const double ratio = static_cast<double>(own.width) / own.height;

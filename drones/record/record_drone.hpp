@@ -61,7 +61,7 @@ private:
         std::map<std::string, Dropped> dropped;
         bool reported;
     };
-    std::optional<Former> former_;  ///< while nobody has decided yet whether the set holds
+    std::optional<Former> former_;  ///< until the joint set is committed or aborted
     std::chrono::steady_clock::time_point next_count_{};
 };
 

@@ -51,7 +51,7 @@ void Encoder::run()
                 encode(captioned_, *newest.picture, newest.version);
             if (plain)
                 encode(plain_, *newest.picture, newest.version);
-        } catch (const std::exception&) {  // no memory: whoever still waits asks again
+        } catch (const std::exception&) {  // out of memory: a browser that still waits requests it again
         }
         lock.lock();
     }

@@ -15,7 +15,7 @@ struct Encoded {
     std::uint64_t version = 0;
 };
 
-/// One picture is worked on at a time, and then the one that is the newest by then; nothing when nobody asks.
+/// Encodes one picture at a time, then the newest one; idle without requests.
 class Encoder {
 public:
     /// @param exchange  outlives the encoder

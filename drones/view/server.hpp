@@ -12,7 +12,7 @@ namespace view {
 
 /// One thread serves all browsers and never waits for one of them; another one prepares the pictures that they ask for.
 /// Only GET; a request is small, soon complete, and says a Host of ours and the token; each connection is one request.
-/// Who has not shown the token yet takes no place of those who have.
+/// Connections without the token take no capacity from those with it.
 class Server {
 public:
     struct Settings {

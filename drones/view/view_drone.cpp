@@ -109,7 +109,7 @@ void ViewDrone::take(const hive::Event& event)
     hold(event);
 }
 
-/// Decoding waits until somebody looks: then it is done on the thread of the window, or of the encoder.
+/// Decodes only when a viewer needs the picture, on the thread of the window or of the encoder.
 Picture::Content ViewDrone::content_of(const hive::Event& event) const
 {
     hive::Event picture = event;

@@ -55,8 +55,8 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     return *event;
 }
 
-/// Beside the file first, then renamed: nobody sees half of it. A link stays one, and what is no file (a pipe,
-/// /dev/null) is written and not replaced.
+/// Writes a temporary file and renames it, so that no reader sees half of it. Keeps links; writes to a pipe or
+/// /dev/null in place.
 void save(const std::filesystem::path& named, const hive::Body& body)
 {
     namespace fs = std::filesystem;
