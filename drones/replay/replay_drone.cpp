@@ -182,11 +182,17 @@ std::chrono::microseconds ReplayDrone::step()
         if (const auto wait = std::chrono::ceil<std::chrono::microseconds>(due - Timeline::Clock::now()); wait > 0us)
             return wait;
     }
-    if (wanted && event_->identity.lossless && !output().asked())
+    if (wanted && event_->identity.lossless && (!output().asked() || overtakes()))
         return 1s;
     event_->identity.lossless = event_->identity.lossless && wanted;  // nobody waits for what nobody receives
     send();
     return 0s;
+}
+
+/// A receiver of several outputs gets their events in the order of the recording.
+bool ReplayDrone::overtakes() const
+{
+    return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.backlogged(); });
 }
 
 /// Reads the header of the current event; false when it is damaged.

@@ -39,6 +39,7 @@ private:
     [[nodiscard]] Range range() const;
     [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<hive::recording::Track>& tracks) const;
     [[nodiscard]] bool anybody() const;
+    [[nodiscard]] bool overtakes() const;
     Step next_step();
     std::chrono::microseconds step();
     bool prepare();

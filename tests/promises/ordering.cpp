@@ -6,6 +6,7 @@
 
 #include <hive/event_text.hpp>
 
+#include <csignal>
 #include <fstream>
 
 using namespace hive::test;
@@ -32,7 +33,10 @@ std::vector<std::string> events_in(const fs::path& file)
 }
 
 /// Replays a recording on demand into another one.
-std::vector<std::string> recorded_again(const Swarm& swarm, const fs::path& file, const fs::path& copy)
+/// @param meanwhile  is done with the recorder once the replay runs
+std::vector<std::string> recorded_again(
+    const Swarm& swarm, const fs::path& file, const fs::path& copy,
+    const std::function<void(Process&)>& meanwhile = [](Process&) {})
 {
     const auto count = events_in(file).size();
     swarm.hivectl_done({"replay", file.string(), "--pace", "demand", "--halted"});
@@ -47,6 +51,7 @@ std::vector<std::string> recorded_again(const Swarm& swarm, const fs::path& file
     };
     REQUIRE(eventually(both));
     application.resume("replay");
+    meanwhile(recorder);
     REQUIRE(recorder.wait(patient(10'000ms)) == 0);
     application.stop("replay");
     return events_in(copy);
@@ -152,6 +157,23 @@ TEST_CASE("ordered: a replay of two outputs on demand gives the same events in t
                twice = recorded_again(swarm, file, swarm.home() / "twice.hive");
     CHECK((once == twice));
     CHECK((once == original));
+}
+
+TEST_CASE("ordered: a replay of three outputs to a recorder that stands still for a while keeps their order")
+{
+    const Swarm swarm;
+    // Bodies as large as go through the socket, which is full when its reader stands still.
+    const auto large = swarm.drone("ticker", "large", {"pace=demand", "bytes=4000"}),
+               other = swarm.drone("ticker", "other", {"pace=demand", "bytes=4000"}),
+               small = swarm.drone("ticker", "small", {"pace=demand", "bytes=100"});
+    const auto file = swarm.home() / "run.hive";
+    swarm.hivectl_done({"record", "large", "other", "small", "-o", file.string(), "-n", "2000"});
+    const auto again = recorded_again(swarm, file, swarm.home() / "again.hive", [](Process& recorder) {
+        recorder.signal(SIGSTOP);
+        std::this_thread::sleep_for(300ms);
+        recorder.signal(SIGCONT);
+    });
+    CHECK((again == events_in(file)));
 }
 
 TEST_CASE("ordered: a recording that is replayed again and again goes on being taken by a drone that keeps state")

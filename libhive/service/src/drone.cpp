@@ -96,6 +96,7 @@ Loan Output::loan(std::size_t bytes) const { return core_->emitter().loan(bytes)
 bool Output::wanted() const { return core_->emitter().wanted(index_); }
 bool Output::received() const { return core_->emitter().received(index_); }
 bool Output::asked() const { return core_->emitter().asked(index_); }
+bool Output::backlogged() const { return core_->emitter().backlogged(index_); }
 
 void Output::emit(Json header, Body body, std::string type) const
 {

@@ -87,6 +87,12 @@ Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, b
             .hops = {}};
 }
 
+bool Emitter::backlogged(std::size_t output) const
+{
+    const Slot& slot = *outputs_[output];
+    return slot.outlet && (!slot.handover.empty() || slot.outlet->backlogged());
+}
+
 /// What is emitted for the present set has the identity of its first event, and keeps lossless ones in custody.
 void Emitter::inherit(Event& event, Slot& slot) const
 {
@@ -208,8 +214,7 @@ void Emitter::send(std::size_t output, Event event, bool complete)
     module_->loop().perform([this, &slot, emission = std::move(emission)] {
         module_->emit(*slot.outlet, emission);
         slot.handover.leave();
-        if (slot.outlet->asked())
-            mailbox_.nudge();
+        mailbox_.nudge();  // main may wait for asked() or for the end of backlogged()
     });
 }
 

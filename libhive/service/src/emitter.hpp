@@ -48,6 +48,7 @@ public:
     [[nodiscard]] bool needs_body(std::size_t output) const;
     [[nodiscard]] bool received(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
+    [[nodiscard]] bool backlogged(std::size_t output) const;
     /// Its number is taken when the event is sent.
     [[nodiscard]] Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const;
     /// @param begun  empty: inherited from the present set, or a new one

@@ -62,6 +62,9 @@ public:
     [[nodiscard]] bool received() const;
     /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
     [[nodiscard]] bool asked() const;
+    /// Does an event that must arrive still wait here for its way to a receiver? What is emitted at another output then
+    /// overtakes it.
+    [[nodiscard]] bool backlogged() const;
 
     /// A buffer of so many bytes to fill in place and emit: no copy is made on the way to receivers on this machine,
     /// and there is one picture in memory for any number of them. Never waits; when the shared memory is used up it is

@@ -64,7 +64,7 @@ public:
     /// Does anybody receive it, be it headers alone?
     [[nodiscard]] bool received() const noexcept { return received_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
-    [[nodiscard]] bool backlogged() const noexcept { return backlogged_; }
+    [[nodiscard]] bool backlogged() const noexcept { return backlogged_.load(std::memory_order_relaxed); }
     /// Does each event go to several plain receivers of bodies?
     [[nodiscard]] bool fans_out() const noexcept { return fans_out_.load(std::memory_order_relaxed); }
     /// Does anybody receive bodies through shared memory?
@@ -104,8 +104,8 @@ private:
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
     std::string end_text_;
-    std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, shares_ = false, fans_out_ = false;
-    bool backlogged_ = false;
+    std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, backlogged_ = false, shares_ = false,
+                      fans_out_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
