@@ -15,6 +15,7 @@ refuse() {
 }
 
 refuse "protocol knows nothing above it" 'hive/(transport|event|vision)/|hive/(event|drone|application)\.hpp' protocol
+refuse "platform knows nothing of Hive" 'hive/(transport|event|discovery|vision|protocol)/|hive/[a-z_]+\.hpp' libhive/platform
 refuse "transport knows no event" 'hive/(event|discovery|vision)/|hive/(event|drone|application)\.hpp' libhive/transport
 refuse "discovery stands on transport alone" 'hive/(event|vision)/|hive/(event|drone|application)\.hpp' libhive/discovery
 refuse "event knows neither service nor manager" 'hive/(drone|application)\.hpp|hive/(discovery|vision)/' libhive/event

@@ -45,6 +45,13 @@ function(hive_batches target size)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
 endfunction()
 
+# Code that waits for drones and programs, not for the processor: optimizing it more takes a third longer to compile and gains nothing.
+function(hive_optimize_little)
+  foreach(target ${ARGN})
+    target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo,Release>:-O1>)
+  endforeach()
+endfunction()
+
 # Headers that many executables begin with, compiled once: they take them by REUSE_FROM. The target that holds them is compiled as
 # executables are, -fPIE, or else they could not.
 function(hive_common_headers target)
@@ -54,13 +61,38 @@ function(hive_common_headers target)
 endfunction()
 
 # A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
-# sideways include does not compile.
+# sideways include does not compile. Sources that touch the machine and whose work the simulator does in its own way are NOT_SIMULATED:
+# they are an object library NAME_unsimulated. HEADERS are precompiled, or HEADERS_OF another layer taken over.
 function(hive_layer name)
-  cmake_parse_arguments(PARSE_ARGV 1 layer "" "" "SOURCES;DEPENDS")
-  add_library(${name} OBJECT ${layer_SOURCES})
-  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
-  target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
+  cmake_parse_arguments(PARSE_ARGV 1 layer "" "HEADERS_OF" "SOURCES;NOT_SIMULATED;DEPENDS;HEADERS")
+  if(layer_SOURCES)
+    hive_part_of_layer(${name} "${layer_HEADERS_OF}" ${layer_SOURCES})
+    target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
+    target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
+    target_precompile_headers(${name} PRIVATE ${layer_HEADERS})
+    if(layer_HEADERS)
+      set(layer_HEADERS_OF ${name})
+    endif()
+  else()
+    add_library(${name} INTERFACE)
+    target_include_directories(${name} INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
+    target_link_libraries(${name} INTERFACE ${layer_DEPENDS})
+  endif()
+  if(layer_NOT_SIMULATED)
+    hive_part_of_layer(${name}_unsimulated "${layer_HEADERS_OF}" ${layer_NOT_SIMULATED})
+    target_link_libraries(${name}_unsimulated PUBLIC ${name})
+  endif()
+endfunction()
+
+function(hive_part_of_layer name headers_of)
+  add_library(${name} OBJECT ${ARGN})
+  # A header of the standard library first, everywhere: from what it has seen so far asio chooses how it allocates, and all files must
+  # choose alike.
+  target_compile_options(${name} PRIVATE "SHELL:-include cstddef")
   hive_batches(${name} 16)
+  if(headers_of)
+    target_precompile_headers(${name} REUSE_FROM ${headers_of})
+  endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_LAYERS ${name})
 endfunction()
 

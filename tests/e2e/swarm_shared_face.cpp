@@ -44,7 +44,7 @@ struct Timed {
 bool works(const Machines& machines)
 {
     std::set<std::string> workers;
-    return eventually(
+    const bool all = eventually(
         [&] {
             std::istringstream lines(machines.lab.hivectl_done("results 'face-*' -n 12 --json --timeout 20"));
             for (std::string line; std::getline(lines, line);)
@@ -52,6 +52,10 @@ bool works(const Machines& machines)
             return workers.size() == 4;
         },
         20'000ms);
+    if (!all)
+        MESSAGE("some worker finds nothing:\n"
+                << machines.lab.hivectl_done("ps --json --timeout 10") << machines.lab.hivectl_done("edges --json"));
+    return all;
 }
 
 /// What a reboot leaves of a machine: its disk, and nothing of what ran or lay in memory.

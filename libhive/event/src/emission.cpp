@@ -170,7 +170,7 @@ Event event_from_packet(const protocol::Packet& packet)
 {
     Event event = event_from_text(packet.header_text(), packet.body);
     event.sized = event.sized || packet.type != protocol::PacketType::notification;  // else the body tells it
-    event.received = std::chrono::steady_clock::now();
+    event.received = Clock::now();
     return event;
 }
 

@@ -2,6 +2,7 @@
 #include <hive/error.hpp>
 #include <hive/event/home.hpp>
 #include <hive/name.hpp>
+#include <hive/platform/process.hpp>
 #include <hive/protocol/defended.hpp>
 
 #include <algorithm>
@@ -158,7 +159,7 @@ NameClaim::NameClaim(const Home& home, const std::string& name, To what)
         throw Error(Errc::name_taken, name + (what == To::name ? " runs already" : " is being replaced already")
                                           + (length > 0 ? ", as process " + std::string(holder) : ""));
     }
-    const auto pid = std::to_string(::getpid());
+    const auto pid = std::to_string(platform::own_pid());
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0) {
         const int error = errno;
         ::close(descriptor_);  // and with it the lock

@@ -41,6 +41,9 @@ Loop::~Loop()
     ::close(timer_);
 }
 
+bool Loop::started() const noexcept { return thread_.joinable(); }
+bool Loop::has_turn() const noexcept { return holder_ == std::this_thread::get_id(); }
+
 void Loop::start()
 {
     {

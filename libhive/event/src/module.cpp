@@ -3,7 +3,6 @@
 #include <hive/protocol/defended.hpp>
 
 #include <algorithm>
-#include <csignal>
 #include <utility>
 
 namespace hive::event {
@@ -60,7 +59,7 @@ void Module::leave()
 
 void Module::close_links()
 {
-    signals_.cancel();
+    signals_.reset();
     keys_timer_.cancel();
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
     for (const auto& link : std::set(links_))
@@ -77,15 +76,7 @@ void Module::close_links()
     });
 }
 
-void Module::on_signal(std::function<void(int)> handler)
-{
-    signals_.add(SIGINT);
-    signals_.add(SIGTERM);
-    signals_.async_wait([handler = std::move(handler)](std::error_code problem, int number) {
-        if (!problem)
-            handler(number);
-    });
-}
+void Module::on_signal(std::function<void(int)> handler) { signals_.emplace(context(), std::move(handler)); }
 
 void Module::start() { loop_.start(); }
 
@@ -312,7 +303,7 @@ void Module::demand_changed()
 
 Alarm Module::alarm(Clock::time_point time, Loop::Task task)
 {
-    auto timer = std::make_shared<asio::steady_timer>(context(), time);
+    auto timer = std::make_shared<platform::Timer>(context(), time);
     timer->async_wait([task = std::move(task)](std::error_code problem) {
         if (!problem)
             task();

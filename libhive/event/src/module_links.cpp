@@ -1,10 +1,9 @@
 // The links of a module: made, shared by all who need the same peer, given up, ended.
 #include <hive/event/module.hpp>
+#include <hive/platform/process.hpp>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
-#include <sstream>
 
 namespace hive::event {
 
@@ -174,30 +173,13 @@ void Module::end_earlier_run(const LinkPtr& link)
 
 namespace {
 
-/// Is that process ending, or gone?
-bool process_ends(std::int64_t pid)
-{
-    constexpr unsigned exiting = 4;  // PF_EXITING of the kernel
-    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-    std::string text;
-    std::getline(file, text);  // an iterator would throw when the process is reaped between opening and reading
-    const auto after_name = text.rfind(')');
-    if (after_name == std::string::npos)
-        return true;
-    std::istringstream fields(text.substr(after_name + 1));
-    std::string state, skipped;
-    unsigned long flags = 0;
-    fields >> state >> skipped >> skipped >> skipped >> skipped >> skipped >> flags;
-    return state == "Z" || state == "X" || (flags & exiting) != 0;
-}
-
 /// What becomes of the events that a peer was sent when its connection ends.
 Fate fate_by(Link& link, const Error& reason)
 {
     if (!link.connection().ended_by_peer())
         return reason.code() == Errc::stopped ? Fate::lost_connection : Fate::lost_cut_off;
     // On one machine a peer may also have cut off this end.
-    const bool died = !link.local() || process_ends(link.peer().pid);
+    const bool died = !link.local() || platform::process_ends(link.peer().pid);
     return died ? Fate::lost_killed : Fate::lost_connection;
 }
 

@@ -19,7 +19,7 @@ ReceiverTable::Defences defences() { return {.leases = defended("leases"), .plac
 Clock::time_point lease_now()
 {
     static const bool steady = defended("steady-clock");
-    return steady ? Clock::now() : Clock::time_point(std::chrono::system_clock::now().time_since_epoch());
+    return steady ? Clock::now() : Clock::time_point(platform::WallClock::now().time_since_epoch());
 }
 
 /// Of what is said about an end; cut so that it still fits when a broken character at its end becomes longer.

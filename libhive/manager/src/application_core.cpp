@@ -2,12 +2,10 @@
 #include "application_core.hpp"
 
 #include <hive/name.hpp>
+#include <hive/platform/process.hpp>
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
-
-#include <unistd.h>
 
 namespace hive {
 namespace {
@@ -29,7 +27,7 @@ std::string name_of(const Application::Options& options)
     if (!options.name.empty())
         return require_name(options.name, "application");
     const int number = ++made;
-    return "app-" + std::to_string(::getpid()) + (number == 1 ? "" : "-" + std::to_string(number));
+    return "app-" + std::to_string(platform::own_pid()) + (number == 1 ? "" : "-" + std::to_string(number));
 }
 
 /// Nothing is read before a drone is dialed over tcp.
@@ -61,7 +59,10 @@ Application::Core::Core(Application::Options options)
       cancelled(std::move(options.cancelled)),
       directory(options.home.empty() ? default_home() : options.home,
                 options.key.empty() ? default_key_file() : options.key),
-      module({.self = {.name = name_of(options), .kind = "application", .epoch = event::wall_us(), .pid = ::getpid()},
+      module({.self = {.name = name_of(options),
+                       .kind = "application",
+                       .epoch = event::wall_us(),
+                       .pid = platform::own_pid()},
               .limits = {},
               .timing = {},
               .keys = keys_of(options),
@@ -211,7 +212,7 @@ std::optional<Error> Application::Core::wait_until_gone(const Place& place, even
         if (event::Clock::now() >= until)
             return Error(Errc::timeout, place.drone + " was told to stop and still runs");
         require_not_cancelled();
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        platform::sleep_for(std::chrono::milliseconds(2));
     }
     if (!is_here(place))
         directory.list().forget(place);

@@ -3,6 +3,7 @@
 
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
+#include <hive/platform/process.hpp>
 
 #include <variant>
 
@@ -62,7 +63,7 @@ private:
 
     event::Module& module_;
     Terms terms_;
-    std::mt19937_64 random_{std::random_device{}()};
+    std::mt19937_64 random_{platform::entropy()};
     std::int64_t token_ = 0;
     int attempts_ = 0;
     std::vector<PartPtr> parts_;

@@ -4,6 +4,7 @@
 #include <hive/event/clock.hpp>
 #include <hive/json.hpp>
 #include <hive/name.hpp>
+#include <hive/platform/process.hpp>
 #include <hive/transport/address.hpp>
 
 #include <algorithm>
@@ -13,7 +14,6 @@
 #include <fstream>
 #include <map>
 #include <string_view>
-#include <thread>
 #include <tuple>
 #include <unistd.h>
 
@@ -45,7 +45,7 @@ public:
                 ::close(descriptor_);
                 throw Error(Errc::timeout, "another process has held " + file.string() + " for 2 s");
             }
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            platform::sleep_for(std::chrono::milliseconds(2));
         }
     }
     ~ListLock() { ::close(descriptor_); }

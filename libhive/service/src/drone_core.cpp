@@ -5,9 +5,9 @@
 #include "succession.hpp"
 
 #include <hive/event/answer_filter.hpp>
+#include <hive/platform/process.hpp>
 
 #include <iostream>
-#include <unistd.h>
 
 namespace hive {
 
@@ -93,7 +93,7 @@ void DroneCore::Running::end()
 
 DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     : settings_(std::move(settings)),
-      self_{.name = settings_.name, .kind = program.kind, .epoch = event::wall_us(), .pid = ::getpid()},
+      self_{.name = settings_.name, .kind = program.kind, .epoch = event::wall_us(), .pid = platform::own_pid()},
       declaration_(std::move(program)),
       reporter_(self_, board_, settings_.log),
       emitter_(self_, declaration_.interface, mailbox_)

@@ -3,7 +3,7 @@
 
 #include "last_grace.hpp"
 
-#include <thread>
+#include <hive/platform/process.hpp>
 
 namespace hive::service {
 namespace {
@@ -46,7 +46,7 @@ void await_name(const event::Home& home, const std::string& name, std::optional<
     while (!claim)
         try {
             if (Clock::now() < until && home.alive(name))
-                std::this_thread::sleep_for(1ms);
+                platform::sleep_for(1ms);
             else
                 claim.emplace(home, name);
         } catch (const Error& error) {

@@ -9,7 +9,7 @@
 namespace hive::transport {
 namespace {
 
-constexpr std::size_t most_segments = 64;
+constexpr std::size_t most_borrowed_segments = 64;
 constexpr std::uint64_t most_mapped_bytes = 16ULL << 30;  // addresses, not memory
 constexpr std::uint64_t most_held_bytes = 512ULL << 20;   // to be copied when the connection ends; six of the largest
 
@@ -96,9 +96,9 @@ void Borrowing::map(const protocol::Segment& offered, Descriptor descriptor, std
 {
     if (!descriptor)
         throw Error(Errc::malformed, "segment: no descriptor came with it");
-    if (mappings_.contains(offered.id) || mappings_.size() == most_segments)
+    if (mappings_.contains(offered.id) || mappings_.size() == most_borrowed_segments)
         throw Error(Errc::malformed, "segment: number " + std::to_string(offered.id) + " a second time, or more than "
-                                         + std::to_string(most_segments));
+                                         + std::to_string(most_borrowed_segments));
     require_at_most("a slot of shared memory", offered.slot_size, protocol::most_slot_size(most_body));
     mapped_bytes_ += offered.slots * offered.slot_size;
     if (mapped_bytes_ > most_mapped_bytes)

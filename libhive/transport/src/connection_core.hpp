@@ -9,7 +9,7 @@
 
 #include <hive/transport/connection.hpp>
 
-#include <asio/steady_timer.hpp>
+#include <hive/platform/timer.hpp>
 
 #include <memory>
 #include <optional>
@@ -61,7 +61,7 @@ private:
     const std::string peer_;
     const Timing timing_;
     std::shared_ptr<void> admission_;
-    asio::steady_timer timer_;
+    platform::Timer timer_;
     Liveness liveness_;
     PacketReader reader_;
     PacketWriter writer_;

@@ -1,9 +1,8 @@
 // What every dialer shares: one answer, at the latest at the deadline.
 #pragma once
 
+#include <hive/platform/timer.hpp>
 #include <hive/transport/transport.hpp>
-
-#include <asio/steady_timer.hpp>
 
 namespace hive::transport {
 
@@ -32,7 +31,7 @@ private:
 
     OnDialed on_dialed_;
     const Timing timing_;
-    asio::steady_timer deadline_;
+    platform::Timer deadline_;
 };
 
 }  // namespace hive::transport

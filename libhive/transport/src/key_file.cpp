@@ -3,6 +3,7 @@
 
 #include <hive/error.hpp>
 #include <hive/json.hpp>
+#include <hive/platform/process.hpp>
 #include <hive/transport/descriptor.hpp>
 
 #include <cstdlib>
@@ -203,7 +204,7 @@ void write_key_file(const fs::path& file, const std::vector<SwarmKey>& keys, Key
         if (problem)
             throw Error(Errc::io, "cannot make " + file.parent_path().string() + ": " + problem.message());
     }
-    const fs::path fresh = file.string() + "." + std::to_string(::getpid()) + ".new";
+    const fs::path fresh = file.string() + "." + std::to_string(platform::own_pid()) + ".new";
     ::unlink(fresh.c_str());  // of a process of this number that was killed
     const Descriptor opened(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
     if (!opened)

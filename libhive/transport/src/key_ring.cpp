@@ -2,6 +2,7 @@
 #include <hive/transport/key_ring.hpp>
 
 #include <hive/error.hpp>
+#include <hive/platform/clock.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -11,8 +12,7 @@ namespace {
 
 std::int64_t now_s()
 {
-    return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
-        .count();
+    return std::chrono::duration_cast<std::chrono::seconds>(platform::WallClock::now().time_since_epoch()).count();
 }
 
 bool same(const struct stat& a, const struct stat& b)

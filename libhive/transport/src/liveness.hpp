@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/error.hpp>
+#include <hive/platform/clock.hpp>
 #include <hive/transport/connection.hpp>
 
 #include <chrono>
@@ -12,7 +13,7 @@ namespace hive::transport {
 /// The heartbeat rules of one connection.
 class Liveness {
 public:
-    using Clock = std::chrono::steady_clock;
+    using Clock = platform::SteadyClock;
 
     Liveness(const Timing& timing, Clock::time_point now) : timing_(timing), started_(now), heard_(now), window_(now) {}
 

@@ -15,7 +15,7 @@ std::string readable_word(const std::string& word)
     return !word.empty() && word.find_first_not_of(plain) == std::string::npos ? word : quoted_for_systemd(word);
 }
 
-std::string restart_of(const SwarmDrone& drone)
+std::string unit_restart_of(const SwarmDrone& drone)
 {
     switch (drone.restart) {
     case Restart::never: return "no";
@@ -38,7 +38,7 @@ std::string service(const SwarmPlan& plan, const SwarmDrone& drone, const std::s
 {
     return "[Unit]\nDescription=Hive drone " + drone.name + " of the swarm " + plan.name + "\nPartOf=hive-" + plan.name
            + ".target\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\nExecStart=" + command
-           + "\nRestart=" + restart_of(drone) + "\nRestartSec=1\n";
+           + "\nRestart=" + unit_restart_of(drone) + "\nRestartSec=1\n";
 }
 
 std::string target(const SwarmPlan& plan, const std::vector<std::string>& services)

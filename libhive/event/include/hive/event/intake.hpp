@@ -4,10 +4,9 @@
 #include <hive/backoff.hpp>
 #include <hive/event/intake_host.hpp>
 #include <hive/event/receipt.hpp>
+#include <hive/platform/timer.hpp>
 #include <hive/status.hpp>
 #include <hive/transport/transport.hpp>
-
-#include <asio/steady_timer.hpp>
 
 #include <array>
 #include <deque>
@@ -116,7 +115,7 @@ private:
     Backoff backoff_, quick_backoff_;
     std::optional<Clock::time_point> lost_;  ///< since when it has been cut off
     std::int64_t round_trip_us_ = 0;         ///< of the connection that was lost
-    asio::steady_timer timer_;
+    platform::Timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;
     bool connected_ = false, stopped_ = false, left_ = false;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <hive/event/clock.hpp>
+#include <hive/platform/timer.hpp>
 
 #include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
-#include <asio/steady_timer.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -34,7 +34,7 @@ public:
 
     /// Starts the network thread.
     void start();
-    [[nodiscard]] bool started() const noexcept { return thread_.joinable(); }
+    [[nodiscard]] bool started() const noexcept;
     /// Runs what is left until there is nothing to wait for, and ends the network thread. Once; not with the turn.
     void end();
     [[nodiscard]] asio::io_context& context() noexcept { return context_; }
@@ -48,7 +48,7 @@ public:
     void perform(Task task);
     /// Runs a task on this thread, waiting for the turn; what it throws is thrown here.
     void call(const Task& task);
-    [[nodiscard]] bool has_turn() const noexcept { return holder_ == std::this_thread::get_id(); }
+    [[nodiscard]] bool has_turn() const noexcept;
 
     // --- any thread that does not have the turn ---
 
@@ -77,7 +77,7 @@ private:
 
     asio::io_context context_{1};
     asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
-    asio::steady_timer alarm_{context_};  ///< the deadline of a wait
+    platform::Timer alarm_{context_};  ///< the deadline of a wait
     bool alarm_set_ = false;
     bool short_wait_ = false;  ///< the last one was: the next will hardly last until the network thread looks
     bool served_ = false;      ///< the one who has the turn has run the io_context

@@ -12,9 +12,8 @@
 #include <hive/event/mailbox.hpp>
 #include <hive/event/outlet.hpp>
 #include <hive/log_level.hpp>
-
-#include <asio/signal_set.hpp>
-#include <asio/steady_timer.hpp>
+#include <hive/platform/signals.hpp>
+#include <hive/platform/timer.hpp>
 
 #include <atomic>
 #include <deque>
@@ -23,6 +22,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -178,13 +178,13 @@ private:
     std::shared_ptr<transport::Pool> pool_ = std::make_shared<transport::Pool>();
     Loop loop_;
     std::shared_ptr<Door> door_ = std::make_shared<Door>(loop_);
-    asio::steady_timer timer_{context()};
-    asio::steady_timer last_{context()};
-    asio::steady_timer keys_timer_{context()};
+    platform::Timer timer_{context()};
+    platform::Timer last_{context()};
+    platform::Timer keys_timer_{context()};
     bool watching_keys_ = false;
     std::string keys_trouble_;  ///< what was last said of the file
     LogLimit refusals_{10, std::chrono::seconds(10)};
-    asio::signal_set signals_{context()};
+    std::optional<platform::Signals> signals_;
     bool armed_ = false, ending_ = false;
     LineBudget lines_;
     std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by who is there

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/body.hpp>
+#include <hive/platform/clock.hpp>
 #include <hive/protocol/messages.hpp>
 
 #include <chrono>
@@ -23,7 +24,7 @@ class Segment;
 /// are gone. From any thread.
 class Pool : public std::enable_shared_from_this<Pool> {
 public:
-    using Clock = std::chrono::steady_clock;
+    using Clock = platform::SteadyClock;
 
     struct Limits {
         std::size_t bytes;                      ///< backed at most, over all segments

@@ -1,0 +1,38 @@
+// What the system tells about processes.
+#include <hive/platform/process.hpp>
+
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <thread>
+#include <unistd.h>
+
+namespace hive::platform {
+
+std::int64_t own_pid() noexcept { return ::getpid(); }
+
+bool process_ends(std::int64_t pid)
+{
+    constexpr unsigned exiting = 4;  // PF_EXITING of the kernel
+    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+    std::string text;
+    std::getline(file, text);  // an iterator would throw when the process is reaped between opening and reading
+    const auto after_name = text.rfind(')');
+    if (after_name == std::string::npos)
+        return true;
+    std::istringstream fields(text.substr(after_name + 1));
+    std::string state, skipped;
+    unsigned long flags = 0;
+    fields >> state >> skipped >> skipped >> skipped >> skipped >> skipped >> flags;
+    return state == "Z" || state == "X" || (flags & exiting) != 0;
+}
+
+void sleep_for(std::chrono::nanoseconds time) { std::this_thread::sleep_for(time); }
+
+std::uint64_t entropy()
+{
+    std::random_device device;
+    return std::uint64_t{device()} << 32 | device();
+}
+
+}  // namespace hive::platform
