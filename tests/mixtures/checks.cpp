@@ -37,8 +37,8 @@ Problems disagreeing(const EdgeStatus& edge, const InputStatus& input, std::int6
     const bool lost = ages.receiver_older && edge.events.of(Fate::acknowledged) > input.received + left;
     if (!made_up && !lost)
         return {};
-    return {input.from + " -> " + edge.receiver + ": the sender has " + to_text(edge) + "; the receiver has "
-            + to_text(input)};
+    return {"both ends: " + input.from + " -> " + edge.receiver + ": the sender has " + to_text(edge)
+            + "; the receiver has " + to_text(input)};
 }
 
 std::int64_t received_before(const Status& status, const std::string& input)
@@ -81,13 +81,13 @@ Problems unbalanced(const Statuses& statuses)
         for (const auto& output : status.outputs)
             for (const auto& edge : output.edges)
                 if (!balances(edge, output.produced))
-                    problems.push_back("the ledger of " + name + "." + output.name + " -> " + edge.receiver
+                    problems.push_back("ledger: that of " + name + "." + output.name + " -> " + edge.receiver
                                        + " does not balance: " + "produced " + std::to_string(output.produced) + ", "
                                        + to_text(edge));
         for (const auto* inputs : {&status.inputs, &status.left})
             for (const auto& input : *inputs)
                 if (!balances(input))
-                    problems.push_back("the account of " + input.from + " -> " + name + "." + input.input
+                    problems.push_back("ledger: the account of " + input.from + " -> " + name + "." + input.input
                                        + " does not balance: " + to_text(input));
     }
     return problems;
@@ -145,7 +145,7 @@ Problems without_reason(const Statuses& statuses)
                 if ((edge.waiting != 0 || answers) && edge.events.in_flight() != 0 && edge.why == Reason::none
                     && output.why == Reason::none && status.why == Reason::none
                     && !(answers && explains(receiver->second, name + "." + output.name)))
-                    problems.push_back(name + "." + output.name + " -> " + edge.receiver
+                    problems.push_back("why: " + name + "." + output.name + " -> " + edge.receiver
                                        + " stands still without a reason: " + to_text(edge));
             }
     return problems;

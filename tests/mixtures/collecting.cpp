@@ -6,21 +6,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-Outcome outcome_of(const Event& event, bool failed)
-{
-    Outcome outcome{.failed = failed,
-                    .sender = event.sender,
-                    .text = {},
-                    .epoch = event.identity.epoch,
-                    .sequence = event.identity.sequence,
-                    .hops = {}};
-    if (failed)
-        outcome.text = event.header.value("code", "") + ": " + event.header.value("text", "");
-    for (const auto& hop : event.identity.hops)
-        outcome.hops.push_back(hop.drone);
-    return outcome;
-}
-
 std::vector<Endpoint> last_outputs(const Topology& topology)
 {
     std::vector<Endpoint> ends;

@@ -49,6 +49,21 @@ std::string to_text(const Outcome& outcome)
            + " by way of " + joined(outcome.hops);
 }
 
+Outcome outcome_of(const Event& event, bool failed)
+{
+    Outcome outcome{.failed = failed,
+                    .sender = event.sender,
+                    .text = {},
+                    .epoch = event.identity.epoch,
+                    .sequence = event.identity.sequence,
+                    .hops = {}};
+    if (failed)
+        outcome.text = event.header.value("code", "") + ": " + event.header.value("text", "");
+    for (const auto& hop : event.identity.hops)
+        outcome.hops.push_back(hop.drone);
+    return outcome;
+}
+
 Model::Model(const Topology& topology) : topology_(topology), condition_(topology)
 {
     excuse_receivers_of(source);  // they are connected one after the other
@@ -160,14 +175,15 @@ std::optional<std::string> Model::came(const Outcome& outcome)
     for (const auto& other : before)
         if (other.way == way || (other.outcome.failed && begins_with(way, other.way))
             || (outcome.failed && begins_with(other.way, way)))
-            return "event " + number_of(event.first, event.second) + " was answered twice: by " + to_text(other.outcome)
-                   + ", and then by " + to_text(outcome);
+            return "once: event " + number_of(event.first, event.second) + " was answered twice: by "
+                   + to_text(other.outcome) + ", and then by " + to_text(outcome);
     before.push_back({way, outcome});
     if (outcome.failed || !topology_.ordered)
         return std::nullopt;
-    const auto last = std::exchange(last_[way], event);
+    const auto last =
+        std::exchange(last_[{way, outcome.epoch}], event);  // SPEC.md, section 8.5: order is that of one epoch
     if (event < last)
-        return "out of order: the result of event " + number_of(event.first, event.second) + " came after that of "
+        return "order: the result of event " + number_of(event.first, event.second) + " came after that of "
                + number_of(last.first, last.second);
     return std::nullopt;
 }
@@ -183,7 +199,7 @@ std::vector<std::string> Model::missing(std::int64_t epoch, std::int64_t produce
                                       return begins_with(way, came.way);
                                   });
             if (!answered && !is_excused(way, epoch, sequence))
-                missing.push_back("event " + number_of(epoch, sequence) + " gave neither result nor exception"
+                missing.push_back("outcome: event " + number_of(epoch, sequence) + " gave neither result nor exception"
                                   + (way.empty() ? "" : " by way of " + joined(way)));
         }
     }

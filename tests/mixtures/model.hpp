@@ -3,6 +3,8 @@
 
 #include "condition.hpp"
 
+#include <hive/event.hpp>
+
 #include <limits>
 #include <optional>
 
@@ -17,6 +19,8 @@ struct Outcome {
     std::vector<std::string> hops;  ///< the drones that the event went through, oldest first
 };
 std::string to_text(const Outcome& outcome);
+/// @param failed  it came of an exceptions output
+Outcome outcome_of(const Event& event, bool failed);
 
 class Model {
 public:
@@ -62,7 +66,7 @@ private:
     Condition condition_;
     std::vector<Excuse> excuses_;
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
-    std::map<Way, std::pair<std::int64_t, std::int64_t>> last_;
+    std::map<std::pair<Way, std::int64_t>, std::pair<std::int64_t, std::int64_t>> last_;  ///< of each way and epoch
 };
 
 }  // namespace hive::mixtures

@@ -42,7 +42,7 @@ struct Topology {
 
 enum class Verb {
     feed,          ///< the source may make `number` events more
-    connect,       ///< `sender` to `drone`
+    connect,       ///< `sender` to `drone`; they may be connected
     disconnect,    ///< `sender` from `drone`
     kill,          ///< SIGKILL
     start,         ///< after a kill or a stop

@@ -1,10 +1,11 @@
-// One round: a plan is played on real drones and checked after its steps.
+// One round: a plan is played and checked after its steps.
 #pragma once
 
 #include "checks.hpp"
-#include "collecting.hpp"
-#include "model.hpp"
-#include "running.hpp"
+#include "ground.hpp"
+#include "watch.hpp"
+
+#include <set>
 
 namespace hive::mixtures {
 
@@ -18,21 +19,22 @@ struct Played {
 /// For how long has a picture been the same?
 class Stillness {
 public:
-    /// After that nothing moves. A source must say within 1 s why it does not.
-    static constexpr auto time = std::chrono::milliseconds(test::sanitized() ? 3000 : 1100);
+    explicit Stillness(const Ground& ground) : ground_(ground) {}
 
     /// Counts no more than 100 ms since the last look: who is held up has not seen that nothing moved.
     void look(std::string picture);
-    [[nodiscard]] bool still() const { return looked_ - since_ >= time; }
+    [[nodiscard]] bool still() const { return looked_ - since_ >= ground_.stillness(); }
 
 private:
+    const Ground& ground_;
     std::string picture_;  ///< empty: unknown, so it has changed
-    test::Clock::time_point since_ = test::Clock::now(), looked_ = since_;
+    Ground::Clock::time_point since_ = ground_.now(), looked_ = since_;
 };
 
 class Round {
 public:
-    explicit Round(Plan plan);
+    /// Connects the drones.
+    Round(Plan plan, Ground& ground);
     /// Up to the first step with a problem.
     Played play();
 
@@ -43,6 +45,7 @@ private:
     void set_twice(const Step& step);
     void set_and_kill(const Step& step);
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
+    Problems watch(const Statuses& statuses);
     Problems settle(bool last);
     Problems stuck(const Statuses& statuses, Stillness& stillness) const;
     Problems at_rest(const Statuses& statuses, bool complete);
@@ -55,13 +58,10 @@ private:
     Plan plan_;
     Model model_;
     Values values_;
-    Running running_;
-    Collecting collecting_;
+    Watch watch_;
+    Ground& ground_;
     std::set<std::string> stopped_;
     Problems problems_;  ///< found while steps were done
 };
-
-/// A round with its beginning and its end; also what is left of it is a problem.
-Played play(const Plan& plan);
 
 }  // namespace hive::mixtures

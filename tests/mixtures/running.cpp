@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <future>
 #include <thread>
 
 namespace hive::mixtures {
@@ -17,8 +18,7 @@ std::vector<std::string> first_settings(const Topology& topology, const std::str
                 "count=" + std::to_string(fed)};
     if (drone == watcher)
         return {};
-    const auto first = Running::first_setting();
-    return {"work_ms=" + std::to_string(first.work_ms), "most_ms=" + std::to_string(first.most_ms),
+    return {"work_ms=" + std::to_string(first_setting.work_ms), "most_ms=" + std::to_string(first_setting.most_ms),
             "throw_every=" + std::to_string(topology.stages.at(topology.stage_of(drone)).throw_every)};
 }
 
@@ -32,6 +32,16 @@ Told told(const Error& error)
     }
 }
 
+/// Descriptors and mappings of shared memory of this process itself.
+std::size_t held_here()
+{
+    const auto maps = test::text_of("/proc/self/maps");
+    std::size_t mapped = 0;
+    for (auto at = maps.find("memfd:"); at != std::string::npos; at = maps.find("memfd:", at + 1))
+        ++mapped;
+    return test::open_descriptors(::getpid()) + mapped;
+}
+
 }  // namespace
 
 Running::Running(const Topology& topology) : topology_(topology)
@@ -40,6 +50,21 @@ Running::Running(const Topology& topology) : topology_(topology)
         start(drone, false);
         born_[drone] = 0;
     }
+    collecting_.emplace(swarm_, topology_);
+}
+
+void Running::at_once(const std::function<void()>& one, const std::function<void()>& other)
+{
+    auto beside = std::async(std::launch::async, one);
+    other();
+    beside.get();
+}
+
+std::chrono::milliseconds Running::stillness() const { return test::sanitized() ? 3000ms : Ground::stillness(); }
+
+std::chrono::milliseconds Running::longest_settling() const
+{
+    return Ground::longest_settling() * (test::sanitized() ? 2 : 1);
 }
 
 void Running::start(const std::string& drone, bool remembers)
@@ -135,6 +160,8 @@ Settings Running::settings()
     return settings;
 }
 
+std::int64_t Running::count() { return application_.get(source, {"count"}).at("count"); }
+
 std::vector<std::string> Running::fallen()
 {
     std::vector<std::string> fallen;
@@ -160,6 +187,22 @@ std::vector<std::string> Running::end()
         if (entry.path().extension() == ".sock")
             left.push_back(entry.path().filename().string() + " is left");
     return left;
+}
+
+Played play(const Plan& plan)
+{
+    const auto held = held_here();
+    Played played;
+    try {
+        Running running(plan.topology);
+        played = Round(plan, running).play();
+    } catch (const std::exception& error) {
+        played.problems = {std::string("the round did not begin or end: ") + error.what()};
+    }
+    if (!test::eventually([&] { return held_here() <= held; }))
+        played.problems.push_back("descriptors or shared memory are left: " + std::to_string(held_here()) + ", before "
+                                  + std::to_string(held));
+    return played;
 }
 
 }  // namespace hive::mixtures

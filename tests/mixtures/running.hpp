@@ -1,9 +1,8 @@
-// The drones of a round as processes, and what is done to them.
+// A round on real drones: processes, signals and the calls of an application.
 #pragma once
 
-#include "plan.hpp"
-#include "status_of.hpp"
-#include "values.hpp"
+#include "collecting.hpp"
+#include "round.hpp"
 
 #include <swarm.hpp>
 
@@ -11,36 +10,32 @@
 
 namespace hive::mixtures {
 
-class Running {
+class Running final : public Ground {
 public:
     /// Starts all drones, and connects none.
     explicit Running(const Topology& topology);
 
-    [[nodiscard]] const test::Swarm& swarm() const { return swarm_; }
-    [[nodiscard]] Application& application() { return application_; }
-    void connect(const Edge& edge);
-    /// All steps but the sets. Throws what a drone answers.
-    void perform(const Step& step);
-    /// Raises the number of events that the source may make.
-    void feed(int events);
-    [[nodiscard]] std::int64_t fed() const { return fed_; }
-    Told set(const Change& change);
-
-    /// Of the drones that can answer.
-    Statuses statuses();
-    /// Parameters of the workers that can answer.
-    Settings settings();
-    [[nodiscard]] std::vector<std::string> answering() const;
-    /// Numbers the latest starts of the drones; all begin with 0.
-    [[nodiscard]] const std::map<std::string, int>& born() const { return born_; }
-    /// Drones that have ended by themselves, which none may.
-    std::vector<std::string> fallen();
-    /// Ends all by order; says what is left of them.
-    std::vector<std::string> end();
-
-    static Setting first_setting() { return {.work_ms = 4, .most_ms = 600'000}; }
+    [[nodiscard]] Clock::time_point now() const override { return Clock::now(); }
+    void sleep(std::chrono::microseconds time) override { std::this_thread::sleep_for(time); }
+    void at_once(const std::function<void()>& one, const std::function<void()>& other) override;
+    [[nodiscard]] std::chrono::milliseconds stillness() const override;
+    [[nodiscard]] std::chrono::milliseconds longest_settling() const override;
+    void connect(const Edge& edge) override;
+    void perform(const Step& step) override;
+    [[nodiscard]] std::int64_t fed() const override { return fed_; }
+    Told set(const Change& change) override;
+    [[nodiscard]] std::vector<std::string> answering() const override;
+    Statuses statuses() override;
+    Settings settings() override;
+    std::int64_t count() override;
+    [[nodiscard]] const std::map<std::string, int>& born() const override { return born_; }
+    std::vector<Outcome> outcomes() override { return collecting_->take(); }
+    CollectCounts collected() override { return collecting_->counts(); }
+    std::vector<std::string> fallen() override;
+    std::vector<std::string> end() override;
 
 private:
+    void feed(int events);
     void start(const std::string& drone, bool remembers);
 
     Topology topology_;
@@ -52,6 +47,10 @@ private:
     int starts_ = 0;
     Application application_{swarm_.application()};
     std::int64_t fed_ = 1;
+    std::optional<Collecting> collecting_;
 };
+
+/// A round with its beginning and its end; also what is left of it is a problem.
+Played play(const Plan& plan);
 
 }  // namespace hive::mixtures

@@ -6,19 +6,13 @@
 #include <utility>
 
 namespace hive::mixtures {
-namespace {
 
 using namespace std::chrono_literals;
 
-/// Places are kept for 30 s, and so long an ordered collector waits.
-constexpr auto most_time = test::sanitized() ? 90'000ms : 45'000ms;
-
-}  // namespace
-
 void Stillness::look(std::string picture)
 {
-    const auto now = test::Clock::now();
-    since_ += std::max<test::Clock::duration>(now - std::exchange(looked_, now) - 100ms, 0ms);
+    const auto now = ground_.now();
+    since_ += std::max<Ground::Clock::duration>(now - std::exchange(looked_, now) - 100ms, 0ms);
     if (!picture.empty() && picture == picture_)
         return;
     picture_ = std::move(picture);
@@ -28,7 +22,7 @@ void Stillness::look(std::string picture)
 bool Round::source_done(const Statuses& statuses) const
 {
     const auto found = statuses.find(source);
-    return found != statuses.end() && found->second.outputs.at(0).produced >= running_.fed();
+    return found != statuses.end() && found->second.outputs.at(0).produced >= ground_.fed();
 }
 
 /// Are all edges of a drone ("": of all) there, and are the exceptions heard that it may throw?
@@ -50,7 +44,7 @@ void Round::end_excuses(const Statuses& statuses)
         return;
     for (const auto& drone : model_.excused())
         if (whole(statuses, drone))
-            model_.whole(drone, found->second.epoch, running_.statuses().at(source).outputs.at(0).produced);
+            model_.whole(drone, found->second.epoch, ground_.statuses().at(source).outputs.at(0).produced);
 }
 
 Problems Round::missing(const Statuses& statuses) const
@@ -69,23 +63,32 @@ Problems Round::stuck(const Statuses& statuses, Stillness& stillness) const
         return {};
     const auto produced = found->second.outputs.at(0).produced;
     stillness.look(std::to_string(found->second.epoch) + " " + std::to_string(produced));
-    if (!stillness.still() || produced >= running_.fed() || says_why(found->second))
+    if (!stillness.still() || produced >= ground_.fed() || says_why(found->second))
         return {};
-    return {"the source has not moved for " + std::to_string(Stillness::time.count()) + " ms and does not say why"};
+    return {"why: the source has not moved for " + std::to_string(ground_.stillness().count())
+            + " ms and does not say why"};
+}
+
+Problems Round::watch(const Statuses& statuses)
+{
+    auto problems = unbalanced(statuses);
+    std::ranges::move(watch_.look(statuses), std::back_inserter(problems));
+    return problems;
 }
 
 Problems Round::settle(bool last)
 {
-    Stillness all, source_alone;
-    for (const auto end = test::Clock::now() + most_time; test::Clock::now() < end; std::this_thread::sleep_for(10ms)) {
-        const auto statuses = running_.statuses();
+    Stillness all(ground_), source_alone(ground_);
+    const auto most_time = ground_.longest_settling();
+    for (const auto end = ground_.now() + most_time; ground_.now() < end; ground_.sleep(10ms)) {
+        const auto statuses = ground_.statuses();
         listen();
         end_excuses(statuses);
-        auto problems = unbalanced(statuses);
+        auto problems = watch(statuses);
         std::ranges::move(stuck(statuses, source_alone), std::back_inserter(problems));
         if (!problems.empty() || !problems_.empty())
             return problems;
-        const bool answered = statuses.size() == running_.answering().size();
+        const bool answered = statuses.size() == ground_.answering().size();
         all.look(answered ? "those that answer:\n" + picture(statuses) : "");
         const bool done = answered && idle(statuses) && source_done(statuses) && (!last || whole(statuses, ""));
         // In order, a result that is late holds up others that are acknowledged.
@@ -94,29 +97,29 @@ Problems Round::settle(bool last)
         if (!done && !last && all.still())
             return at_rest(statuses, false);
     }
-    const auto statuses = running_.statuses();
+    const auto statuses = ground_.statuses();
     auto problems = missing(statuses);
-    problems.insert(problems.begin(), "no rest in " + std::to_string(most_time.count()) + " ms");
+    problems.insert(problems.begin(), "settles: no rest in " + std::to_string(most_time.count()) + " ms");
     return problems;
 }
 
 Problems Round::at_rest(const Statuses& statuses, bool complete)
 {
     auto problems = complete ? missing(statuses) : without_reason(statuses);
-    std::ranges::move(disagreeing(statuses, running_.born()), std::back_inserter(problems));
-    if (auto problem = values_.found(running_.settings()))
+    std::ranges::move(disagreeing(statuses, ground_.born()), std::back_inserter(problems));
+    if (auto problem = values_.found(ground_.settings()))
         problems.push_back(*problem);
     if (statuses.contains(source))
-        if (const auto count = running_.application().get(source, {"count"}).at("count"); count != running_.fed())
-            problems.push_back("the source's count is " + count.dump() + "; " + std::to_string(running_.fed())
-                               + " was confirmed");
-    const auto counts = collecting_.counts();
+        if (const auto count = ground_.count(); count != ground_.fed())
+            problems.push_back("restored: the source's count is " + std::to_string(count) + "; "
+                               + std::to_string(ground_.fed()) + " was confirmed");
+    const auto counts = ground_.collected();
     // A collector in order learns with the first result whose exceptions it has to hear: it may have missed those of
     // earlier stages, and each of them ends the ways to all ends.
     const auto unheard = model_.failed_early() * static_cast<std::int64_t>(plan_.topology.stages.back().drones.size());
     const auto lost = counts.dropped + std::max<std::int64_t>(counts.missing - unheard, 0);
     if (complete && plan_.topology.demand && !model_.was_excused() && lost > 0)
-        problems.push_back("the collector counts " + std::to_string(counts.missing) + " missing and "
+        problems.push_back("outcome: the collector counts " + std::to_string(counts.missing) + " missing and "
                            + std::to_string(counts.dropped) + " dropped");
     return problems;
 }

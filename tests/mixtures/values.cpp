@@ -65,11 +65,11 @@ std::optional<std::string> Values::set(const Change& change, Told told, const st
     const auto before = possible_;
     const auto fitting = std::ranges::count_if(before, [&](const auto& state) { return fits(state, change); });
     if (killed.empty() && told == Told::refused && fitting == std::ssize(before))
-        return "a set was refused that every drone can take";
+        return "all or nothing: a set was refused that every drone can take";
     apply(possible_, change, told);
     if (possible_.empty()) {
         possible_ = before;
-        return "a set was confirmed that a drone cannot take";
+        return "all or nothing: a set was confirmed that a drone cannot take";
     }
     if (killed.empty())
         return std::nullopt;
@@ -105,7 +105,7 @@ std::optional<std::string> Values::found(const Settings& actual)
     const auto expected = words(possible_);
     for (const auto& [drone, setting] : actual)
         began(drone, setting);
-    return "work_ms/most_ms are " + words(actual) + "; expected " + expected;
+    return "all or nothing: work_ms/most_ms are " + words(actual) + "; expected " + expected;
 }
 
 }  // namespace hive::mixtures

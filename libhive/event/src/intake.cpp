@@ -3,6 +3,7 @@
 #include <hive/event/intake.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace hive::event {
 
@@ -69,13 +70,28 @@ bool Intake::in_short_break() const
     return lost_ && spec_.address.scheme == transport::Address::Scheme::tcp && Clock::now() < *lost_ + short_break;
 }
 
+/// Not what somebody still waits for: whoever asked first also registers first.
+bool Intake::holds()
+{
+    held_up_ = held_ > 0 && !first_;
+    return held_up_;
+}
+
+void Intake::let_go_on()
+{
+    if (--held_ == 0 && std::exchange(held_up_, false) && !stopped_)
+        attempt();
+}
+
 void Intake::attempt()
 {
+    if (holds())
+        return;
     const std::chrono::microseconds round_trips(6 * round_trip_us_);
     const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
     host_.with_link(spec_.address, deadline,
                     [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
-                        if (self->stopped_)
+                        if (self->stopped_ || self->holds())
                             return;
                         if (!link)
                             self->failed(error);
@@ -259,6 +275,7 @@ void Intake::try_to_leave()
     timer_.cancel();
     const auto tell = [self = shared_from_this()] {
         self->connected_ = false;
+        self->has_left_ = true;
         std::exchange(self->on_left_, [] {})();
         self->end_if_done();
     };

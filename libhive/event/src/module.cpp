@@ -39,19 +39,18 @@ void Module::end()
 /// Deregisters everywhere and waits a moment for the confirmations, so that nobody takes the end for a loss.
 void Module::leave()
 {
-    const auto remaining = std::make_shared<std::size_t>(0);
     call([&] {
         ending_ = true;
         listeners_.clear();
-        for (const auto& intake : std::vector(intakes_)) {
-            ++*remaining;
-            remove_intake(intake, [remaining] { --*remaining; });
-        }
+        for (const auto& intake : std::vector(intakes_))
+            remove_intake(intake);
     });
-    const auto left = [&] { return *remaining == 0; };
+    const auto left = [&] {
+        return std::ranges::all_of(leaving_, [](const auto& intake) { return intake->has_left(); });
+    };
     loop_.wait(Clock::now() + patience_at_end, left);
     call([&] {
-        for (const auto& intake : std::set(leaving_))
+        for (const auto& intake : std::vector(leaving_))
             intake->leave_now();
     });
     loop_.wait(Clock::now() + patience_at_end, left);
@@ -62,7 +61,7 @@ void Module::close_links()
     signals_.reset();
     keys_timer_.cancel();
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
-    for (const auto& link : std::set(links_))
+    for (const auto& link : std::vector(links_))
         link->close(Error(Errc::stopped, options_.self.name + " is ending"));
     if (options_.most_dialing > 0)
         std::erase_if(dialing_, [this](const auto& row) { return !under_way_.contains(row.first); });
@@ -143,7 +142,7 @@ transport::Address Module::listen(const transport::Address& address)
                   [this, local](const LinkPtr& link, const Error&) {
                       if (link && !local && !has_place(*link)) {
                           turn_away(link->connection());
-                          links_.erase(link);  // at once, so that it takes nobody's place until its end is told
+                          std::erase(links_, link);  // at once, so that it takes nobody's place until its end is told
                           link->close(Error(Errc::refused, "there is no place left"));
                       }
                   });
@@ -204,7 +203,7 @@ bool Module::make_room(const std::function<bool(const Link&)>& may_go)
             longest = link;
     if (!longest)
         return false;
-    links_.erase(longest);  // at once, so that it is not chosen again before its end is told
+    std::erase(links_, longest);  // at once, so that it is not chosen again before its end is told
     longest->close(Error(Errc::refused, "it had nothing to do here, and another peer needed the place"));
     return true;
 }
@@ -218,7 +217,7 @@ void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<
 {
     const auto keep = intake;
     std::erase(intakes_, intake);
-    leaving_.insert(keep);
+    leaving_.push_back(keep);
     keep->stop(std::move(left));
 }
 
@@ -237,9 +236,8 @@ void add_counts(InputStatus& sum, const InputStatus& more)
 
 void Module::gone(const std::shared_ptr<Intake>& intake)
 {
-    if (leaving_.contains(intake))
+    if (std::erase(leaving_, intake) > 0)
         add_counts(left_[intake->spec().input], intake->status());
-    leaving_.erase(intake);
 }
 
 std::vector<InputStatus> Module::left() const
@@ -332,7 +330,7 @@ void Module::arm()
 void Module::tick()
 {
     const auto now = Clock::now();
-    for (const auto& link : std::set(links_)) {
+    for (const auto& link : std::vector(links_)) {
         link->expire(now);
         expire_asked(*link, now);
     }

@@ -35,7 +35,7 @@ void Module::watch_keys()
 void Module::recheck_keys()
 {
     bool needed = false;
-    for (const auto& link : std::set(links_)) {
+    for (const auto& link : std::vector(links_)) {
         const auto& [role, key] = link->credentials();
         if (key.empty())
             continue;

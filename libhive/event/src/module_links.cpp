@@ -26,7 +26,7 @@ LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection, Lin
 
 void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)
 {
-    links_.insert(link);
+    links_.push_back(link);
     const auto told = std::make_shared<bool>(false);
     link->start({.opened =
                      [this, ready, told](Link& opened) {
@@ -233,7 +233,7 @@ void Module::on_closed(Link& link, const Error& reason)
     if (const auto row = std::find_if(begin, end, [&](const auto& each) { return each.second.get() == &link; });
         row != end)
         of_drones_.erase(row);
-    links_.erase(link.shared_from_this());
+    std::erase(links_, link.shared_from_this());
     last_one_gone();
     for (auto& outlet : outlets_)
         outlet.link_closed(link, fate);

@@ -28,6 +28,10 @@ constexpr std::size_t longest_text = protocol::End::most_text - 24;
 /// The peer dialed in with the viewers' key.
 bool is_guest(const Link& link) { return link.credentials().role == Role::viewer; }
 
+/// Is there one registration for each name of a receiver? Of an application there may be several, and of a viewer one
+/// does not know who it is.
+bool is_unique(const Link& link) { return link.peer().kind != "application" && !is_guest(link); }
+
 /// What a viewer says of itself counts for nothing: it has no place to come back to, and an account of its own.
 protocol::Registration as_guest(protocol::Registration registration)
 {
@@ -74,9 +78,23 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
         throw Error(Errc::refused,
                     registration.receiver + " keeps state between events, so it must see every one: it cannot share");
     (void)choice(link, registration);
+    require_newest(link, registration);
     require_few_encodings(link, registration);
     if (is_guest(link))
         require_modest(registration);
+}
+
+/// Over one connection packets keep their order. Over two of the same module an earlier registration, given up by then,
+/// may come after the one that was made in its place, and would push that out.
+void Outlet::require_newest(const Link& link, const protocol::Registration& registration) const
+{
+    if (!is_unique(link))
+        return;
+    for (const auto& [id, place] : places_)
+        if (place.receiver == registration.receiver && place.registration > registration.epoch
+            && place.link.get() != &link && place.link->peer().name == link.peer().name
+            && place.link->peer().epoch == link.peer().epoch)
+            throw Error(Errc::refused, registration.receiver + " has registered again since");
 }
 
 /// A viewer looks on: it takes no work, and costs no encoding that nobody else would want.
@@ -123,7 +141,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                             .options = registration.options,
                             .place = registration.place,
                             .taken = registration.taken,
-                            .unique = link->peer().kind != "application" && !guest,
+                            .unique = is_unique(*link),
                             .guest = guest};
     if (const auto before = table_.standing(newcomer))
         detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
@@ -133,6 +151,8 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
     ids_[{link.get(), channel}] = id;
     places_.emplace(id, Place{.link = link,
                               .channel = channel,
+                              .receiver = registration.receiver,
+                              .registration = registration.epoch,
                               .encoding = choice(*link, registration),
                               .data = registration.options.delivery == Delivery::data});
     execute(decisions);

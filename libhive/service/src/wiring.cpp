@@ -171,12 +171,17 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
             state_file_.remember();
             on_outcome(outcome);
         });
+    const auto earlier = earlier_ones(spec);
+    for (const auto& intake : earlier)
+        intake->hold();
     const std::weak_ptr<Intake> weak = add_intake(std::move(spec));
-    weak.lock()->start([this, weak, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+    weak.lock()->start([this, weak, earlier, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
         const auto self = weak.lock();
         if (std::holds_alternative<Error>(outcome)) {
             module_.remove_intake(self);
             inputs_end_.look();
+            for (const auto& intake : earlier)
+                intake->let_go_on();
             state_file_.remember();  // it may have been written down while it was tried
             return on_outcome(outcome);
         }
@@ -184,6 +189,13 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
         state_file_.remember();
         on_outcome(outcome);
     });
+}
+
+std::vector<std::shared_ptr<Intake>> Wiring::earlier_ones(const IntakeSpec& spec) const
+{
+    auto all = module_.intakes();
+    std::erase_if(all, [&](const auto& intake) { return !same_ends(intake->spec(), spec); });
+    return all;
 }
 
 std::shared_ptr<Intake> Wiring::connected(const IntakeSpec& spec) const

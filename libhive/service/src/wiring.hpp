@@ -38,6 +38,7 @@ private:
     void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
     void begin(event::IntakeSpec spec);
     void say(const event::Intake& intake, std::string& said) const;
+    [[nodiscard]] std::vector<std::shared_ptr<event::Intake>> earlier_ones(const event::IntakeSpec& spec) const;
     [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
     void replace_earlier(const std::shared_ptr<event::Intake>& intake);
 

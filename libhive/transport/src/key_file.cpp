@@ -1,5 +1,6 @@
 // The file of a swarm's keys: found, read with suspicion, written as a whole.
 #include "key_derivation.hpp"
+#include "os_text.hpp"
 
 #include <hive/error.hpp>
 #include <hive/json.hpp>
@@ -19,11 +20,10 @@ namespace fs = std::filesystem;
 namespace {
 
 using transport::Descriptor;
+using transport::os_text;
 
 constexpr std::size_t most_bytes = 16 * 1024;
 constexpr std::size_t most_keys = 8;
-
-std::string os_text(int error) { return std::strerror(error); }
 
 std::optional<unsigned> hex_digit(char digit)
 {

@@ -1,7 +1,7 @@
 // Checking seals, mapping, copying away.
 #include "mapping.hpp"
 
-#include "socket_stream.hpp"
+#include "os_text.hpp"
 
 #include <cerrno>
 #include <cstring>

@@ -10,11 +10,6 @@
 
 namespace hive::transport {
 
-void Stream::write_with(int, std::span<const asio::const_buffer>, Handler)
-{
-    throw Error(Errc::unsupported, "this transport passes no descriptors");
-}
-
 namespace {
 
 class SocketStream final : public Stream {
@@ -98,7 +93,5 @@ void set_option(int descriptor, int level, int option, int value) noexcept
 {
     ::setsockopt(descriptor, level, option, &value, sizeof value);
 }
-
-std::string os_text(int error) { return std::generic_category().message(error); }
 
 }  // namespace hive::transport

@@ -1,6 +1,8 @@
 // The Stream over any connected socket of the operating system; tcp and unix share it.
 #pragma once
 
+#include "os_text.hpp"
+
 #include <hive/transport/stream.hpp>
 
 #include <asio/basic_stream_socket.hpp>
@@ -28,8 +30,5 @@ void set_option(int descriptor, int level, int option, int value) noexcept;
 
 /// Buffers of local sockets: larger ones only push the bytes out of the cache between writer and reader.
 inline constexpr int local_socket_buffer = 256 * 1024;
-
-/// "Too many open files"
-std::string os_text(int error);
 
 }  // namespace hive::transport

@@ -62,6 +62,10 @@ public:
     [[nodiscard]] bool owes() const;
     /// Asks for what may be asked for now.
     void flush();
+    /// Another one is being made that will take its place: until it is let go on, it does not come back to the sender,
+    /// which would take it for the newer of the two.
+    void hold() { ++held_; }
+    void let_go_on();
     void link_closed(const Link& link);
     /// An event was worked on, or is done with; `ending` says how.
     void heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending);
@@ -74,6 +78,8 @@ public:
     [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
     /// Has everything that came been worked on?
     [[nodiscard]] bool all_worked() const noexcept { return worked_ == arrived(); }
+    /// Does the sender know, or is it not there, that this one is gone?
+    [[nodiscard]] bool has_left() const noexcept { return has_left_; }
     /// Has the connection been lost for so long that nobody need wait for it?
     [[nodiscard]] bool given_up() const;
     /// `queued` is left to whoever knows the queue: until then it counts as in hand.
@@ -87,6 +93,7 @@ private:
         bool worked = false, done = false, lossless = false;
     };
     void attempt();
+    [[nodiscard]] bool holds();
     [[nodiscard]] bool in_short_break() const;
     void register_on(const LinkPtr& link, Clock::time_point deadline);
     void confirmed(const LinkPtr& link, const Json& result);
@@ -118,7 +125,9 @@ private:
     platform::Timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;
-    bool connected_ = false, stopped_ = false, left_ = false;
+    bool connected_ = false, stopped_ = false, left_ = false, has_left_ = false;
+    int held_ = 0;
+    bool held_up_ = false;  ///< it would have come back meanwhile
     std::function<void()> on_left_;
     std::optional<Error> problem_;  ///< why it is not connected
     Clock::time_point lost_at_ = Clock::now();

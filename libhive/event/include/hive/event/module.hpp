@@ -192,12 +192,12 @@ private:
     bool backlogged_ = false;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
-    std::set<std::shared_ptr<Intake>> leaving_;            ///< removed, and not done with everything
+    std::vector<std::shared_ptr<Intake>> leaving_;         ///< removed, and not done with everything
     std::map<std::string, InputStatus> left_;              ///< by input
     std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put
     std::map<protocol::PacketType, RequestHandler> handlers_;
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
-    std::set<LinkPtr> links_;
+    std::vector<LinkPtr> links_;                     ///< in the order of their coming
     std::multimap<std::string, LinkPtr> of_drones_;  ///< of those that have said hello, by the drone's name
     std::map<std::string, LinkPtr> dialed_;
     std::map<std::string, std::vector<Waiting>> dialing_;  ///< under way, or still to be begun

@@ -80,10 +80,13 @@ private:
     struct Place {
         LinkPtr link;
         std::uint16_t channel;
+        std::string receiver;
+        std::int64_t registration;  ///< its epoch
         EncodingChoice encoding;
         bool data;                              ///< receives bodies
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
+    void require_newest(const Link& link, const protocol::Registration& registration) const;
     void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
     void transmit(const Send& send, const Emission& form);

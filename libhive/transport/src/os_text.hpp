@@ -1,0 +1,11 @@
+// What the system says about an error.
+#pragma once
+
+#include <string>
+
+namespace hive::transport {
+
+/// "Too many open files"; of an errno.
+std::string os_text(int error);
+
+}  // namespace hive::transport

@@ -1,0 +1,60 @@
+// Where a round is played: on real drones, or in the simulated world.
+#pragma once
+
+#include "model.hpp"
+#include "status_of.hpp"
+#include "values.hpp"
+
+#include <chrono>
+#include <functional>
+
+namespace hive::mixtures {
+
+/// The drones of a topology, a collector of their results that stays, and somebody who gives orders. All functions are
+/// for the thread that gives them.
+class Ground {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    virtual ~Ground() = default;
+    [[nodiscard]] virtual Clock::time_point now() const = 0;
+    virtual void sleep(std::chrono::microseconds time) = 0;
+    /// Does both, the one beside the other.
+    virtual void at_once(const std::function<void()>& one, const std::function<void()>& other) = 0;
+    /// When nothing has changed for so long, nothing moves. A source must say within 1 s why it does not.
+    [[nodiscard]] virtual std::chrono::milliseconds stillness() const { return std::chrono::milliseconds(1100); }
+    /// Until nothing moves. Places are kept for 30 s, and so long an ordered collector waits.
+    [[nodiscard]] virtual std::chrono::milliseconds longest_settling() const { return std::chrono::seconds(45); }
+
+    virtual void connect(const Edge& edge) = 0;
+    /// All steps but the sets. Throws what a drone answers.
+    virtual void perform(const Step& step) = 0;
+    /// How many events the source may make.
+    [[nodiscard]] virtual std::int64_t fed() const = 0;
+    virtual Told set(const Change& change) = 0;
+
+    /// Those that can answer.
+    [[nodiscard]] virtual std::vector<std::string> answering() const = 0;
+    /// Of those that can answer.
+    virtual Statuses statuses() = 0;
+    /// Parameters of the workers that can answer.
+    virtual Settings settings() = 0;
+    /// The parameter `count` of the source.
+    virtual std::int64_t count() = 0;
+    /// Numbers the latest starts of the drones; all begin with 0.
+    [[nodiscard]] virtual const std::map<std::string, int>& born() const = 0;
+
+    /// What has come since the last call, in the order of its coming.
+    virtual std::vector<Outcome> outcomes() = 0;
+    virtual CollectCounts collected() = 0;
+
+    /// Drones that have ended by themselves, which none may.
+    virtual std::vector<std::string> fallen() = 0;
+    /// Ends all by order; says what is left of them.
+    virtual std::vector<std::string> end() = 0;
+};
+
+/// The first of a worker.
+inline constexpr Setting first_setting{.work_ms = 4, .most_ms = 600'000};
+
+}  // namespace hive::mixtures

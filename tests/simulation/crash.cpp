@@ -1,0 +1,43 @@
+// Handlers of the signals that end a process that went wrong, on a stack of their own: a fiber may have used up its.
+#include "crash.hpp"
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <unistd.h>
+
+namespace hive::simulation {
+namespace {
+
+std::array<char, 100> text;
+
+void die(int signal)
+{
+    // Nothing can be done about what cannot be written now.
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), std::strlen(text.data()));
+    ::raise(signal);
+}
+
+void install()
+{
+    static std::array<char, 64 * 1024> own_stack;
+    const stack_t stack{.ss_sp = own_stack.data(), .ss_flags = 0, .ss_size = own_stack.size()};
+    ::sigaltstack(&stack, nullptr);
+    struct sigaction action {};
+    action.sa_handler = die;
+    action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT})
+        ::sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+void say_in_a_crash(std::uint64_t seed)
+{
+    [[maybe_unused]] static const bool installed = (install(), true);
+    std::snprintf(text.data(), text.size(), "crashed; to play it again: scripts/simulate --trace --seed %llu\n",
+                  static_cast<unsigned long long>(seed));
+}
+
+}  // namespace hive::simulation

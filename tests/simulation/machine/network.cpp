@@ -1,0 +1,234 @@
+// Listening and dialing in the simulated network, whatever the scheme.
+#include "network.hpp"
+#include "pipe.hpp"
+
+#include "admissions.hpp"
+#include "dial_attempt.hpp"
+#include "make_connection.hpp"
+#include "schemes.hpp"
+
+#include <hive/transport/port_holder.hpp>
+
+#include <asio/post.hpp>
+
+#include <deque>
+#include <fstream>
+#include <map>
+
+namespace hive::transport {
+namespace {
+
+using namespace std::chrono_literals;
+using simulation::NetworkSide;
+using simulation::Pipe;
+using simulation::Process;
+using simulation::world;
+
+/// Who has dialed and has not been let in.
+class Door : public std::enable_shared_from_this<Door> {
+public:
+    Door(asio::io_context& context, OnConnection on_connection, const Timing& timing)
+        : context_(context),
+          process_(NetworkSide::of(context).process),
+          on_connection_(std::move(on_connection)),
+          timing_(timing)
+    {
+    }
+
+    void open()
+    {
+        admissions_->freed = [weak = weak_from_this()] {
+            if (const auto self = weak.lock())
+                asio::post(self->context_, [self] { self->let_in(); });
+        };
+    }
+    void shut()
+    {
+        shut_ = true;
+        waiting_.clear();
+    }
+    [[nodiscard]] bool is_open() const { return !shut_ && !process_.dead; }
+    [[nodiscard]] Process& process() { return process_; }
+    [[nodiscard]] asio::io_context& context() { return context_; }
+    void knock(std::unique_ptr<Stream> stream)
+    {
+        waiting_.push_back(std::move(stream));
+        asio::post(context_, [self = shared_from_this()] { self->let_in(); });
+    }
+
+private:
+    void let_in()
+    {
+        while (!shut_ && !waiting_.empty() && !admissions_->full()) {
+            auto stream = std::move(waiting_.front());
+            waiting_.pop_front();
+            on_connection_(make_connection(context_, std::move(stream), timing_, admissions_->admit()));
+        }
+    }
+
+    asio::io_context& context_;
+    Process& process_;
+    const OnConnection on_connection_;
+    const Timing timing_;
+    const std::shared_ptr<Admissions> admissions_ = std::make_shared<Admissions>();
+    std::deque<std::unique_ptr<Stream>> waiting_;
+    bool shut_ = false;
+};
+
+/// By address. Emptied by the listeners; one of a dead process is not open.
+std::map<std::string, std::weak_ptr<Door>>& doors()
+{
+    static std::map<std::string, std::weak_ptr<Door>> all;
+    return all;
+}
+
+std::shared_ptr<Door> door_at(const Address& address)
+{
+    const auto found = doors().find(to_text(address));
+    const auto door = found == doors().end() ? nullptr : found->second.lock();
+    return door && door->is_open() ? door : nullptr;
+}
+
+class DoorListener final : public Listener {
+public:
+    DoorListener(Address address, std::shared_ptr<Door> door) : address_(std::move(address)), door_(std::move(door))
+    {
+        if (door_at(address_))
+            throw Error(Errc::name_taken, "cannot listen on " + to_text(address_) + ": it is taken");
+        doors()[to_text(address_)] = door_;
+        door_->open();
+        if (address_.scheme == Address::Scheme::unix_socket)
+            std::ofstream(address_.host).put(' ');  // who lists the drones looks for the files of their sockets
+    }
+    ~DoorListener() override
+    {
+        door_->shut();
+        if (door_->process().dead)
+            return;  // its file stays
+        doors().erase(to_text(address_));
+        if (std::error_code ignored; address_.scheme == Address::Scheme::unix_socket)
+            std::filesystem::remove(address_.host, ignored);
+    }
+    [[nodiscard]] Address address() const override { return address_; }
+
+private:
+    Address address_;
+    std::shared_ptr<Door> door_;
+};
+
+void note_cut(Process& process, const std::shared_ptr<Pipe>& pipe, int end)
+{
+    std::erase_if(process.connections, [](const auto& each) { return each.second.expired(); });
+    process.connections.emplace_back(end, pipe);
+}
+
+class Dial final : public DialAttempt {
+public:
+    using DialAttempt::DialAttempt;
+
+private:
+    void begin() override
+    {
+        const std::weak_ptr operation =
+            NetworkSide::of(context_).begin([self = std::static_pointer_cast<Dial>(shared_from_this())](
+                                                std::error_code, std::size_t) { self->arrive(); });
+        world().at(world().now() + world().between(20us, 200us), [operation] {
+            if (const auto still = operation.lock())
+                still->finish({});
+        });
+    }
+    void cancel() noexcept override {}
+
+    void arrive()
+    {
+        if (answered())
+            return;
+        const auto door = door_at(address_);
+        if (!door)
+            return fail(Errc::unreachable, "connection refused");
+        const bool local = address_.scheme != Address::Scheme::tcp;
+        constexpr std::size_t room = 208 * 1024;
+        const auto pipe =
+            std::make_shared<Pipe>(local ? Pipe::Nature{50us, 100us, room} : Pipe::Nature{2ms, 3ms, room});
+        Process& here = NetworkSide::of(context_).process;
+        note_cut(here, pipe, 0);
+        note_cut(door->process(), pipe, 1);
+        door->knock(simulation::make_stream(door->context(), pipe, 1, here.pid, local));
+        succeed(simulation::make_stream(context_, pipe, 0, door->process().pid, local));
+    }
+};
+
+std::unique_ptr<Listener> listen_anywhere(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                          const Timing& timing, const Security&)
+{
+    return std::make_unique<DoorListener>(address, std::make_shared<Door>(context, std::move(on_connection), timing));
+}
+
+void dial_anywhere(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+                   const Timing& timing, const Security&)
+{
+    std::make_shared<Dial>(context, address, std::move(on_dialed), timing)->start(deadline);
+}
+
+}  // namespace
+
+std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                     const Timing& timing, const Security& security)
+{
+    return listen_anywhere(context, address, std::move(on_connection), timing, security);
+}
+
+std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection,
+                                      const Timing& timing, const Security& security)
+{
+    return listen_anywhere(context, address, std::move(on_connection), timing, security);
+}
+
+std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address,
+                                            OnConnection on_connection, const Timing& timing, const Security& security)
+{
+    return listen_anywhere(context, address, std::move(on_connection), timing, security);
+}
+
+void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+              const Timing& timing, const Security& security)
+{
+    dial_anywhere(context, address, deadline, std::move(on_dialed), timing, security);
+}
+
+void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+               const Timing& timing, const Security& security)
+{
+    dial_anywhere(context, address, deadline, std::move(on_dialed), timing, security);
+}
+
+void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
+                     const Timing& timing, const Security& security)
+{
+    dial_anywhere(context, address, deadline, std::move(on_dialed), timing, security);
+}
+
+std::string holder_of_port(std::uint16_t) { return {}; }
+
+}  // namespace hive::transport
+
+namespace hive::simulation {
+
+void close_connections_of(Process& process)
+{
+    for (const auto& [end, connection] : std::exchange(process.connections, {}))
+        if (const auto pipe = connection.lock())
+            pipe->close(end);
+}
+
+bool cut_one_connection(Process& process)
+{
+    std::erase_if(process.connections, [](const auto& each) { return each.second.expired(); });
+    if (process.connections.empty())
+        return false;
+    const auto& [end, pipe] = process.connections[world().chance_of(process.connections.size())];
+    pipe.lock()->cut();
+    return true;
+}
+
+}  // namespace hive::simulation

@@ -1,0 +1,55 @@
+// A connection of the simulated network: two streams of bytes that take time, and that break.
+#pragma once
+
+#include "world.hpp"
+
+#include <hive/transport/stream.hpp>
+
+#include <array>
+#include <string>
+
+namespace hive::simulation {
+
+class Pipe : public std::enable_shared_from_this<Pipe> {
+public:
+    struct Nature {
+        Duration latency, jitter;
+        std::size_t room;  ///< bytes that are under way at most
+    };
+
+    explicit Pipe(Nature nature) : nature_(nature) {}
+
+    void read(int end, asio::mutable_buffer into, std::shared_ptr<Operation> operation);
+    /// @return how many bytes of it there is room for, which are under way then
+    std::size_t write_now(int end, std::span<const asio::const_buffer> from);
+    void write(int end, std::span<const asio::const_buffer> from, std::shared_ptr<Operation> operation);
+    /// The other end gets what is under way, and then the end of the stream.
+    void close(int end);
+    /// Both ends lose it now, with all that is under way.
+    void cut();
+
+private:
+    /// From one end to the other.
+    struct Way {
+        std::string arrived;
+        std::size_t unread = 0;  ///< written and not yet read
+        bool closed = false, ended = false;
+        Time last{};  ///< when the latest of what is under way arrives: bytes do not overtake
+        std::shared_ptr<Operation> read, write;
+        asio::mutable_buffer into;
+        std::span<const asio::const_buffer> from;
+    };
+    void later(int end, std::function<void()> what);
+    static void give(Way& way);
+    void go_on_writing(Way& way, int end);
+
+    const Nature nature_;
+    std::array<Way, 2> ways_;  ///< by the end that writes
+    bool cut_ = false;
+};
+
+/// One end of a pipe.
+std::unique_ptr<transport::Stream> make_stream(asio::io_context& context, std::shared_ptr<Pipe> pipe, int end,
+                                               std::int64_t peer, bool local);
+
+}  // namespace hive::simulation

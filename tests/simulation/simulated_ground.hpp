@@ -1,0 +1,85 @@
+// A round in the simulated world: its drones are threads with stacks of their own, its orders the calls of an
+// application, its status is read and not asked for.
+#pragma once
+
+#include "world.hpp"
+
+#include <ground.hpp>
+
+#include <hive/application.hpp>
+#include <hive/embedded_drone.hpp>
+
+#include <map>
+#include <set>
+
+namespace hive::simulation {
+
+using mixtures::Outcome;
+
+/// Prints what happens, when it is wanted.
+class Trace {
+public:
+    explicit Trace(bool wanted) : wanted_(wanted) {}
+    void line(const std::string& who, const std::string& what) const;
+
+private:
+    bool wanted_;
+};
+
+/// Made and used by a thread of the world.
+class SimulatedGround final : public mixtures::Ground {
+public:
+    SimulatedGround(World& world, const mixtures::Topology& topology, const Trace& trace);
+    ~SimulatedGround() override;
+
+    [[nodiscard]] Clock::time_point now() const override { return world_.now(); }
+    void sleep(std::chrono::microseconds time) override { world_.sleep(time); }
+    void at_once(const std::function<void()>& one, const std::function<void()>& other) override;
+    void connect(const mixtures::Edge& edge) override;
+    void perform(const mixtures::Step& step) override;
+    [[nodiscard]] std::int64_t fed() const override { return fed_; }
+    mixtures::Told set(const mixtures::Change& change) override;
+    [[nodiscard]] std::vector<std::string> answering() const override;
+    mixtures::Statuses statuses() override;
+    mixtures::Settings settings() override;
+    std::int64_t count() override;
+    [[nodiscard]] const std::map<std::string, int>& born() const override { return born_; }
+    std::vector<Outcome> outcomes() override { return std::exchange(collected_.came, {}); }
+    CollectCounts collected() override { return collected_.counts; }
+    std::vector<std::string> fallen() override;
+    std::vector<std::string> end() override;
+
+private:
+    struct Running {
+        Process* process = nullptr;
+        Drone* drone = nullptr;  ///< while it exists
+        bool ready = false;
+    };
+    struct Collected {
+        std::vector<Outcome> came;
+        CollectCounts counts;
+        Process* process = nullptr;
+        bool begun = false, ending = false;
+    };
+
+    void start(const std::string& drone, bool remembers);
+    void live(const std::string& drone, EmbeddedOptions options);
+    void collect();
+    void feed(int events);
+    /// Sleeps until then.
+    void until(const std::function<bool()>& condition);
+
+    World& world_;
+    const mixtures::Topology topology_;
+    const Trace& trace_;
+    std::map<std::string, Running> running_;
+    std::map<std::string, Time> frozen_;
+    std::set<std::string> killed_;
+    std::map<std::string, int> born_;
+    int starts_ = 0;
+    std::int64_t fed_ = 1;
+    Collected collected_;
+    std::optional<Application> application_;
+};
+
+}  // namespace hive::simulation

@@ -1,0 +1,271 @@
+// What happens next: a handler, a thread, or what is due.
+#include "world.hpp"
+
+#include <asio/post.hpp>
+
+#include <algorithm>
+#include <exception>
+#include <functional>
+#include <utility>
+
+namespace hive::simulation {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+World* the_world = nullptr;
+
+/// So long the network side of a module is left alone before its thread steps in (event::Loop::patience).
+constexpr auto patience = 1ms;
+
+}  // namespace
+
+World& world() { return *the_world; }
+
+// --- operations and network sides ---
+
+void Operation::finish(std::error_code error, std::size_t bytes)
+{
+    auto* const side = std::exchange(side_, nullptr);
+    if (!side)
+        return;
+    const auto row = std::ranges::find(side->operations_, this, &std::shared_ptr<Operation>::get);
+    const auto keep = *row;
+    side->operations_.erase(row);
+    asio::post(side->context, [handler = std::move(handler_), error, bytes] { handler(error, bytes); });
+    handler_ = nullptr;
+    work_.reset();
+}
+
+NetworkSide::NetworkSide(asio::io_context& its_context) : context(its_context), process(*world().current())
+{
+    world().sides_.push_back(this);
+    world().side_of_[&context] = this;
+}
+
+NetworkSide::~NetworkSide()
+{
+    while (!operations_.empty())  // what a handler holds may begin another one when it is destroyed
+        for (const auto& operation : std::exchange(operations_, {})) {
+            operation->side_ = nullptr;
+            operation->work_.reset();
+            operation->handler_ = nullptr;
+        }
+    std::erase(world().sides_, this);
+    world().side_of_.erase(&context);
+}
+
+NetworkSide& NetworkSide::of(asio::io_context& context) { return *world().side_of_.at(&context); }
+
+std::shared_ptr<Operation> NetworkSide::begin(Operation::Handler handler)
+{
+    auto operation = std::make_shared<Operation>();
+    operation->side_ = this;
+    operation->handler_ = std::move(handler);
+    operation->work_.emplace(context.get_executor());
+    operations_.push_back(operation);
+    return operation;
+}
+
+// --- threads ---
+
+Thread::Thread(Process& its_process, std::function<void()> main)
+    : process(its_process), fiber([&its_process, main = std::move(main)] {
+          try {
+              if (!its_process.dead)
+                  main();
+          } catch (const Killed&) {
+          } catch (const std::exception& error) {
+              its_process.failure = error.what();
+          }
+          its_process.dead = true;
+      })
+{
+}
+
+World::World(std::uint64_t seed) : random_(seed) { the_world = this; }
+
+World::~World()
+{
+    for (const auto& process : processes_)
+        kill(*process);
+    the_world = nullptr;
+}
+
+Process& World::spawn(std::string name, std::function<void()> main)
+{
+    auto& process = *processes_.emplace_back(std::make_unique<Process>(std::move(name), next_pid_++));
+    runnable_.push_back(process.threads.emplace_back(std::make_unique<Thread>(process, std::move(main))).get());
+    return process;
+}
+
+void World::kill(Process& process)
+{
+    if (process.dead)
+        return;
+    note(static_cast<std::uint64_t>(process.pid) * 31);
+    process.dead = true;
+    process.frozen = false;
+    close_connections_of(process);
+    for (const auto& thread : process.threads)
+        while (!thread->fiber.ended()) {
+            std::erase(runnable_, thread.get());
+            run(*thread);
+        }
+}
+
+bool World::ends(std::int64_t pid) const
+{
+    const auto found = std::ranges::find(processes_, pid, [](const auto& process) { return process->pid; });
+    return found == processes_.end() || (*found)->dead;
+}
+
+void World::wake(Thread& thread)
+{
+    if (thread.runnable || thread.fiber.ended())
+        return;
+    thread.runnable = true;
+    runnable_.push_back(&thread);
+}
+
+void World::run(Thread& thread)
+{
+    thread.runnable = false;
+    auto* const process_before = std::exchange(current_, &thread.process);
+    auto* const thread_before = std::exchange(thread_, &thread);
+    thread.fiber.enter();
+    thread_ = thread_before;
+    current_ = process_before;
+}
+
+void World::require_alive() const
+{
+    if (current_ && current_->dead && std::uncaught_exceptions() == 0)
+        throw Killed();
+}
+
+void World::wait(NetworkSide* side, Time deadline, const std::function<bool()>* condition)
+{
+    require_alive();
+    if (!thread_ || thread_->process.dead)
+        return;
+    Thread& thread = *thread_;
+    const auto mine = ++thread.waits;
+    thread.condition = condition;
+    if (side)
+        side->waiting.push_back(&thread);
+    if (deadline != Time::max())
+        at(deadline, [this, &thread, mine] {
+            if (thread.waits == mine)
+                wake(thread);
+        });
+    thread.fiber.leave();
+    ++thread.waits;
+    if (side)
+        std::erase(side->waiting, &thread);
+    require_alive();
+}
+
+void World::spend(Duration time)
+{
+    Process& process = *current_;
+    process.busy_since = now_;
+    at(now_ + patience, [] {});
+    sleep(time);  // who is killed meanwhile is busy for ever
+    process.busy_since.reset();
+}
+
+// --- what happens next ---
+
+Duration World::between(Duration least, Duration most)
+{
+    return least + Duration(random_() % static_cast<std::uint64_t>((most - least).count() + 1));
+}
+
+void World::at(Time time, std::function<void()> what)
+{
+    due_.push_back({std::max(time, now_), ++due_number_, std::move(what)});
+    std::ranges::push_heap(due_, std::greater());
+}
+
+void World::note(std::string_view text)
+{
+    for (const unsigned char each : text)
+        note(each);
+}
+
+/// Nothing is done in no time: what is due meanwhile comes in between.
+void World::costs(Duration most) { now_ += between(1us, most); }
+
+bool World::step(Time limit)
+{
+    looked_at();
+    const bool threads_first = !runnable_.empty() && chance(50);
+    return (threads_first && run_thread()) || run_handler() || run_thread() || next_due(limit);
+}
+
+bool World::run_thread()
+{
+    std::vector<Thread*> able;
+    std::ranges::copy_if(runnable_, std::back_inserter(able), [](const Thread* each) { return !each->process.frozen; });
+    if (able.empty())
+        return false;
+    Thread& thread = *able[chance_of(able.size())];
+    std::erase(runnable_, &thread);
+    note(static_cast<std::uint64_t>(thread.process.pid));
+    run(thread);
+    costs(20us);
+    return true;
+}
+
+bool World::run_handler()
+{
+    if (sides_.empty())
+        return false;
+    const auto first = chance_of(sides_.size());
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+        NetworkSide& side = *sides_[(first + i) % sides_.size()];
+        const Process& process = side.process;
+        if (!side.started || process.dead || process.frozen
+            || (process.busy_since && now_ < *process.busy_since + patience))
+            continue;
+        current_ = &side.process;
+        ++side.turns;
+        const bool ran = side.context.poll_one() > 0;
+        if (ran || side.context.stopped())
+            ask_waiting(side);
+        --side.turns;
+        current_ = nullptr;
+        if (!ran)
+            continue;
+        ++handlers_;
+        costs(20us);
+        return true;
+    }
+    return false;
+}
+
+void World::ask_waiting(NetworkSide& side)
+{
+    for (auto* const thread : std::vector(side.waiting))
+        if (!thread->runnable && thread->condition && (*thread->condition)())
+            wake(*thread);
+}
+
+bool World::next_due(Time limit)
+{
+    if (due_.empty() || due_.front().time > limit) {
+        now_ = std::max(now_, limit);
+        return false;
+    }
+    std::ranges::pop_heap(due_, std::greater());
+    const auto due = std::move(due_.back());
+    due_.pop_back();
+    now_ = std::max(now_, due.time);
+    note(static_cast<std::uint64_t>(now_.time_since_epoch().count()));
+    due.what();
+    return true;
+}
+
+}  // namespace hive::simulation

@@ -1,0 +1,182 @@
+// A world in one thread: its time, its chance, its processes and what they wait for. Everything that happens follows
+// from the seed.
+#pragma once
+
+#include "fiber.hpp"
+
+#include <hive/platform/clock.hpp>
+
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace hive::simulation {
+
+using Time = platform::SteadyClock::time_point;
+using Duration = std::chrono::nanoseconds;
+
+/// Thrown through the code of a process that was killed, by all that it calls of the world.
+struct Killed {};
+
+class NetworkSide;
+class Pipe;
+class Process;
+
+/// A thread of a process.
+class Thread {
+public:
+    Thread(Process& process, std::function<void()> main);
+
+    Process& process;
+    Fiber fiber;
+    bool runnable = true;
+    std::uint64_t waits = 0;                           ///< counts its waits, so that an old alarm wakes nobody
+    const std::function<bool()>* condition = nullptr;  ///< of the present wait; null: only its alarm ends it
+};
+
+/// Something that an io_context waits for. Its work is there until it is finished; when the context ends first, it
+/// never is.
+class Operation {
+public:
+    using Handler = std::function<void(std::error_code, std::size_t)>;
+
+    /// Calls the handler from the context, once. Again: nothing.
+    void finish(std::error_code error, std::size_t bytes = 0);
+
+private:
+    friend class NetworkSide;
+    NetworkSide* side_ = nullptr;
+    Handler handler_;
+    std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_;
+};
+
+/// The io_context of a module, and who waits in it.
+class NetworkSide {
+public:
+    explicit NetworkSide(asio::io_context& context);
+    ~NetworkSide();
+    NetworkSide(const NetworkSide&) = delete;
+    NetworkSide& operator=(const NetworkSide&) = delete;
+    /// Of this context.
+    static NetworkSide& of(asio::io_context& context);
+
+    std::shared_ptr<Operation> begin(Operation::Handler handler);
+
+    asio::io_context& context;
+    Process& process;
+    bool started = false;
+    int turns = 0;  ///< how often whoever runs has taken the turn
+    std::vector<Thread*> waiting;
+
+private:
+    friend class Operation;
+    std::list<std::shared_ptr<Operation>> operations_;
+};
+
+class Process {
+public:
+    Process(std::string its_name, std::int64_t its_pid) : name(std::move(its_name)), pid(its_pid) {}
+
+    const std::string name;
+    const std::int64_t pid;
+    std::string failure;  ///< what its code threw
+    bool dead = false, frozen = false;
+    std::optional<Time> busy_since;  ///< a callback takes time; the network side has a thread after 1 ms of that
+    std::vector<std::unique_ptr<Thread>> threads;
+    std::vector<std::pair<int, std::weak_ptr<Pipe>>> connections;  ///< each with its end of it
+};
+
+class World {
+public:
+    explicit World(std::uint64_t seed);
+    ~World();
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
+
+    // --- time and chance ---
+    [[nodiscard]] Time now() const { return now_; }
+    [[nodiscard]] Duration age() const { return now_ - begin_; }
+    std::uint64_t chance_of(std::uint64_t several) { return random_() % several; }
+    bool chance(int percent) { return chance_of(100) < static_cast<std::uint64_t>(percent); }
+    Duration between(Duration least, Duration most);
+    std::uint64_t entropy() { return random_(); }
+    void at(Time time, std::function<void()> what);
+    /// Two worlds in which the same happened have the same digest.
+    void note(std::uint64_t what) { digest_ = (digest_ ^ what) * 1'099'511'628'211U; }
+    void note(std::string_view text);
+    [[nodiscard]] std::uint64_t digest() const { return digest_; }
+    [[nodiscard]] std::uint64_t handlers() const { return handlers_; }
+
+    // --- processes ---
+    Process& spawn(std::string name, std::function<void()> main);
+    /// Nothing of it runs any more, but for the destructors on its stacks, for which nothing in the world exists.
+    void kill(Process& process);
+    [[nodiscard]] bool ends(std::int64_t pid) const;
+    /// What is running; null outside of all processes.
+    [[nodiscard]] Process* current() const { return current_; }
+
+    // --- for what runs in a process ---
+    /// Until the condition, which is asked after each handler of that network side, or the deadline.
+    void wait(NetworkSide* side, Time deadline, const std::function<bool()>* condition);
+    void sleep(Duration time) { wait(nullptr, now_ + time, nullptr); }
+    /// The code of a drone takes time.
+    void spend(Duration time);
+    /// Throws Killed when who runs is dead.
+    void require_alive() const;
+
+    /// One thing happens, the next. @return false when there is nothing before `limit`, which it is then
+    bool step(Time limit);
+
+    /// Each step has asked it; an exception ends the history.
+    std::function<void()> looked_at = [] {};
+
+private:
+    friend class NetworkSide;
+    struct Due {
+        Time time;
+        std::uint64_t number;
+        std::function<void()> what;
+        bool operator>(const Due& other) const
+        {
+            return time != other.time ? time > other.time : number > other.number;
+        }
+    };
+    void wake(Thread& thread);
+    void run(Thread& thread);
+    bool run_thread();
+    bool run_handler();
+    void ask_waiting(NetworkSide& side);
+    bool next_due(Time limit);
+    void costs(Duration most);
+
+    static constexpr Time begin_{std::chrono::seconds(1'000'000)};
+    Time now_ = begin_;
+    std::mt19937_64 random_;
+    std::vector<Due> due_;
+    std::uint64_t due_number_ = 0, handlers_ = 0, digest_ = 14'695'981'039'346'656'037U;
+    std::vector<std::unique_ptr<Process>> processes_;
+    std::int64_t next_pid_ = 1000;
+    std::vector<Thread*> runnable_;
+    std::vector<NetworkSide*> sides_;
+    std::map<const asio::io_context*, NetworkSide*> side_of_;
+    Process* current_ = nullptr;
+    Thread* thread_ = nullptr;
+};
+
+/// The one that there is.
+World& world();
+
+/// As the kernel does for a process that was killed.
+void close_connections_of(Process& process);
+
+}  // namespace hive::simulation
