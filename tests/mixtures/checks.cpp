@@ -12,7 +12,9 @@ bool balances(const EdgeStatus& edge, std::int64_t produced)
     bool good = edge.events.in_flight() >= 0 && edge.waiting >= 0 && edge.waiting <= edge.events.in_flight();
     for (std::size_t i = 0; i < fates; ++i)
         good = good && edge.events.of(static_cast<Fate>(i)) >= 0;
-    return good && (edge.events.total() <= produced || !edge.options.group.empty());  // a member may get one again
+    // A member may get an event again, and an application may have several places.
+    const bool once_each = edge.options.group.empty() && edge.receiver.find('.') != std::string::npos;
+    return good && (edge.events.total() <= produced || !once_each);
 }
 
 bool balances(const InputStatus& input)

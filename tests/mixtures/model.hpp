@@ -54,6 +54,7 @@ private:
         Outcome outcome;
     };
 
+    [[nodiscard]] bool in_doubt(const Outcome& exception, const Outcome& result) const;
     [[nodiscard]] Way way_of(const Outcome& outcome) const;
     [[nodiscard]] std::vector<Way> ways() const;
     [[nodiscard]] bool is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const;
@@ -65,6 +66,7 @@ private:
     Topology topology_;
     Condition condition_;
     std::vector<Excuse> excuses_;
+    std::set<std::string> left_in_doubt_;  ///< members that an order stopped while somebody else was broken
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
     std::map<std::pair<Way, std::int64_t>, std::pair<std::int64_t, std::int64_t>> last_;  ///< of each way and epoch
 };

@@ -241,6 +241,12 @@ std::vector<std::string> SimulatedGround::end()
 
 // --- the collector ---
 
+void SimulatedGround::take(const Event& event, bool failed)
+{
+    collected_.came.push_back(mixtures::outcome_of(event, failed));
+    trace_.line("collector", std::to_string(event.identity.sequence) + ": " + to_text(collected_.came.back()));
+}
+
 void SimulatedGround::collect()
 {
     Application application(application_named("collector")), hearing(application_named(mixtures::hearer));
@@ -251,10 +257,10 @@ void SimulatedGround::collect()
     const auto exceptions = hearing.exceptions(topology_.drones());
     for (collected_.begun = true; !collected_.ending;) {
         if (const auto result = results->next(5ms))
-            collected_.came.push_back(mixtures::outcome_of(*result, false));
+            take(*result, false);
         const auto exception = exceptions->next(results->ended() ? 5ms : 0ms);  // one of the two waits
         if (exception && exception->identity.sequence > 0)
-            collected_.came.push_back(mixtures::outcome_of(*exception, true));
+            take(*exception, true);
         collected_.counts = results->counts();
     }
 }

@@ -35,6 +35,8 @@ public:
     [[nodiscard]] Clock::time_point now() const override { return world_.now(); }
     void sleep(std::chrono::microseconds time) override { world_.sleep(time); }
     void at_once(const std::function<void()>& one, const std::function<void()>& other) override;
+    /// An ordered collector waits 30 s for each exception that it could not hear.
+    [[nodiscard]] std::chrono::milliseconds longest_settling() const override { return std::chrono::minutes(5); }
     void connect(const mixtures::Edge& edge) override;
     void perform(const mixtures::Step& step) override;
     [[nodiscard]] std::int64_t fed() const override { return fed_; }
@@ -65,6 +67,7 @@ private:
     void start(const std::string& drone, bool remembers);
     void live(const std::string& drone, EmbeddedOptions options);
     void collect();
+    void take(const Event& event, bool failed);
     void feed(int events);
     /// Sleeps until then.
     void until(const std::function<bool()>& condition);
