@@ -1,5 +1,5 @@
 // Statuses that add up, and such that do not.
-#include "../checks.hpp"
+#include "../watch.hpp"
 
 #include <doctest/doctest.h>
 
@@ -122,4 +122,28 @@ TEST_CASE("mixtures: exceptions are heard by who is connected to them")
     CHECK(heard(statuses, "source"));
     edge.connected = false;
     CHECK_FALSE(heard(statuses, "source"));
+}
+
+TEST_CASE("mixtures: a counter that goes back is a problem, unless its registration or its drone is another one")
+{
+    Watch watch;
+    auto statuses = good();
+    const auto fewer = [] {
+        auto few = good();
+        edge_of(few).events = {};
+        input_of(few).received = input_of(few).processed = 3;
+        return few;
+    };
+    CHECK(watch.look(statuses).empty());
+    CHECK(watch.look(statuses).empty());
+    CHECK(watch.look(fewer()).size() == 2);
+    CHECK(watch.look(statuses).empty());
+    auto registered_again = fewer();
+    edge_of(registered_again).registration = input_of(registered_again).registration = 6;
+    CHECK(watch.look(registered_again).empty());
+    CHECK(watch.look(statuses).empty());
+    auto started_again = fewer();
+    for (auto& [name, status] : started_again)
+        ++status.epoch;
+    CHECK(watch.look(started_again).empty());
 }

@@ -200,7 +200,6 @@ void World::costs(Duration most) { now_ += between(1us, most); }
 
 bool World::step(Time limit)
 {
-    looked_at();
     const bool threads_first = !runnable_.empty() && chance(50);
     return (threads_first && run_thread()) || run_handler() || run_thread() || next_due(limit);
 }

@@ -137,9 +137,6 @@ public:
     /// One thing happens, the next. @return false when there is nothing before `limit`, which it is then
     bool step(Time limit);
 
-    /// Each step has asked it; an exception ends the history.
-    std::function<void()> looked_at = [] {};
-
 private:
     friend class NetworkSide;
     struct Due {
