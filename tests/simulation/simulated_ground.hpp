@@ -69,6 +69,7 @@ private:
     void collect();
     void take(const Event& event, bool failed);
     void feed(int events);
+    void cut_sometimes();
     /// Sleeps until then.
     void until(const std::function<bool()>& condition);
 
@@ -83,6 +84,7 @@ private:
     std::int64_t fed_ = 1;
     Collected collected_;
     std::optional<Application> application_;
+    std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 }  // namespace hive::simulation

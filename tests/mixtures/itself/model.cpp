@@ -99,21 +99,6 @@ TEST_CASE("mixtures: a kill, a halt and leaving a group are no excuse")
     CHECK(model.excused() == std::vector<std::string>{"a1"});
 }
 
-TEST_CASE(
-    "mixtures: what a member had in hand that is stopped while another is halted may be given up, and come as well")
-{
-    const Outcome given_up{
-        .failed = true, .sender = "source", .text = "abandoned: given up", .epoch = 1, .sequence = 1, .hops = {}};
-    for (const bool broken : {false, true}) {
-        auto model = begun({shared({"a1", "a2"})});
-        if (broken)
-            model.before({.verb = Verb::halt, .drone = "a2"});
-        model.before({.verb = Verb::stop, .drone = "a1"});
-        CHECK_FALSE(model.came(given_up));
-        CHECK(model.came(result(1, {"a1"})).has_value() == !broken);
-    }
-}
-
 TEST_CASE("mixtures: what is collected in order is in order")
 {
     auto ordered = begun({shared({"a1", "a2"})}, true), any = begun({shared({"a1", "a2"})});

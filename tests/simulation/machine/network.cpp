@@ -116,10 +116,10 @@ private:
     std::shared_ptr<Door> door_;
 };
 
-void note_cut(Process& process, const std::shared_ptr<Pipe>& pipe, int end)
+void note(Process& process, int end, const std::shared_ptr<Pipe>& pipe, Process& peer)
 {
-    std::erase_if(process.connections, [](const auto& each) { return each.second.expired(); });
-    process.connections.emplace_back(end, pipe);
+    std::erase_if(process.connections, [](const auto& each) { return each.pipe.expired(); });
+    process.connections.push_back({end, pipe, &peer});
 }
 
 class Dial final : public DialAttempt {
@@ -151,8 +151,8 @@ private:
         const auto pipe =
             std::make_shared<Pipe>(local ? Pipe::Nature{50us, 100us, room} : Pipe::Nature{2ms, 3ms, room});
         Process& here = NetworkSide::of(context_).process;
-        note_cut(here, pipe, 0);
-        note_cut(door->process(), pipe, 1);
+        note(here, 0, pipe, door->process());
+        note(door->process(), 1, pipe, here);
         door->knock(simulation::make_stream(door->context(), pipe, 1, here.pid, local));
         succeed(simulation::make_stream(context_, pipe, 0, door->process().pid, local));
     }
@@ -216,19 +216,20 @@ namespace hive::simulation {
 
 void close_connections_of(Process& process)
 {
-    for (const auto& [end, connection] : std::exchange(process.connections, {}))
-        if (const auto pipe = connection.lock())
-            pipe->close(end);
+    for (const auto& connection : std::exchange(process.connections, {}))
+        if (const auto pipe = connection.pipe.lock())
+            pipe->close(connection.end);
 }
 
-bool cut_one_connection(Process& process)
+std::string cut_one_connection(Process& process, const std::function<bool(const Process&)>& with)
 {
-    std::erase_if(process.connections, [](const auto& each) { return each.second.expired(); });
-    if (process.connections.empty())
-        return false;
-    const auto& [end, pipe] = process.connections[world().chance_of(process.connections.size())];
-    pipe.lock()->cut();
-    return true;
+    auto candidates = process.connections;
+    std::erase_if(candidates, [&](const auto& each) { return each.pipe.expired() || !with(*each.peer); });
+    if (candidates.empty())
+        return {};
+    const auto& connection = candidates[world().chance_of(candidates.size())];
+    connection.pipe.lock()->cut();
+    return connection.peer->name;
 }
 
 }  // namespace hive::simulation

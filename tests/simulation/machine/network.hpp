@@ -5,7 +5,7 @@
 
 namespace hive::simulation {
 
-/// Breaks one of the connections of a process; false when it has none.
-bool cut_one_connection(Process& process);
+/// Breaks one of the connections of a process with such peers, whose name is returned; empty: it has none.
+std::string cut_one_connection(Process& process, const std::function<bool(const Process&)>& with);
 
 }  // namespace hive::simulation

@@ -93,7 +93,12 @@ public:
     bool dead = false, frozen = false;
     std::optional<Time> busy_since;  ///< a callback takes time; the network side has a thread after 1 ms of that
     std::vector<std::unique_ptr<Thread>> threads;
-    std::vector<std::pair<int, std::weak_ptr<Pipe>>> connections;  ///< each with its end of it
+    struct Connection {
+        int end;  ///< that is here
+        std::weak_ptr<Pipe> pipe;
+        Process* peer;
+    };
+    std::vector<Connection> connections;
 };
 
 class World {
