@@ -1,5 +1,6 @@
 // Processes, signals and the calls of an application.
 #include "running.hpp"
+#include "orders.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -20,16 +21,6 @@ std::vector<std::string> first_settings(const Topology& topology, const std::str
         return {};
     return {"work_ms=" + std::to_string(first_setting.work_ms), "most_ms=" + std::to_string(first_setting.most_ms),
             "throw_every=" + std::to_string(topology.stages.at(topology.stage_of(drone)).throw_every)};
-}
-
-Told told(const Error& error)
-{
-    switch (error.code()) {
-    case Errc::refused:
-    case Errc::invalid_argument:
-    case Errc::not_found: return Told::refused;
-    default: return Told::unknown;
-    }
 }
 
 /// Descriptors and mappings of shared memory of this process itself.
@@ -126,18 +117,7 @@ void Running::feed(int events)
 Told Running::set(const Change& change)
 {
     Application asking = swarm_.application();  // of its own: two may be under way
-    Json parameters{{"work_ms", change.work_ms}};
-    if (change.most_ms)
-        parameters["most_ms"] = *change.most_ms;
-    try {
-        auto result = Told::applied;
-        for (const auto& answer : asking.set(change.drones, parameters).answers)
-            if (answer.error && result != Told::unknown)
-                result = told(*answer.error);
-        return result;
-    } catch (const Error& error) {
-        return told(error);
-    }
+    return mixtures::set(asking, change);
 }
 
 std::vector<std::string> Running::answering() const
@@ -151,14 +131,7 @@ std::vector<std::string> Running::answering() const
 
 Statuses Running::statuses() { return statuses_of(application_, answering()); }
 
-Settings Running::settings()
-{
-    Settings settings;
-    for (const auto& answer : application_.get(answering()))
-        if (!answer.error && answer.result.contains("work_ms") && answer.drone != watcher)
-            settings[answer.drone] = {answer.result.at("work_ms"), answer.result.at("most_ms")};
-    return settings;
-}
+Settings Running::settings() { return settings_of(application_, answering()); }
 
 std::int64_t Running::count() { return application_.get(source, {"count"}).at("count"); }
 

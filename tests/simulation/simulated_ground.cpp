@@ -3,6 +3,8 @@
 #include "network.hpp"
 #include "simulated_ground.hpp"
 
+#include <orders.hpp>
+
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
@@ -192,25 +194,8 @@ void SimulatedGround::feed(int events)
 
 Told SimulatedGround::set(const Change& change)
 {
-    static constexpr auto told = [](const Error& error) {
-        const bool refused =
-            error.code() == Errc::refused || error.code() == Errc::invalid_argument || error.code() == Errc::not_found;
-        return refused ? Told::refused : Told::unknown;
-    };
-    Json parameters{{"work_ms", change.work_ms}};
-    if (change.most_ms)
-        parameters["most_ms"] = *change.most_ms;
-    trace_.line("set", parameters.dump());
-    try {
-        Application asking(application_named("setter-" + std::to_string(world_.current()->pid)));
-        auto result = Told::applied;
-        for (const auto& answer : asking.set(change.drones, parameters).answers)
-            if (answer.error && result != Told::unknown)
-                result = told(*answer.error);
-        return result;
-    } catch (const Error& error) {
-        return told(error);
-    }
+    Application asking(application_named("setter-" + std::to_string(world_.current()->pid)));  // two may be under way
+    return mixtures::set(asking, change);
 }
 
 std::vector<std::string> SimulatedGround::answering() const
@@ -231,14 +216,7 @@ Statuses SimulatedGround::statuses()
     return statuses;
 }
 
-mixtures::Settings SimulatedGround::settings()
-{
-    mixtures::Settings settings;
-    for (const auto& answer : application_->get(answering()))
-        if (!answer.error && answer.result.contains("work_ms") && answer.drone != mixtures::watcher)
-            settings[answer.drone] = {answer.result.at("work_ms"), answer.result.at("most_ms")};
-    return settings;
-}
+mixtures::Settings SimulatedGround::settings() { return mixtures::settings_of(*application_, answering()); }
 
 std::int64_t SimulatedGround::count() { return application_->get(mixtures::source, {"count"}).at("count"); }
 
