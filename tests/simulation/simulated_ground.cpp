@@ -158,6 +158,7 @@ void SimulatedGround::perform(const Step& step)
     case Verb::resume: return application_->resume(step.drone);
     case Verb::stop:
         application_->stop(step.drone);
+        until([&] { return process->dead; });  // it uses its row to the end
         running_.erase(step.drone);
         return;
     default: return;
