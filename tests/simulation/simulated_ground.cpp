@@ -61,10 +61,15 @@ SimulatedGround::SimulatedGround(World& world, const Topology& topology, const T
     application_.emplace(application_named("operator"));
 }
 
+/// Of a round that failed the drones still run, and they use this.
 SimulatedGround::~SimulatedGround()
 {
-    if (world_.current()->dead)
+    for (const auto& [drone, running] : running_)
+        world_.kill(*running.process);
+    if (world_.current()->dead) {
+        world_.kill(*collected_.process);
         return;
+    }
     collected_.ending = true;
     until([this] { return collected_.process->dead; });
 }
