@@ -70,7 +70,7 @@ bool Intake::in_short_break() const
     return lost_ && spec_.address.scheme == transport::Address::Scheme::tcp && Clock::now() < *lost_ + short_break;
 }
 
-/// Not what somebody still waits for: whoever asked first also registers first.
+/// An intake whose first attempt is still unanswered is not held: connects register in the order of their requests.
 bool Intake::holds()
 {
     held_up_ = held_ > 0 && !first_;

@@ -11,7 +11,7 @@ namespace hive::platform {
 [[nodiscard]] bool process_ends(std::int64_t pid);
 /// Holds up the calling thread.
 void sleep_for(std::chrono::nanoseconds time);
-/// A number that nobody can foresee.
+/// An unpredictable number.
 [[nodiscard]] std::uint64_t entropy();
 
 }  // namespace hive::platform
