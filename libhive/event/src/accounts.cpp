@@ -1,15 +1,13 @@
 // Which accounts are open, and which are forgotten.
 #include <hive/event/accounts.hpp>
 
-#include <algorithm>
-
 namespace hive::event {
 
 Account& Accounts::open(const std::string& receiver, std::int64_t epoch, const ConnectionOptions& options)
 {
     Account& account = accounts_[{receiver, options.group}];
     account.options = options;
-    account.registration = std::max(account.registration, epoch);
+    account.registration = epoch;
     ++account.registrations;
     return account;
 }

@@ -105,7 +105,7 @@ void Intake::attempt()
 void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
 {
     link_ = link;
-    epoch_ = std::max(epoch_ + 1, wall_us());
+    epoch_ = host_.next_registration();
     if (link->peer().epoch != sender_epoch_)
         place_ = 0;  // it was started again, and knows nothing of the place
     sender_epoch_ = link->peer().epoch;

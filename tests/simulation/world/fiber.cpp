@@ -53,18 +53,6 @@ Stacks& stacks()
     return all;
 }
 
-/// What is being thrown and caught belongs to a stack, but the runtime keeps it by thread.
-struct Exceptions {
-    void* caught = nullptr;
-    unsigned int uncaught = 0;
-
-    void swap()
-    {
-        auto* const present = reinterpret_cast<Exceptions*>(abi::__cxa_get_globals());
-        std::swap(*present, *this);
-    }
-};
-
 /// Tells AddressSanitizer which stack is used.
 class Switch {
 public:
@@ -97,6 +85,18 @@ Fiber* beginning = nullptr;
 }  // namespace
 
 struct Fiber::Context {
+    /// What is being thrown and caught belongs to a stack, but the runtime keeps it by thread.
+    struct Exceptions {
+        void* caught = nullptr;
+        unsigned int uncaught = 0;
+
+        void swap()
+        {
+            auto* const present = reinterpret_cast<Exceptions*>(abi::__cxa_get_globals());
+            std::swap(*present, *this);
+        }
+    };
+
     std::byte* stack = nullptr;  ///< null before it begins and after it has ended
     jmp_buf inside{}, outside{};
     const void* outside_bottom = nullptr;

@@ -128,6 +128,7 @@ public:
     {
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
     }
+    std::int64_t next_registration() override { return registration_ = std::max(registration_ + 1, wall_us()); }
     /// Runs a task at a time. The alarm must be gone before the end of the module, which would wait for it.
     [[nodiscard]] Alarm alarm(Clock::time_point time, Loop::Task task);
     /// Ticks while something has a deadline.
@@ -190,6 +191,7 @@ private:
     std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by who is there
     std::atomic<bool> halted_ = false;
     bool backlogged_ = false;
+    std::int64_t registration_ = 0;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
     std::vector<std::shared_ptr<Intake>> leaving_;         ///< removed, and not done with everything
