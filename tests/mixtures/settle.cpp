@@ -82,7 +82,7 @@ Problems Round::settle(bool last)
 {
     Stillness all(ground_), source_alone(ground_);
     const auto most_time = ground_.longest_settling();
-    for (const auto end = ground_.now() + most_time; ground_.now() < end; ground_.sleep(10ms)) {
+    for (const auto end = ground_.now() + most_time; ground_.now() < end; ground_.sleep(20ms)) {
         const auto statuses = ground_.statuses();
         listen();
         end_excuses(statuses);

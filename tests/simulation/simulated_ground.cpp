@@ -268,9 +268,9 @@ void SimulatedGround::collect()
     const auto results = application.collect(ends, {.ordered = topology_.ordered});
     const auto exceptions = hearing.exceptions(topology_.drones());
     for (collected_.begun = true; !collected_.ending;) {
-        if (const auto result = results->next(5ms))
+        if (const auto result = results->next(20ms))
             take(*result, false);
-        const auto exception = exceptions->next(results->ended() ? 5ms : 0ms);  // one of the two waits
+        const auto exception = exceptions->next(results->ended() ? 20ms : 0ms);  // one of the two waits
         if (exception && exception->identity.sequence > 0)
             take(*exception, true);
         collected_.counts = results->counts();

@@ -25,7 +25,8 @@ NetworkSide& side_of(const Loop* loop) { return *sides().at(loop); }
 
 }  // namespace
 
-Loop::Loop() : timer_(-1) { sides().emplace(this, std::make_unique<NetworkSide>(context_)); }
+/// Its context takes no lock: there is one thread.
+Loop::Loop() : context_(ASIO_CONCURRENCY_HINT_UNSAFE), timer_(-1) { sides().emplace(this, std::make_unique<NetworkSide>(context_)); }
 
 Loop::~Loop()
 {

@@ -4,6 +4,7 @@
 #include <asio/post.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <utility>
@@ -30,9 +31,8 @@ void Operation::finish(std::error_code error, std::size_t bytes)
     auto* const side = std::exchange(side_, nullptr);
     if (!side)
         return;
-    const auto row = std::ranges::find(side->operations_, this, &std::shared_ptr<Operation>::get);
-    const auto keep = *row;
-    side->operations_.erase(row);
+    const auto keep = *row_;
+    side->operations_.erase(row_);
     asio::post(side->context, [handler = std::move(handler_), error, bytes] { handler(error, bytes); });
     handler_ = nullptr;
     work_.reset();
@@ -46,12 +46,15 @@ NetworkSide::NetworkSide(asio::io_context& its_context) : context(its_context), 
 
 NetworkSide::~NetworkSide()
 {
-    while (!operations_.empty())  // what a handler holds may begin another one when it is destroyed
-        for (const auto& operation : std::exchange(operations_, {})) {
+    while (!operations_.empty()) {  // what a handler holds may begin another one when it is destroyed, or finish one
+        const auto ending = std::exchange(operations_, {});
+        for (const auto& operation : ending)
             operation->side_ = nullptr;
+        for (const auto& operation : ending) {
             operation->work_.reset();
             operation->handler_ = nullptr;
         }
+    }
     std::erase(world().sides_, this);
     world().side_of_.erase(&context);
 }
@@ -64,7 +67,7 @@ std::shared_ptr<Operation> NetworkSide::begin(Operation::Handler handler)
     operation->side_ = this;
     operation->handler_ = std::move(handler);
     operation->work_.emplace(context.get_executor());
-    operations_.push_back(operation);
+    operation->row_ = operations_.insert(operations_.end(), operation);
     return operation;
 }
 
@@ -191,8 +194,11 @@ void World::at(Time time, std::function<void()> what)
 
 void World::note(std::string_view text)
 {
-    for (const unsigned char each : text)
-        note(each);
+    for (; !text.empty(); text.remove_prefix(std::min(text.size(), sizeof(std::uint64_t)))) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, text.data(), std::min(text.size(), sizeof(word)));
+        note(word);
+    }
 }
 
 /// Nothing is done in no time: what is due meanwhile comes in between.
@@ -206,12 +212,13 @@ bool World::step(Time limit)
 
 bool World::run_thread()
 {
-    std::vector<Thread*> able;
-    std::ranges::copy_if(runnable_, std::back_inserter(able), [](const Thread* each) { return !each->process.frozen; });
-    if (able.empty())
+    const auto frozen = std::ranges::partition(runnable_, [](const Thread* each) { return !each->process.frozen; });
+    const auto able = runnable_.size() - frozen.size();
+    if (able == 0)
         return false;
-    Thread& thread = *able[chance_of(able.size())];
-    std::erase(runnable_, &thread);
+    const auto chosen = runnable_.begin() + static_cast<std::ptrdiff_t>(chance_of(able));
+    Thread& thread = **chosen;
+    runnable_.erase(chosen);
     note(static_cast<std::uint64_t>(thread.process.pid));
     run(thread);
     costs(20us);

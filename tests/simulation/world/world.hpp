@@ -56,6 +56,7 @@ public:
 private:
     friend class NetworkSide;
     NetworkSide* side_ = nullptr;
+    std::list<std::shared_ptr<Operation>>::iterator row_;  ///< there
     Handler handler_;
     std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_;
 };

@@ -32,10 +32,10 @@ std::string filled(const std::string& open, const std::string& item, const std::
 /// Objects with as many keys as are allowed, each once.
 std::string many_keys()
 {
-    std::string object = "{\"0\":0";
+    std::string keys = "{\"0\":0";
     for (int i = 1; i < 256; ++i)
-        object += ",\"" + std::to_string(i) + "\":0";
-    return filled("[0", "," + object + "}", "]");
+        keys += ",\"" + std::to_string(i) + "\":0";
+    return filled("[0", "," + keys + "}", "]");
 }
 
 struct Text {
