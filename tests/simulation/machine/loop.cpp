@@ -26,7 +26,10 @@ NetworkSide& side_of(const Loop* loop) { return *sides().at(loop); }
 }  // namespace
 
 /// Its context takes no lock: there is one thread.
-Loop::Loop() : context_(ASIO_CONCURRENCY_HINT_UNSAFE), timer_(-1) { sides().emplace(this, std::make_unique<NetworkSide>(context_)); }
+Loop::Loop() : context_(ASIO_CONCURRENCY_HINT_UNSAFE), timer_(-1)
+{
+    sides().emplace(this, std::make_unique<NetworkSide>(context_));
+}
 
 Loop::~Loop()
 {
