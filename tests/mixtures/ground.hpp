@@ -26,6 +26,11 @@ public:
     /// Until nothing moves. Places are kept for 30 s, and so long an ordered collector waits.
     [[nodiscard]] virtual std::chrono::milliseconds longest_settling() const { return std::chrono::seconds(45); }
 
+    /// Since its drones began.
+    [[nodiscard]] virtual std::chrono::microseconds age() const = 0;
+    /// A source on demand produces so soon when all have asked.
+    [[nodiscard]] virtual std::chrono::milliseconds pace() const { return stillness(); }
+
     virtual void connect(const Edge& edge) = 0;
     /// All steps but the sets. Throws what a drone answers.
     virtual void perform(const Step& step) = 0;
@@ -48,6 +53,8 @@ public:
     virtual std::vector<Outcome> outcomes() = 0;
     virtual CollectCounts collected() = 0;
 
+    /// Promises that the ground itself has seen broken since the last call.
+    virtual std::vector<std::string> complaints() { return {}; }
     /// Drones that have ended by themselves, which none may.
     virtual std::vector<std::string> fallen() = 0;
     /// Ends all by order; says what is left of them.

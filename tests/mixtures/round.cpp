@@ -6,7 +6,13 @@
 
 namespace hive::mixtures {
 
-Round::Round(Plan plan, Ground& ground) : plan_(std::move(plan)), model_(plan_.topology), ground_(ground)
+Round::Round(Plan plan, Ground& ground)
+    : plan_(std::move(plan)),
+      model_(plan_.topology),
+      ground_(ground),
+      window_(plan_.topology.demand),
+      pace_(ground.pace()),
+      sizes_(plan_.topology)
 {
     for (const auto& drone : plan_.topology.workers())
         values_.began(drone, first_setting);
@@ -38,13 +44,21 @@ Problems Round::one(const Step& step, bool last)
         if (step.settle)
             std::ranges::move(settle(last), std::back_inserter(problems_));
         else
-            end_excuses(ground_.statuses());
+            look();
     } catch (const std::exception& error) {
         problems_.push_back(std::string("not done: ") + error.what());
     }
+    std::ranges::move(ground_.complaints(), std::back_inserter(problems_));
     std::ranges::move(ground_.fallen(), std::back_inserter(problems_));
     listen();
     return problems_;
+}
+
+void Round::look()
+{
+    const auto statuses = ground_.statuses();
+    end_excuses(statuses);
+    std::ranges::move(watch(statuses), std::back_inserter(problems_));
 }
 
 void Round::perform(const Step& step)

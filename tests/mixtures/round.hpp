@@ -3,7 +3,10 @@
 
 #include "checks.hpp"
 #include "ground.hpp"
+#include "limits.hpp"
+#include "pace.hpp"
 #include "watch.hpp"
+#include "window.hpp"
 
 #include <set>
 
@@ -45,6 +48,7 @@ private:
     void set_twice(const Step& step);
     void set_and_kill(const Step& step);
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
+    void look();
     Problems watch(const Statuses& statuses);
     Problems settle(bool last);
     Problems stuck(const Statuses& statuses, Stillness& stillness) const;
@@ -58,8 +62,11 @@ private:
     Plan plan_;
     Model model_;
     Values values_;
-    Watch watch_;
     Ground& ground_;
+    Watch watch_;
+    Window window_;
+    Pace pace_;
+    Sizes sizes_;
     std::set<std::string> stopped_;
     Problems problems_;  ///< found while steps were done
 };

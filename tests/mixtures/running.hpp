@@ -20,6 +20,10 @@ public:
     void at_once(const std::function<void()>& one, const std::function<void()>& other) override;
     [[nodiscard]] std::chrono::milliseconds stillness() const override;
     [[nodiscard]] std::chrono::milliseconds longest_settling() const override;
+    [[nodiscard]] std::chrono::microseconds age() const override
+    {
+        return std::chrono::duration_cast<std::chrono::microseconds>(now() - begun_);
+    }
     void connect(const Edge& edge) override;
     void perform(const Step& step) override;
     [[nodiscard]] std::int64_t fed() const override { return fed_; }
@@ -38,6 +42,7 @@ private:
     void feed(int events);
     void start(const std::string& drone, bool remembers);
 
+    const Clock::time_point begun_ = now();
     Topology topology_;
     test::Swarm swarm_;
     std::map<std::string, test::Process> processes_;

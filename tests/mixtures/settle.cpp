@@ -74,7 +74,14 @@ Problems Round::stuck(const Statuses& statuses, Stillness& stillness) const
 Problems Round::watch(const Statuses& statuses)
 {
     auto problems = unbalanced(statuses);
-    std::ranges::move(watch_.look(statuses), std::back_inserter(problems));
+    const auto add = [&](const Problems& more) { problems.insert(problems.end(), more.begin(), more.end()); };
+    add(watch_.look(statuses));
+    add(window_.look(statuses));
+    add(sizes_.look(statuses));
+    add(impossible_ages(statuses, ground_.age()));
+    if (plan_.topology.demand)
+        add(pace_.look(statuses, ground_.fed(), ground_.now()));
+    add(ground_.complaints());
     return problems;
 }
 

@@ -1,6 +1,5 @@
-// The life of simulated drones, and what is done to them.
+// The life of simulated drones, what they say of themselves, and who collects.
 #include "drones.hpp"
-#include "network.hpp"
 #include "simulated_ground.hpp"
 
 #include <orders.hpp>
@@ -12,13 +11,8 @@
 namespace hive::simulation {
 
 using namespace std::chrono_literals;
-using mixtures::Change;
-using mixtures::Edge;
 using mixtures::Statuses;
-using mixtures::Step;
-using mixtures::Told;
 using mixtures::Topology;
-using mixtures::Verb;
 
 namespace {
 
@@ -33,14 +27,25 @@ Json first_parameters(const Topology& topology, const std::string& drone, std::i
             {"throw_every", topology.stages.at(topology.stage_of(drone)).throw_every}};
 }
 
+/// Who is there from the beginning to the end of a round.
+std::set<std::string> peers(const Topology& topology)
+{
+    std::set<std::string> names{"collector", mixtures::hearer};
+    for (const auto& drone : topology.drones())
+        names.insert(drone);
+    return names;
+}
+
+constexpr auto turn_time = 20ms;  ///< of the collector, which has two things to wait for
+
+}  // namespace
+
 Application::Options application_named(const std::string& name)
 {
     Application::Options options;
     options.name = name;
     return options;
 }
-
-}  // namespace
 
 void Trace::line(const std::string& who, const std::string& what) const
 {
@@ -50,7 +55,12 @@ void Trace::line(const std::string& who, const std::string& what) const
 }
 
 SimulatedGround::SimulatedGround(World& world, const Topology& topology, const Trace& trace)
-    : world_(world), topology_(topology), trace_(trace)
+    : world_(world),
+      topology_(topology),
+      trace_(trace),
+      links_(peers(topology)),
+      calls_(Application::Options().timeout),
+      waits_(2 * turn_time)
 {
     for (const auto& drone : topology_.drones()) {
         start(drone, false);
@@ -87,20 +97,23 @@ void SimulatedGround::at_once(const std::function<void()>& one, const std::funct
     until([&] { return beside.dead; });
 }
 
-// --- drones ---
-
 void SimulatedGround::start(const std::string& drone, bool remembers)
 {
     if (drone == mixtures::source && !remembers)
         fed_ = 1;
     born_[drone] = ++starts_;
+    links_.broken(drone, world_.now());
     EmbeddedOptions options{.name = drone};
     if (!remembers)
         options.parameters = first_parameters(topology_, drone, fed_);
-    options.log = [this, drone](LogLevel, const std::string& text) { trace_.line(drone, text); };
+    options.log = [this, drone](LogLevel, const std::string& text) {
+        trace_.line(drone, text);
+        links_.logged(drone, text, world_.now());
+    };
     Running& running = running_[drone] = {};
     running.process = &world_.spawn(drone, [this, drone, options] { live(drone, options); });
     until([&] { return running.ready || running.process->dead; });
+    links_.mended(drone, world_.now());
 }
 
 void SimulatedGround::live(const std::string& name, EmbeddedOptions options)
@@ -116,92 +129,6 @@ void SimulatedGround::live(const std::string& name, EmbeddedOptions options)
         running.ready = true;
     });
     embedded.run();
-}
-
-/// Once more when the connection over which the receiver registers is cut.
-void SimulatedGround::connect(const Edge& edge)
-try {
-    application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
-} catch (const Error& error) {
-    if (error.code() != Errc::connection_lost)
-        throw;
-    world_.sleep(100ms);
-    application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
-}
-
-void SimulatedGround::perform(const Step& step)
-{
-    trace_.line("step", to_text(step));
-    cut_sometimes();
-    const auto found = running_.find(step.drone);
-    Process* const process = found == running_.end() ? nullptr : found->second.process;
-    switch (step.verb) {
-    case Verb::feed: return feed(step.number);
-    case Verb::connect:
-        for (const auto& edge : topology_.edges())
-            if (edge.sender == step.sender && edge.receiver == step.drone)
-                connect(edge);
-        return;
-    case Verb::disconnect: return application_->disconnect({step.sender, ""}, {step.drone, ""});
-    case Verb::kill:
-        world_.kill(*process);
-        killed_.insert(step.drone);
-        frozen_.erase(step.drone);
-        return;
-    case Verb::start: return start(step.drone, killed_.erase(step.drone) > 0);
-    case Verb::freeze:
-        process->frozen = true;
-        frozen_[step.drone] = world_.now();
-        return;
-    case Verb::thaw:
-        if (const auto least = frozen_.at(step.drone) + std::chrono::milliseconds(step.number); least > world_.now())
-            world_.sleep(least - world_.now());
-        process->frozen = false;
-        frozen_.erase(step.drone);
-        return;
-    case Verb::halt: return application_->halt(step.drone);
-    case Verb::resume: return application_->resume(step.drone);
-    case Verb::stop:
-        application_->stop(step.drone);
-        until([&] { return process->dead; });  // it uses its row to the end
-        running_.erase(step.drone);
-        return;
-    default: return;
-    }
-}
-
-/// Between two drones, a while after a step. Who collects keeps its connections: an exception waits for nobody.
-void SimulatedGround::cut_sometimes()
-{
-    if (!world_.chance(30))
-        return;
-    const auto names = answering();
-    if (names.empty())
-        return;
-    const auto name = names[world_.chance_of(names.size())];
-    world_.at(world_.now() + world_.between(0ms, 60ms), [this, name, alive = std::weak_ptr(alive_)] {
-        const auto found = alive.expired() ? running_.end() : running_.find(name);
-        if (found == running_.end() || found->second.process->dead)
-            return;
-        const auto drones = topology_.drones();
-        const auto peer = cut_one_connection(
-            *found->second.process, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; });
-        if (!peer.empty())
-            trace_.line("network", "cut " + name + " - " + peer);
-    });
-}
-
-void SimulatedGround::feed(int events)
-{
-    const auto produced = statuses().at(mixtures::source).outputs.at(0).produced;
-    fed_ = std::max(fed_, produced) + events;
-    application_->set(mixtures::source, {{"count", fed_}});
-}
-
-Told SimulatedGround::set(const Change& change)
-{
-    Application asking(application_named("setter-" + std::to_string(world_.current()->pid)));  // two may be under way
-    return mixtures::set(asking, change);
 }
 
 std::vector<std::string> SimulatedGround::answering() const
@@ -222,9 +149,23 @@ Statuses SimulatedGround::statuses()
     return statuses;
 }
 
-mixtures::Settings SimulatedGround::settings() { return mixtures::settings_of(*application_, answering()); }
+mixtures::Settings SimulatedGround::settings()
+{
+    return calls_.keep("get of many", [this] { return mixtures::settings_of(*application_, answering()); });
+}
 
-std::int64_t SimulatedGround::count() { return application_->get(mixtures::source, {"count"}).at("count"); }
+std::int64_t SimulatedGround::count()
+{
+    return calls_.keep("get", [this] { return application_->get(mixtures::source, {"count"}).at("count"); });
+}
+
+std::vector<std::string> SimulatedGround::complaints()
+{
+    auto all = links_.take_problems();
+    for (auto* const more : {&calls_, &waits_})
+        std::ranges::move(more->take_problems(), std::back_inserter(all));
+    return all;
+}
 
 std::vector<std::string> SimulatedGround::fallen()
 {
@@ -239,7 +180,8 @@ std::vector<std::string> SimulatedGround::end()
 {
     std::vector<std::string> left;
     for (const auto& [drone, running] : running_) {
-        application_->stop(drone);
+        links_.broken(drone, world_.now());
+        calls_.keep("stop", [&] { application_->stop(drone); });
         const auto process = running.process;
         for (const auto last = world_.now() + 5s; !process->dead && world_.now() < last;)
             world_.sleep(1ms);
@@ -268,9 +210,9 @@ void SimulatedGround::collect()
     const auto results = application.collect(ends, {.ordered = topology_.ordered});
     const auto exceptions = hearing.exceptions(topology_.drones());
     for (collected_.begun = true; !collected_.ending;) {
-        if (const auto result = results->next(20ms))
+        if (const auto result = waits_.keep("next", [&] { return results->next(turn_time); }))
             take(*result, false);
-        const auto exception = exceptions->next(results->ended() ? 20ms : 0ms);  // one of the two waits
+        const auto exception = exceptions->next(results->ended() ? turn_time : 0ms);  // one of the two waits
         if (exception && exception->identity.sequence > 0)
             take(*exception, true);
         collected_.counts = results->counts();

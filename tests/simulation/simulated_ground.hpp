@@ -2,6 +2,8 @@
 // application, its status is read and not asked for.
 #pragma once
 
+#include "deadline.hpp"
+#include "links.hpp"
 #include "world.hpp"
 
 #include <ground.hpp>
@@ -26,6 +28,8 @@ private:
     bool wanted_;
 };
 
+Application::Options application_named(const std::string& name);
+
 /// Made and used by a thread of the world.
 class SimulatedGround final : public mixtures::Ground {
 public:
@@ -37,6 +41,11 @@ public:
     void at_once(const std::function<void()>& one, const std::function<void()>& other) override;
     /// An ordered collector waits 30 s for each exception that it could not hear.
     [[nodiscard]] std::chrono::milliseconds longest_settling() const override { return std::chrono::minutes(5); }
+    [[nodiscard]] std::chrono::microseconds age() const override
+    {
+        return std::chrono::duration_cast<std::chrono::microseconds>(world_.age());
+    }
+    [[nodiscard]] std::chrono::milliseconds pace() const override { return std::chrono::milliseconds(50); }
     void connect(const mixtures::Edge& edge) override;
     void perform(const mixtures::Step& step) override;
     [[nodiscard]] std::int64_t fed() const override { return fed_; }
@@ -48,6 +57,7 @@ public:
     [[nodiscard]] const std::map<std::string, int>& born() const override { return born_; }
     std::vector<Outcome> outcomes() override { return std::exchange(collected_.came, {}); }
     CollectCounts collected() override { return collected_.counts; }
+    std::vector<std::string> complaints() override;
     std::vector<std::string> fallen() override;
     std::vector<std::string> end() override;
 
@@ -69,6 +79,9 @@ private:
     void collect();
     void take(const Event& event, bool failed);
     void feed(int events);
+    void stop(const std::string& drone);
+    void freeze(const std::string& drone);
+    void thaw(const std::string& drone, std::chrono::milliseconds least);
     void cut_sometimes();
     /// Sleeps until then.
     void until(const std::function<bool()>& condition);
@@ -83,6 +96,8 @@ private:
     int starts_ = 0;
     std::int64_t fed_ = 1;
     Collected collected_;
+    Links links_;
+    Deadline calls_, waits_;
     std::optional<Application> application_;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

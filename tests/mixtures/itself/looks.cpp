@@ -1,0 +1,168 @@
+// Oracles that look at every status: each is quiet at a good one, and fires at one that breaks its promise.
+#include "../limits.hpp"
+#include "../pace.hpp"
+#include "../window.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace hive;
+using namespace hive::mixtures;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr int max_in_hand = 3;
+
+ConnectionOptions synchronized() { return {.window = max_in_hand, .group = {}}; }
+
+/// source.tick -> a1.image, with three events in hand; a1.result -> collector, with one.
+Statuses working()
+{
+    EdgeStatus edge{.receiver = "a1.image", .connected = true, .registration = 5, .options = synchronized()};
+    edge.events.came(3);
+    edge.why = Reason::not_asked;
+    EdgeStatus collected{.receiver = "collector", .connected = true, .registration = 2, .options = synchronized()};
+    collected.events.came(1);
+    const InputStatus input{.input = "image",
+                            .from = "source.tick",
+                            .connected = true,
+                            .registration = 5,
+                            .options = synchronized(),
+                            .received = 3,
+                            .queued = 2,
+                            .in_hand = 1};
+    const OutputStatus tick{.name = "tick", .type = "a/b", .produced = 3, .edges = {edge}};
+    const OutputStatus result{.name = "result", .type = "a/b", .edges = {collected}};
+    return {{source, {.name = source, .kind = "ticker", .uptime_us = 900, .outputs = {tick}}},
+            {"a1", {.name = "a1", .kind = "sleeper", .uptime_us = 800, .outputs = {result}, .inputs = {input}}}};
+}
+
+EdgeStatus& tick_edge(Statuses& statuses) { return statuses.at(source).outputs[0].edges[0]; }
+EdgeStatus& result_edge(Statuses& statuses) { return statuses.at("a1").outputs[0].edges[0]; }
+InputStatus& image_input(Statuses& statuses) { return statuses.at("a1").inputs[0]; }
+
+const Topology one_stage{.demand = true, .stages = {{.drones = {"a1"}, .options = synchronized()}}};
+
+bool is_of(const Problems& problems, const std::string& name)
+{
+    return problems.size() == 1 && problems[0].starts_with(name + ": ");
+}
+
+}  // namespace
+
+TEST_CASE("window: a receiver with more in hand than its window is a problem, but for what it has taken over")
+{
+    Window oracle(true);
+    auto statuses = working();
+    CHECK(oracle.look(statuses).empty());  // at the first look nobody knows what was taken over
+    image_input(statuses).queued = 0;
+    image_input(statuses).in_hand = 0;
+    CHECK(oracle.look(statuses).empty());
+    image_input(statuses).queued = max_in_hand + 1;
+    CHECK(is_of(oracle.look(statuses), "window"));
+    image_input(statuses).registration = 6;
+    CHECK(oracle.look(statuses).empty());
+    image_input(statuses).queued = 2 * max_in_hand + 1;
+    CHECK(oracle.look(statuses).empty());
+    image_input(statuses).queued = 2 * max_in_hand + 2;
+    CHECK(is_of(oracle.look(statuses), "window"));
+}
+
+TEST_CASE("window: of a stream, lossless events are counted and live ones are not")
+{
+    auto statuses = working();
+    image_input(statuses).options = {.transfer = Transfer::streaming, .group = {}};
+    image_input(statuses).queued = image_input(statuses).in_hand = 0;
+    auto many = statuses;
+    image_input(many).queued = 65;
+    Window lossless(true), live(false);
+    CHECK(lossless.look(statuses).empty());
+    CHECK(is_of(lossless.look(many), "window"));
+    CHECK(live.look(statuses).empty());
+    CHECK(live.look(many).empty());
+}
+
+TEST_CASE("window: a sender that has sent more than was asked for is a problem where it is told what was worked on")
+{
+    auto statuses = working();
+    tick_edge(statuses).events.went(Fate::acknowledged, 3);
+    Window lossless(true), live(false);
+    CHECK(lossless.look(statuses).empty());
+    CHECK(live.look(statuses).empty());
+    tick_edge(statuses).events.came(max_in_hand + 1);
+    CHECK(is_of(live.look(statuses), "window"));
+    CHECK(lossless.look(statuses).empty());  // it may have results that wait
+    result_edge(statuses).events.came(max_in_hand + 1);
+    CHECK(is_of(lossless.look(statuses), "window"));
+    result_edge(statuses).waiting = 2;  // these it has not sent
+    CHECK(lossless.look(statuses).empty());
+}
+
+TEST_CASE("pace: a source that all have asked and that does not produce is a problem after a while")
+{
+    Pace oracle(50ms);
+    auto statuses = working();
+    auto look = [&, now = Pace::Time()](std::chrono::milliseconds after) mutable {
+        return oracle.look(statuses, 4, now += after);
+    };
+    CHECK(look(20ms).empty());
+    CHECK(look(20ms).empty());
+    CHECK(look(20ms).empty());
+    CHECK(is_of(look(20ms), "pace"));
+    CHECK(look(50ms).empty());  // a gap: who knows what was asked meanwhile
+    CHECK(look(20ms).empty());
+    CHECK(look(20ms).empty());
+    statuses.at(source).outputs[0].why = Reason::not_asked;
+    CHECK(look(20ms).empty());
+    statuses.at(source).outputs[0].why = Reason::none;
+    statuses.at(source).outputs[0].produced = 4;  // all that it may
+    for (int i = 0; i < 10; ++i)
+        CHECK(look(20ms).empty());
+}
+
+TEST_CASE("bounded: queues and rows that have grown are a problem")
+{
+    const Sizes oracle(one_stage);
+    const auto after = [&](auto change) {
+        auto statuses = working();
+        change(statuses);
+        return oracle.look(statuses);
+    };
+    CHECK(after([](Statuses&) {}).empty());
+    CHECK(is_of(after([](Statuses& all) { image_input(all).queued = 257; }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { image_input(all).in_hand = 3; }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { tick_edge(all).waiting = 257; }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { tick_edge(all).events.came(300); }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { all["a1"].inputs.resize(3); }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { all["a1"].left.resize(2); }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { all["a1"].places.resize(2); }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { all[source].outputs[0].edges.resize(5); }), "bounded"));
+}
+
+TEST_CASE("bounded: a stream of live events may have a longer queue")
+{
+    auto live = one_stage;
+    live.demand = false;
+    auto statuses = working();
+    image_input(statuses).options = {.transfer = Transfer::streaming, .group = {}};
+    image_input(statuses).queued = 1024;
+    CHECK(Sizes(live).look(statuses).empty());
+    CHECK(is_of(Sizes(one_stage).look(statuses), "bounded"));
+    image_input(statuses).queued = 1025;
+    CHECK(is_of(Sizes(live).look(statuses), "bounded"));
+}
+
+TEST_CASE("ages: a time that is negative or longer than the history is a problem")
+{
+    const auto after = [](auto change) {
+        auto statuses = working();
+        change(statuses.at("a1"));
+        return impossible_ages(statuses, 1000us);
+    };
+    CHECK(after([](Status&) {}).empty());
+    CHECK(is_of(after([](Status& a1) { a1.inputs[0].last_age_us = -1; }), "ages"));
+    CHECK(is_of(after([](Status& a1) { a1.inputs[0].last_age_us = 1001; }), "ages"));
+    CHECK(is_of(after([](Status& a1) { a1.uptime_us = 1001; }), "ages"));
+    CHECK(is_of(after([](Status& a1) { a1.busy_us = 801; }), "ages"));
+    CHECK(is_of(after([](Status& a1) { a1.busy_for_us = 1; }), "ages"));
+}

@@ -1,0 +1,70 @@
+// Limits that follow from the topology of a round.
+#include "limits.hpp"
+
+namespace hive::mixtures {
+namespace {
+
+/// Where somebody is asked or waited for. A round feeds several times as many.
+constexpr std::int64_t max_asked = 256;
+/// Live events of a stream, at either end (Line::most_queued_events, Mailbox::most_events).
+constexpr std::int64_t max_streamed_live = 1024;
+/// One is with the drone's code, and the end of another is being told.
+constexpr std::int64_t max_in_hand = 2;
+/// Of an output: the collector, the hearer, a group.
+constexpr std::int64_t other_edges = 3;
+/// Of an input that is being connected anew.
+constexpr std::int64_t other_inputs = 1;
+
+class Report {
+public:
+    void at_most(std::int64_t limit, std::int64_t size, const auto&... what)
+    {
+        if (size > limit)
+            problems.push_back("bounded: " + (std::string(what) + ...) + ": " + std::to_string(size) + ", and at most "
+                               + std::to_string(limit) + " are possible");
+    }
+    Problems problems;
+};
+
+}  // namespace
+
+Sizes::Sizes(const Topology& topology) : lossless_(topology.demand)
+{
+    for (const auto& drone : topology.drones())
+        most_[drone] = {other_edges, other_inputs};
+    for (const auto& edge : topology.edges()) {
+        ++most_[edge.sender].edges;
+        ++most_[edge.receiver].inputs;
+    }
+}
+
+std::int64_t Sizes::queue(const ConnectionOptions& options) const
+{
+    return options.transfer == Transfer::streaming && !lossless_ ? max_streamed_live : max_asked;
+}
+
+Problems Sizes::look(const Statuses& statuses) const
+{
+    Report report;
+    for (const auto& [name, status] : statuses) {
+        const auto& most = most_.at(name);
+        for (const auto& output : status.outputs) {
+            report.at_most(most.edges, std::ssize(output.edges), "edges of ", name, ".", output.name);
+            for (const auto& edge : output.edges) {
+                const auto most_events = queue(edge.options);
+                report.at_most(most_events, edge.waiting, "waiting of ", name, " -> ", edge.receiver);
+                report.at_most(most_events, edge.events.in_flight(), "in flight of ", name, " -> ", edge.receiver);
+            }
+        }
+        for (const auto& input : status.inputs) {
+            report.at_most(queue(input.options), input.queued, "queued of ", input.from, " -> ", name);
+            report.at_most(max_in_hand, input.in_hand, "in hand of ", input.from, " -> ", name);
+        }
+        report.at_most(most.inputs, std::ssize(status.inputs), "inputs of ", name);
+        report.at_most(1, std::ssize(status.left), "left inputs of ", name);
+        report.at_most(1, std::ssize(status.places), "places of ", name);
+    }
+    return report.problems;
+}
+
+}  // namespace hive::mixtures

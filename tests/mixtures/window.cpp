@@ -1,0 +1,72 @@
+// Windows at both ends of an edge.
+#include "window.hpp"
+#include "picture.hpp"
+
+#include <algorithm>
+
+namespace hive::mixtures {
+namespace {
+
+constexpr std::int64_t max_streamed = 64;  ///< lossless events of a stream beyond `worked`
+
+bool is_synchronized(const ConnectionOptions& options) { return options.transfer == Transfer::synchronized; }
+bool is_application(const std::string& receiver) { return receiver.find('.') == std::string::npos; }
+
+}  // namespace
+
+/// Whatever is in hand at the first look at a registration may have been taken over; later it only becomes less.
+bool Window::fits(const std::string& key, std::int64_t registration, std::int64_t in_hand, std::int64_t window)
+{
+    Row& row = rows_[key];
+    row = {registration, row.registration == registration ? std::min(row.taken_over, in_hand) : in_hand};
+    return in_hand <= window + row.taken_over;
+}
+
+void Window::look(const std::string& drone, const InputStatus& input, Problems& problems)
+{
+    const bool streaming = !is_synchronized(input.options);
+    if (streaming && !lossless_)
+        return;  // live events of a stream are bounded by the queues alone
+    const auto window = streaming ? max_streamed : input.options.window;
+    if (!fits(drone + "." + input.input + " <- " + input.from, input.registration, input.queued + input.in_hand,
+              window))
+        problems.push_back("window: " + input.from + " -> " + drone + " has more than " + std::to_string(window)
+                           + " in hand: " + to_text(input));
+}
+
+/// A sender is not told what was worked on, only what is done. The two are the same where nobody waits for results, and
+/// where the receiver finishes in order: a second answer is refused before what is in hand, as is work when a drone
+/// halts.
+bool Window::tells_all(const std::string& sender, const EdgeStatus& edge) const
+{
+    if (edge.group || !edge.connected || !is_synchronized(edge.options) || !edge.options.group.empty())
+        return false;
+    const bool no_results = !lossless_ || edge.options.delivery == Delivery::notification;
+    return is_application(edge.receiver) || (sender == source && no_results);
+}
+
+void Window::look(const std::string& sender, const std::string& output, const EdgeStatus& edge, Problems& problems)
+{
+    if (!tells_all(sender, edge))
+        return;
+    if (!fits(output + " -> " + edge.receiver, edge.registration, edge.events.in_flight() - edge.waiting,
+              edge.options.window))
+        problems.push_back("window: " + output + " -> " + edge.receiver + " has sent more than "
+                           + std::to_string(edge.options.window) + ": " + to_text(edge));
+}
+
+Problems Window::look(const Statuses& statuses)
+{
+    Problems problems;
+    for (const auto& [name, status] : statuses) {
+        const auto life = name + " (epoch " + std::to_string(status.epoch) + ")";
+        for (const auto& input : status.inputs)
+            look(life, input, problems);
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges)
+                look(name, life + "." + output.name, edge, problems);
+    }
+    return problems;
+}
+
+}  // namespace hive::mixtures

@@ -1,0 +1,52 @@
+// Which links between the drones of a round may have ended, and which have.
+#pragma once
+
+#include "world.hpp"
+
+#include <set>
+
+namespace hive::simulation {
+
+/// links: a link ends only by a fault at one of its ends. Faults are told as they happen, and what drones log says
+/// which links have ended.
+class Links {
+public:
+    /// The peers that stay for the whole round, apart from what is done to them.
+    explicit Links(std::set<std::string> names) : names_(std::move(names)) {}
+
+    /// From now on the peer may lose its links.
+    void broken(const std::string& name, Time now) { faults_.push_back({name, {}, now, Time::max()}); }
+    /// It is well; a while from now it has noticed what has happened.
+    void mended(const std::string& name, Time now);
+    void cut(const std::string& one, const std::string& other, Time now)
+    {
+        faults_.push_back({one, other, now, now + notice});
+    }
+
+    /// It may lose its links when it says nothing for too long.
+    void frozen(const std::string& name, Time now);
+    void thawed(const std::string& name, Time now);
+
+    /// @param line  as the drone has logged it
+    void logged(const std::string& drone, const std::string& line, Time now);
+    std::vector<std::string> take_problems() { return std::exchange(problems_, {}); }
+
+private:
+    static constexpr auto notice = std::chrono::seconds(1);
+
+    struct Fault {
+        std::string one, other;  ///< of a cut; otherwise there is no other, and all links of the one may end
+        Time from, until;
+    };
+    struct Freeze {
+        Time since, until;
+    };
+    [[nodiscard]] bool may_end(const std::string& one, const std::string& other, Time now) const;
+
+    std::set<std::string> names_;
+    std::vector<Fault> faults_;
+    std::map<std::string, Freeze> freezes_;  ///< the last of each
+    std::vector<std::string> problems_;
+};
+
+}  // namespace hive::simulation
