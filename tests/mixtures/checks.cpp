@@ -74,6 +74,14 @@ bool explains(const Status& receiver, const std::string& from)
               });
 }
 
+std::string listed(const std::set<std::string>& names)
+{
+    std::string text;
+    for (const auto& name : names)
+        text += (text.empty() ? "" : ", ") + name;
+    return text.empty() ? "nobody" : text;
+}
+
 }  // namespace
 
 Problems unbalanced(const Statuses& statuses)
@@ -150,6 +158,23 @@ Problems without_reason(const Statuses& statuses)
                     problems.push_back("why: " + name + "." + output.name + " -> " + edge.receiver
                                        + " stands still without a reason: " + to_text(edge));
             }
+    return problems;
+}
+
+Problems wrongly_connected(const Statuses& statuses, const std::set<std::pair<std::string, std::string>>& wanted)
+{
+    Problems problems;
+    for (const auto& [name, status] : statuses) {
+        std::set<std::string> senders, present;
+        for (const auto& [sender, receiver] : wanted)
+            if (receiver == name)
+                senders.insert(sender);
+        for (const auto& input : status.inputs)
+            present.insert(input.from.substr(0, input.from.find('.')));
+        if (present != senders)
+            problems.push_back("restored: " + name + " was told to receive from " + listed(senders)
+                               + ", and its status has " + listed(present));
+    }
     return problems;
 }
 

@@ -4,6 +4,8 @@
 #include "plan.hpp"
 #include "status_of.hpp"
 
+#include <set>
+
 namespace hive::mixtures {
 
 using Problems = std::vector<std::string>;
@@ -20,6 +22,9 @@ bool says_why(const Status& status);
 /// Edges with events under way for which there is no word, when nothing moves. A receiver that does not answer may be
 /// frozen, and its sender need not know yet: that is left out.
 Problems without_reason(const Statuses& statuses);
+/// Inputs that a drone should not have, and such that it should: what it was told outlives a crash.
+/// @param wanted  sender and receiver
+Problems wrongly_connected(const Statuses& statuses, const std::set<std::pair<std::string, std::string>>& wanted);
 /// Are these two connected, at both ends?
 bool connected(const Statuses& statuses, const Edge& edge);
 /// Is the hearer connected, so that it hears the exceptions of this drone? A collector in order hears them as well.

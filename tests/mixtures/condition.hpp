@@ -28,6 +28,8 @@ public:
         return connected_.contains({sender, receiver});
     }
 
+    [[nodiscard]] const std::set<std::pair<std::string, std::string>>& wanted() const { return connected_; }
+
 private:
     std::map<std::string, Life> lives_;
     std::set<std::pair<std::string, std::string>> connected_;

@@ -28,6 +28,8 @@ public:
 
     /// To be called before a step is done: an order may end what was promised.
     void before(const Step& step);
+    /// What the drones were told to receive: sender and receiver.
+    [[nodiscard]] const std::set<std::pair<std::string, std::string>>& wanted() const { return condition_.wanted(); }
     /// What is excused now, until the edges of the drone are whole again; "" stands for all drones.
     [[nodiscard]] std::vector<std::string> excused() const;
     /// They are: the source had produced so many events by then.

@@ -12,7 +12,8 @@ Round::Round(Plan plan, Ground& ground)
       ground_(ground),
       window_(plan_.topology.demand),
       pace_(ground.pace()),
-      sizes_(plan_.topology)
+      sizes_(plan_.topology),
+      waits_(plan_.topology.demand)
 {
     for (const auto& drone : plan_.topology.workers())
         values_.began(drone, first_setting);

@@ -5,6 +5,7 @@
 #include "ground.hpp"
 #include "limits.hpp"
 #include "pace.hpp"
+#include "waits.hpp"
 #include "watch.hpp"
 #include "window.hpp"
 
@@ -67,6 +68,7 @@ private:
     Window window_;
     Pace pace_;
     Sizes sizes_;
+    Waits waits_;
     std::set<std::string> stopped_;
     Problems problems_;  ///< found while steps were done
 };

@@ -78,6 +78,8 @@ Problems Round::watch(const Statuses& statuses)
     add(watch_.look(statuses));
     add(window_.look(statuses));
     add(sizes_.look(statuses));
+    add(waits_.look(statuses));
+    add(wrongly_connected(statuses, model_.wanted()));
     add(impossible_ages(statuses, ground_.age()));
     if (plan_.topology.demand)
         add(pace_.look(statuses, ground_.fed(), ground_.now()));

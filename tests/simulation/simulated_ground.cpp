@@ -40,10 +40,11 @@ constexpr auto turn_time = 20ms;  ///< of the collector, which has two things to
 
 }  // namespace
 
-Application::Options application_named(const std::string& name)
+Application::Options application_named(const std::string& name, std::chrono::milliseconds timeout)
 {
     Application::Options options;
     options.name = name;
+    options.timeout = timeout;
     return options;
 }
 
@@ -60,7 +61,8 @@ SimulatedGround::SimulatedGround(World& world, const Topology& topology, const T
       trace_(trace),
       links_(peers(topology)),
       calls_(Application::Options().timeout),
-      waits_(2 * turn_time)
+      waits_(2 * turn_time),
+      impatient_calls_(short_timeout)
 {
     for (const auto& drone : topology_.drones()) {
         start(drone, false);
@@ -69,6 +71,7 @@ SimulatedGround::SimulatedGround(World& world, const Topology& topology, const T
     collected_.process = &world_.spawn("collector", [this] { collect(); });
     until([this] { return collected_.begun; });
     application_.emplace(application_named("operator"));
+    impatient_.emplace(application_named("impatient", short_timeout));
 }
 
 /// Of a round that failed the drones still run, and they use this.
@@ -162,7 +165,7 @@ std::int64_t SimulatedGround::count()
 std::vector<std::string> SimulatedGround::complaints()
 {
     auto all = links_.take_problems();
-    for (auto* const more : {&calls_, &waits_})
+    for (auto* const more : {&calls_, &waits_, &impatient_calls_})
         std::ranges::move(more->take_problems(), std::back_inserter(all));
     return all;
 }

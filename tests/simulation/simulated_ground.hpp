@@ -28,7 +28,9 @@ private:
     bool wanted_;
 };
 
-Application::Options application_named(const std::string& name);
+inline constexpr auto short_timeout = std::chrono::seconds(1);
+Application::Options application_named(const std::string& name,
+                                       std::chrono::milliseconds timeout = Application::Options().timeout);
 
 /// Made and used by a thread of the world.
 class SimulatedGround final : public mixtures::Ground {
@@ -81,6 +83,7 @@ private:
     void feed(int events);
     void stop(const std::string& drone);
     void freeze(const std::string& drone);
+    void ask_impatiently(const std::string& drone);
     void thaw(const std::string& drone, std::chrono::milliseconds least);
     void cut_sometimes();
     /// Sleeps until then.
@@ -97,8 +100,8 @@ private:
     std::int64_t fed_ = 1;
     Collected collected_;
     Links links_;
-    Deadline calls_, waits_;
-    std::optional<Application> application_;
+    Deadline calls_, waits_, impatient_calls_;
+    std::optional<Application> application_, impatient_;  ///< the latter asks drones that cannot answer
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

@@ -74,8 +74,17 @@ void SimulatedGround::stop(const std::string& drone)
     running_.erase(drone);
 }
 
+/// Whether it has an answer is another matter.
+void SimulatedGround::ask_impatiently(const std::string& drone)
+try {
+    impatient_calls_.keep("get by a deadline of 1 s", [&] { impatient_->get(drone); });
+} catch (const Error& error) {
+    trace_.line("impatient", error.what());
+}
+
 void SimulatedGround::freeze(const std::string& drone)
 {
+    ask_impatiently(drone);  // so that there is a connection
     running_.at(drone).process->frozen = true;
     frozen_[drone] = world_.now();
     links_.frozen(drone, world_.now());
@@ -83,7 +92,10 @@ void SimulatedGround::freeze(const std::string& drone)
 
 void SimulatedGround::thaw(const std::string& drone, std::chrono::milliseconds least)
 {
-    if (const auto until = frozen_.at(drone) + least; until > world_.now())
+    const auto until = frozen_.at(drone) + least;
+    if (until > world_.now() + short_timeout + Deadline::margin)
+        ask_impatiently(drone);
+    if (until > world_.now())
         world_.sleep(until - world_.now());
     running_.at(drone).process->frozen = false;
     frozen_.erase(drone);

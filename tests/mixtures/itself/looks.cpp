@@ -1,6 +1,7 @@
 // Oracles that look at every status: each is quiet at a good one, and fires at one that breaks its promise.
 #include "../limits.hpp"
 #include "../pace.hpp"
+#include "../waits.hpp"
 #include "../window.hpp"
 
 #include <doctest/doctest.h>
@@ -165,4 +166,48 @@ TEST_CASE("ages: a time that is negative or longer than the history is a problem
     CHECK(is_of(after([](Status& a1) { a1.uptime_us = 1001; }), "ages"));
     CHECK(is_of(after([](Status& a1) { a1.busy_us = 801; }), "ages"));
     CHECK(is_of(after([](Status& a1) { a1.busy_for_us = 1; }), "ages"));
+}
+
+TEST_CASE("waits: a drone that has halted and works is a problem")
+{
+    Waits oracle(true);
+    auto statuses = working();
+    auto& a1 = statuses.at("a1");
+    a1.state = State::halted;
+    CHECK(oracle.look(statuses).empty());
+    a1.inputs[0].discarded = 2;
+    CHECK(oracle.look(statuses).empty());
+    a1.inputs[0].processed = 1;
+    CHECK(is_of(oracle.look(statuses), "waits"));
+    a1.outputs[0].produced = 1;
+    CHECK(is_of(oracle.look(statuses), "waits"));
+    a1.state = State::idle;
+    a1.inputs[0].processed = 2;
+    CHECK(oracle.look(statuses).empty());
+    a1.state = State::halted;  // it has finished what it was working on
+    a1.inputs[0].processed = 3;
+    CHECK(oracle.look(statuses).empty());
+}
+
+TEST_CASE("waits: a source on demand that produces while a place is kept is a problem")
+{
+    Waits lossless(true), live(false);
+    auto statuses = working();
+    const auto look = [&] { return std::pair(lossless.look(statuses).size(), live.look(statuses).size()); };
+    tick_edge(statuses).connected = false;
+    tick_edge(statuses).why = Reason::place_kept;
+    CHECK(look() == std::pair<std::size_t, std::size_t>(0, 0));
+    ++statuses.at(source).outputs[0].produced;
+    CHECK(look() == std::pair<std::size_t, std::size_t>(1, 0));
+    tick_edge(statuses).registration = 6;  // it was back in between
+    ++statuses.at(source).outputs[0].produced;
+    CHECK(look() == std::pair<std::size_t, std::size_t>(0, 0));
+}
+
+TEST_CASE("restored: an input that nobody wanted is a problem, and so is one that is missing")
+{
+    using Wanted = std::set<std::pair<std::string, std::string>>;
+    CHECK(wrongly_connected(working(), Wanted{{source, "a1"}, {source, "a2"}}).empty());  // a2 does not answer
+    CHECK(is_of(wrongly_connected(working(), Wanted{}), "restored"));
+    CHECK(is_of(wrongly_connected(working(), Wanted{{source, "a1"}, {"a1", source}}), "restored"));
 }
