@@ -3,6 +3,7 @@
 
 #include "checks.hpp"
 #include "ground.hpp"
+#include "lease.hpp"
 #include "limits.hpp"
 #include "pace.hpp"
 #include "waits.hpp"
@@ -69,6 +70,7 @@ private:
     Pace pace_;
     Sizes sizes_;
     Waits waits_;
+    Lease lease_;
     std::set<std::string> stopped_;
     Problems problems_;  ///< found while steps were done
 };

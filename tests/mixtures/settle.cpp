@@ -79,6 +79,7 @@ Problems Round::watch(const Statuses& statuses)
     add(window_.look(statuses));
     add(sizes_.look(statuses));
     add(waits_.look(statuses));
+    add(lease_.look(statuses, ground_.now()));
     add(wrongly_connected(statuses, model_.wanted()));
     add(impossible_ages(statuses, ground_.age()));
     if (plan_.topology.demand)
