@@ -125,7 +125,7 @@ private:
     void freeze(const Step& step)
     {
         const bool brief = random_.chance(40);
-        frozen_ms_[step.drone] = brief ? random_.between(50, 900) : random_.between(2300, 3500);
+        frozen_ms_[step.drone] = brief ? random_.between(50, 1300) : random_.between(2300, 3500);
         add(step);
         if (brief) {
             steps_.back().settle = false;

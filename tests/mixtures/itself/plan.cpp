@@ -88,7 +88,7 @@ TEST_CASE("mixtures: a seed means the same everywhere and always")
 feed source 24
 set all 1 6, then check
 freeze a2
-thaw a2 after 263 ms
+thaw a2 after 688 ms
 feed source 68
 rest, then check)");
 }
