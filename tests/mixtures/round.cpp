@@ -13,7 +13,8 @@ Round::Round(Plan plan, Ground& ground)
       window_(plan_.topology.demand),
       pace_(ground.pace()),
       sizes_(plan_.topology),
-      waits_(plan_.topology.demand)
+      waits_(plan_.topology.demand),
+      idle_(ground.pace())
 {
     for (const auto& drone : plan_.topology.workers())
         values_.began(drone, first_setting);

@@ -3,6 +3,7 @@
 
 #include "checks.hpp"
 #include "ground.hpp"
+#include "idle.hpp"
 #include "lease.hpp"
 #include "limits.hpp"
 #include "pace.hpp"
@@ -71,6 +72,7 @@ private:
     Sizes sizes_;
     Waits waits_;
     Lease lease_;
+    Idle idle_;
     std::set<std::string> stopped_;
     Problems problems_;  ///< found while steps were done
 };

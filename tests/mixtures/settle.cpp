@@ -80,6 +80,7 @@ Problems Round::watch(const Statuses& statuses)
     add(sizes_.look(statuses));
     add(waits_.look(statuses));
     add(lease_.look(statuses, ground_.now()));
+    add(idle_.look(statuses, ground_.now()));
     add(wrongly_connected(statuses, model_.wanted()));
     add(impossible_ages(statuses, ground_.age()));
     if (plan_.topology.demand)
