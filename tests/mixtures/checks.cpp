@@ -14,7 +14,8 @@ bool balances(const EdgeStatus& edge, std::int64_t produced)
         good = good && edge.events.of(static_cast<Fate>(i)) >= 0;
     // A member may get an event again, and an application may have several places.
     const bool once_each = edge.options.group.empty() && edge.receiver.find('.') != std::string::npos;
-    return good && (edge.events.total() <= produced || !once_each);
+    const auto taken_along = edge.events.of(Fate::passed_on);  // to another group, from where it may be back
+    return good && (edge.events.total() - taken_along <= produced || !once_each);
 }
 
 bool balances(const InputStatus& input)

@@ -14,7 +14,7 @@
 //     so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
 //
-// Known and open: an exception that says that an event was given up may come beside its result
+// Known and open: an exception that says that an event was given up may come beside its result or exception
 // (../simulation/README.md).
 //
 // A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
@@ -44,10 +44,7 @@ std::string joined(const std::vector<std::string>& names)
     return text;
 }
 
-bool given_up_beside(const Outcome& exception, const Outcome& result)
-{
-    return exception.failed && !result.failed && exception.text.starts_with("abandoned");
-}
+bool says_given_up(const Outcome& outcome) { return outcome.failed && outcome.text.starts_with("abandoned"); }
 
 }  // namespace
 
@@ -182,7 +179,7 @@ std::optional<std::string> Model::came(const Outcome& outcome)
     const auto event = std::pair(outcome.epoch, outcome.sequence);
     auto& before = came_[event];
     for (const auto& other : before)
-        if (!given_up_beside(other.outcome, outcome) && !given_up_beside(outcome, other.outcome)
+        if (says_given_up(other.outcome) == says_given_up(outcome)
             && (other.way == way || (other.outcome.failed && begins_with(way, other.way))
                 || (outcome.failed && begins_with(other.way, way))))
             return "once: event " + number_of(event.first, event.second) + " was answered twice: by "

@@ -86,6 +86,8 @@ private:
         if (!condition_.runs(edge.sender) || !condition_.runs(edge.receiver))
             return;
         const bool connected = condition_.connected(edge.sender, edge.receiver);
+        for (int i = 0; i < 2 && connected && edge.receiver != watcher; ++i)
+            choices.push_back({.verb = Verb::change, .drone = edge.receiver, .sender = edge.sender});
         for (int i = 0; i < (connected ? 2 : 15); ++i)
             choices.push_back(
                 {.verb = connected ? Verb::disconnect : Verb::connect, .drone = edge.receiver, .sender = edge.sender});
@@ -109,6 +111,10 @@ private:
         switch (step.verb) {
         case Verb::freeze: return freeze(step);
         case Verb::thaw: return thaw(step.drone);
+        case Verb::change:
+            step.number = random_.between(1, 8);
+            step.second = random_.between(0, may_regroup(step.drone) ? 2 : 1);
+            break;
         case Verb::set_and_kill: step.drone = random_.pick(workers_that_run()); [[fallthrough]];
         case Verb::set_one:
         case Verb::set_all:
@@ -119,6 +125,12 @@ private:
         default: break;
         }
         add(std::move(step));
+    }
+
+    /// Whether it shares makes no difference to what a worker owes that is alone.
+    bool may_regroup(const std::string& worker) const
+    {
+        return !topology_.ordered && topology_.stages.at(topology_.stage_of(worker)).drones.size() == 1;
     }
 
     /// For less time than a peer needs to be taken for dead, at once over; or for longer, with other steps in between.

@@ -26,6 +26,8 @@ struct Edge {
     ConnectionOptions options;
 };
 
+struct Step;
+
 struct Topology {
     bool demand = true;    ///< the source is lossless; otherwise live
     bool ordered = false;  ///< results are collected in order
@@ -36,6 +38,9 @@ struct Topology {
     [[nodiscard]] std::vector<std::string> drones() const;   ///< all
     [[nodiscard]] std::vector<std::string> workers() const;  ///< of the stages
     [[nodiscard]] std::size_t stage_of(const std::string& worker) const;
+    /// What a step connects. One that changes options makes of a plain edge a stream (1), or has a worker that is alone
+    /// in its stage share where it did not, and the other way round (2).
+    [[nodiscard]] Edge edge_of(const Step& step) const;
     /// Port by which a drone sends: that of the source, or of a worker.
     [[nodiscard]] static std::string output_of(const std::string& drone) { return drone == source ? "tick" : "result"; }
 };
@@ -43,6 +48,7 @@ struct Topology {
 enum class Verb {
     feed,          ///< the source may make `number` events more
     connect,       ///< `sender` to `drone`; they may be connected
+    change,        ///< the options of that connection: window `number`, and as `second` says (Topology::edge_of)
     disconnect,    ///< `sender` from `drone`
     kill,          ///< SIGKILL
     start,         ///< after a kill or a stop

@@ -77,10 +77,7 @@ void Running::perform(const Step& step)
     switch (step.verb) {
     case Verb::feed: return feed(step.number);
     case Verb::connect:
-        for (const auto& edge : topology_.edges())
-            if (edge.sender == step.sender && edge.receiver == step.drone)
-                connect(edge);
-        return;
+    case Verb::change: return connect(topology_.edge_of(step));
     case Verb::disconnect: return application_.disconnect({step.sender, ""}, {step.drone, ""});
     case Verb::kill:
         processes_.at(step.drone).kill();

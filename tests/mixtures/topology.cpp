@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 namespace hive::mixtures {
 namespace {
@@ -42,8 +43,8 @@ std::string words(const ConnectionOptions& options)
     return text;
 }
 
-constexpr std::array verbs{"feed",   "connect", "disconnect", "kill",    "start",   "freeze",    "thaw", "halt",
-                           "resume", "stop",    "set one",    "set all", "set two", "set, kill", "rest"};
+constexpr std::array verbs{"feed", "connect", "change", "disconnect", "kill",    "start",   "freeze",    "thaw",
+                           "halt", "resume",  "stop",   "set one",    "set all", "set two", "set, kill", "rest"};
 
 }  // namespace
 
@@ -99,6 +100,25 @@ std::size_t Topology::stage_of(const std::string& worker) const
     return static_cast<std::size_t>(
         std::ranges::find_if(stages, [&](auto& stage) { return std::ranges::count(stage.drones, worker) > 0; })
         - stages.begin());
+}
+
+Edge Topology::edge_of(const Step& step) const
+{
+    for (auto& edge : edges()) {
+        if (edge.sender != step.sender || edge.receiver != step.drone)
+            continue;
+        if (step.verb != Verb::change)
+            return edge;
+        auto& options = edge.options;
+        options.window = step.number;
+        if (step.second == 2) {
+            options.group = options.group.empty() ? "others" : "";
+            options.lease = std::chrono::milliseconds(1500);
+        }
+        options.transfer = step.second == 1 && options.group.empty() ? Transfer::streaming : Transfer::synchronized;
+        return edge;
+    }
+    throw std::logic_error("there is no edge of " + to_text(step));
 }
 
 std::string to_text(const Topology& topology)

@@ -44,10 +44,7 @@ void SimulatedGround::perform(const Step& step)
     switch (step.verb) {
     case Verb::feed: return feed(step.number);
     case Verb::connect:
-        for (const auto& edge : topology_.edges())
-            if (edge.sender == step.sender && edge.receiver == step.drone)
-                connect(edge);
-        return;
+    case Verb::change: return connect(topology_.edge_of(step));
     case Verb::disconnect:
         return calls_.keep("disconnect", [&] { application_->disconnect({step.sender, ""}, {step.drone, ""}); });
     case Verb::kill:

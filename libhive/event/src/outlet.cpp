@@ -135,18 +135,20 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
     const bool guest = is_guest(*link);
     const auto registration = guest ? as_guest(told) : told;
     const auto id = ++next_id_;
-    const Newcomer newcomer{.id = id,
-                            .receiver = registration.receiver,
-                            .epoch = registration.epoch,
-                            .options = registration.options,
-                            .place = registration.place,
-                            .taken = registration.taken,
-                            .unique = is_unique(*link),
-                            .guest = guest};
+    Newcomer newcomer{.id = id,
+                      .receiver = registration.receiver,
+                      .epoch = registration.epoch,
+                      .options = registration.options,
+                      .place = registration.place,
+                      .taken = registration.taken,
+                      .unique = is_unique(*link),
+                      .guest = guest};
     if (const auto before = table_.standing(newcomer))
-        detach(std::ranges::find(ids_, *before, [](const auto& row) { return row.second; }));
+        newcomer.drains = places_.at(*before).link == link;
     Decisions decisions;
     const auto welcome = table_.add(newcomer, lease_now(), decisions);
+    if (welcome.ends)
+        detach(std::ranges::find(ids_, *welcome.ends, [](const auto& row) { return row.second; }));
     confirm(welcome);
     ids_[{link.get(), channel}] = id;
     places_.emplace(id, Place{.link = link,

@@ -66,6 +66,11 @@ void conclude(const Event& event, Ending ending)
         static_cast<const Custody*>(event.custody.get())->conclude(ending);
 }
 
+bool came_over(const Event& event, const Intake& intake)
+{
+    return event.custody && static_cast<const Custody*>(event.custody.get())->is_of(intake);
+}
+
 void give_back_credit(Event& event)
 {
     if (event.receipt && event.receipt == event.custody)

@@ -1,216 +1,275 @@
-// Joining receivers, groups and accounts.
+// Receivers that come, follow one another and go.
 #include <hive/event/receiver_table.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace hive::event {
+namespace {
 
-void ReceiverTable::close_account(const Accounts::Key& key, bool left)
+bool is_of(const std::string& receiver, const std::string& drone)
 {
-    accounts_.close(key, left, [this](const Accounts::Key& account) {
-        return std::ranges::any_of(kept_, [&](const auto& row) {
-            return Accounts::Key(row.second.receiver(), row.second.options().group) == account;
-        });
-    });
+    return receiver == drone || receiver.starts_with(drone + ".");
 }
+
+bool takes_bodies(const Newcomer& newcomer) { return newcomer.options.delivery == Delivery::data; }
+
+}  // namespace
 
 Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
-    if (const auto before = standing(newcomer))
-        displace(*before, newcomer, now, decisions);
-    Account& account = accounts_.open(newcomer.receiver, newcomer.epoch, newcomer.options);
-    const auto welcome = newcomer.options.group.empty() ? seat(newcomer, account, now, decisions)
-                                                        : join(newcomer, account, now, decisions);
-    if (newcomer.options.delivery == Delivery::data && !newcomer.guest && !held_.empty())
+    const auto before = standing(newcomer);
+    const auto ends = before ? make_way(*before, newcomer, now, decisions) : std::nullopt;
+    auto welcome = newcomer.options.group.empty() ? seat(newcomer, now, decisions) : join(newcomer, now, decisions);
+    welcome.ends = ends;
+    if (newcomer.unique)
+        inherit(newcomer, now, decisions);
+    if (takes_bodies(newcomer) && !newcomer.guest && !held_.empty())
         offer_held(newcomer, now, decisions);
     if (ended_)
-        tell_end(newcomer, now, decisions);
+        seats_.at(newcomer.id).subscription().end(now, decisions);
     return welcome;
 }
 
 std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcomer) const
 {
-    const bool data = newcomer.options.delivery == Delivery::data;  // who merely watches pushes nobody from its place
+    // A receiver that only watches pushes no other from its place.
+    const auto same = [&](const Seat& seat) {
+        return newcomer.unique || (takes_bodies(newcomer) && seat.plain && seat.plain->place == newcomer.place);
+    };
     for (const auto& [id, seat] : seats_)
-        if (seat.line.receiver() == newcomer.receiver && (newcomer.unique || (data && seat.place == newcomer.place)))
-            return id;
-    for (const auto& [id, name] : members_)
-        if (newcomer.unique && groups_.at(name).receiver(id) == newcomer.receiver)
+        if (!seat.heir && seat.receiver == newcomer.receiver && same(seat))
             return id;
     return std::nullopt;
 }
 
-/// It has other options now, or is back before anybody saw that its old connection is dead. Lossless events wait for
-/// it as for any that comes back.
-void ReceiverTable::displace(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+/// @return  `before`, if it ends now
+std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcomer& newcomer, Clock::time_point now,
+                                                         Decisions& decisions)
 {
-    const auto seat = seats_.find(before);
-    if (seat == seats_.end() || !seat->second.line.takes_bodies() || !newcomer.options.group.empty()
-        || newcomer.options.delivery != Delivery::data)
-        return lose(before, Fate::lost_connection, false, now, decisions);
-    const auto place = kept_.emplace(seat->second.place, std::move(seat->second.line)).first;
-    seats_.erase(seat);
-    close_account({newcomer.receiver, ""}, false);
-    // The newcomer may come back to another place of its name: nobody is in this one then, and it expires as any other.
-    if (kept_for(newcomer) != place && !place->second.lose(Fate::lost_connection, true, now))
-        kept_.erase(place);
-}
-
-std::map<std::int64_t, Line>::iterator ReceiverTable::kept_for(const Newcomer& newcomer)
-{
-    const auto kept = kept_.find(newcomer.place);
-    if (kept != kept_.end() && kept->second.receiver() == newcomer.receiver)
-        return kept;
-    return std::ranges::find_if(
-        kept_, [&](const auto& row) { return newcomer.unique && row.second.receiver() == newcomer.receiver; });
-}
-
-Welcome ReceiverTable::seat(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions)
-{
-    const auto& [id, receiver, epoch, options, place, taken, unique, guest] = newcomer;
-    if (const auto kept = guest ? kept_.end() : kept_for(newcomer);
-        kept != kept_.end() && options.delivery == Delivery::data) {
-        Seat& seat = seats_.emplace(id, Seat{std::move(kept->second), kept->first}).first->second;
-        kept_.erase(kept);
-        const auto behind = seat.line.resume(id, epoch, options, seat.place == place ? taken : std::nullopt, decisions);
-        seat.line.pump(decisions);
-        return {.place = seat.place, .taken = behind};
+    Seat& seat = seats_.at(before);
+    const bool goes_on = seat.plain && newcomer.options.group.empty() && &plain_for(newcomer) == seat.plain;
+    if (goes_on) {
+        unregister(seat.plain->registered, Fate::lost_connection);
+        seats_.erase(before);
+        return before;
     }
-    const auto fresh = epoch_ + static_cast<std::int64_t>(id);
-    Line& line =
-        seats_.emplace(id, Seat{Line(id, receiver, epoch, options, account.ledger, guest), fresh}).first->second.line;
-    if (options.first_frame && held_.empty() && newest_ && newest_->serves(options.delivery))
-        line.offer(newest_, now, decisions);
-    return {.place = fresh};
+    if (newcomer.drains) {
+        seat.heir = newcomer.id;
+        seat.subscription().retire(before);
+        return std::nullopt;
+    }
+    depart(before, Fate::lost_connection, true, now, decisions);
+    return before;
 }
 
-Welcome ReceiverTable::join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions)
+/// Its place, or that of its name if nobody else has that name, or what is remembered of its name.
+ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
 {
-    const std::string& name = newcomer.options.group;
-    auto found = groups_.find(name);
-    if (found == groups_.end()) {
-        Ledger& all = accounts_.group(name).ledger;
-        found = groups_.try_emplace(name, output_ + "#" + name, epoch_, all, defences_.leases).first;
-    }
-    const Welcome welcome{.group = found->second.standing()};
-    emptied_.erase(name);
-    members_[newcomer.id] = name;
-    found->second.join(newcomer.id, newcomer.receiver, newcomer.epoch, newcomer.options, account.ledger, now,
-                       decisions);
+    const auto find = [&](auto fits) {
+        return std::ranges::find_if(plain_, [&](const Plain& plain) {
+            return plain.receiver == newcomer.receiver && !plain.subscription.retiring() && fits(plain);
+        });
+    };
+    const auto in_use = [](const Plain& plain) { return plain.subscription.present() || plain.subscription.awaited(); };
+    auto found = plain_.end();
+    if (!newcomer.guest && takes_bodies(newcomer))
+        found = find([&](const Plain& plain) { return plain.place == newcomer.place && in_use(plain); });
+    if (found == plain_.end() && newcomer.unique)
+        found = find(in_use);
+    if (found == plain_.end())
+        found = find(std::not_fn(in_use));
+    if (found != plain_.end())
+        return *found;
+    return plain_.emplace_back(Plain{.receiver = newcomer.receiver, .subscription = Subscription({})});
+}
+
+Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    Plain& plain = plain_for(newcomer);
+    Subscription& subscription = plain.subscription;
+    const bool goes_on = subscription.present() || subscription.awaited();
+    const auto taken = goes_on && plain.place == newcomer.place ? newcomer.taken : std::nullopt;
+    if (!goes_on)
+        plain.place = epoch_ + static_cast<std::int64_t>(newcomer.id);
+    plain.registered.options = newcomer.options;
+    plain.registered.newest = newcomer.epoch;
+    ++plain.registered.now;
+    seats_[newcomer.id] = {.receiver = newcomer.receiver, .registration = newcomer.epoch, .plain = &plain};
+    subscription.set_passive(newcomer.guest || !takes_bodies(newcomer));
+    const auto behind = subscription.attach(newcomer.id, newcomer.options, taken, nullptr, now, decisions);
+    if (!goes_on && newcomer.options.first_frame && held_.empty() && newest_
+        && newest_->serves(newcomer.options.delivery))
+        subscription.offer(newest_, now, decisions);
+    return {.place = plain.place, .taken = behind};
+}
+
+ReceiverTable::Group& ReceiverTable::group_named(const std::string& name)
+{
+    const Subscription::Kind kind{.shared_as = output_ + "#" + name, .epoch = epoch_, .redelivers = defences_.leases};
+    return groups_.try_emplace(name, Group{.subscription = Subscription(kind)}).first->second;
+}
+
+Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    Group& group = group_named(newcomer.options.group);
+    const Welcome welcome{.group = group.subscription.standing()};
+    group.emptied = 0;
+    group.lost.erase(newcomer.receiver);
+    Member& member = group.members[newcomer.receiver];
+    member.registered.options = newcomer.options;
+    member.registered.newest = newcomer.epoch;
+    ++member.registered.now;
+    seats_[newcomer.id] = {.receiver = newcomer.receiver, .registration = newcomer.epoch, .group = &group};
+    group.subscription.attach(newcomer.id, newcomer.options, {}, &member.ledger, now, decisions);
     return welcome;
+}
+
+/// What waits where it was before, and for nobody else, goes along: from a plain receiver to its group, and back when
+/// it was the last member.
+void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
+{
+    const Seat& seat = seats_.at(newcomer.id);
+    for (Plain& plain : plain_)
+        if (seat.group && plain.receiver == newcomer.receiver && !plain.subscription.present())
+            seat.subscription().adopt(std::move(plain.subscription), now, decisions);
+    const bool has_them = seat.plain && seat.plain->place != epoch_ + static_cast<std::int64_t>(newcomer.id);
+    for (auto& [name, group] : groups_)
+        if (&group != seat.group && was_last(group, newcomer) && !has_them)
+            seat.subscription().adopt(std::move(group.subscription), now, decisions);
+}
+
+/// Does nobody but the newcomer stand in this group, or may come back to it?
+bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer)
+{
+    const bool was_lost = group.lost.erase(newcomer.receiver) > 0;
+    const bool retires = std::ranges::any_of(
+        seats_, [&](const auto& row) { return row.second.group == &group && row.second.heir == newcomer.id; });
+    return (was_lost || retires) && !group.subscription.present() && group.lost.empty();
 }
 
 void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
     for (const auto& event : std::exchange(held_, {}))
-        if (const auto group = members_.find(newcomer.id); group != members_.end())
-            groups_.at(group->second).offer(event, now, decisions);
-        else
-            seats_.at(newcomer.id).line.offer(event, now, decisions);
-}
-
-void ReceiverTable::tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
-{
-    if (Group* group = group_of(newcomer.id))
-        group->end(now, decisions);
-    else
-        seats_.at(newcomer.id).line.end(decisions);
+        seats_.at(newcomer.id).subscription().offer(event, now, decisions);
 }
 
 void ReceiverTable::end(Clock::time_point now, Decisions& decisions)
 {
     if (std::exchange(ended_, true))
         return;
-    for (auto& [id, seat] : seats_)
-        seat.line.end(decisions);
+    for (Plain& plain : plain_)
+        plain.subscription.end(now, decisions);
     for (auto& [name, group] : groups_)
-        group.end(now, decisions);
+        group.subscription.end(now, decisions);
 }
 
 void ReceiverTable::go_on()
 {
     ended_ = false;
-    for (auto& [id, seat] : seats_)
-        seat.line.go_on();
+    for (Plain& plain : plain_)
+        plain.subscription.go_on();
     for (auto& [name, group] : groups_)
-        group.go_on();
-}
-
-Group* ReceiverTable::group_of(Id id)
-{
-    const auto found = members_.find(id);
-    return found == members_.end() ? nullptr : &groups_.at(found->second);
+        group.subscription.go_on();
 }
 
 void ReceiverTable::leave(Id id, Clock::time_point now, Decisions& decisions)
 {
-    if (const auto found = seats_.find(id); found != seats_.end()) {
-        Line line = std::move(found->second.line);
-        seats_.erase(found);
-        line.clear(Fate::lost_left);
-        close_account({line.receiver(), line.options().group}, true);
-        return;
-    }
-    if (Group* group = group_of(id)) {
-        const Accounts::Key key{group->receiver(id), members_.at(id)};
-        group->leave(id, now, decisions);
-        members_.erase(id);
-        close_account(key, true);
-        forget_oldest(decisions);
-    }
+    depart(id, Fate::lost_left, true, now, decisions);
 }
 
 void ReceiverTable::lose(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
-    if (const auto found = seats_.find(id); found != seats_.end()) {
-        Seat seat = std::move(found->second);
-        seats_.erase(found);
-        const Accounts::Key key{seat.line.receiver(), ""};
-        if (seat.line.lose(how, returns && defences_.places, now))
-            kept_.emplace(seat.place, std::move(seat.line));
-        close_account(key, false);
+    depart(id, how, returns && defences_.places, now, decisions);
+}
+
+void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
+{
+    const auto found = seats_.extract(id);
+    if (found.empty())
+        return;
+    const Seat& seat = found.mapped();
+    Subscription& subscription = seat.subscription();
+    const auto heir = seat.heir ? seats_.find(*seat.heir) : seats_.end();
+    if (heir == seats_.end() || &heir->second.subscription() == &subscription) {
+        subscription.detach(id, how, returns, now, decisions);
+    } else {  // what it had in hand and did not do goes along
+        const bool last = !subscription.present();
+        subscription.detach(id, last ? Fate::lost_connection : how, true, now, decisions);
+        if (last)
+            heir->second.subscription().adopt(std::move(subscription), now, decisions);
+    }
+    departed(seat, how);
+    forget_lost();
+    forget_empty_groups(decisions);
+}
+
+void ReceiverTable::departed(const Seat& seat, Fate how)
+{
+    if (seat.plain) {
+        unregister(seat.plain->registered, how);
+        const Subscription& subscription = seat.plain->subscription;
+        if (how == Fate::lost_left && seat.plain->registered.now == 0 && !subscription.awaited())
+            plain_.remove_if([&](const Plain& plain) { return &plain == seat.plain; });
         return;
     }
-    if (Group* group = group_of(id)) {
-        const Accounts::Key key{group->receiver(id), members_.at(id)};
-        group->lose(id, how, now, decisions);
-        members_.erase(id);
-        close_account(key, false);
-        forget_oldest(decisions);
-    }
+    const auto member = seat.group->members.find(seat.receiver);
+    unregister(member->second.registered, how);
+    if (how != Fate::lost_left && !seat.heir && seat.group->lost.size() < max_lost)
+        seat.group->lost.insert(seat.receiver);
+    if (how == Fate::lost_left && member->second.registered.now == 0)
+        seat.group->members.erase(member);
+}
+
+void ReceiverTable::unregister(Registered& registered, Fate how)
+{
+    if (--registered.now == 0 && how != Fate::lost_left)
+        registered.lost = ++order_;
+}
+
+/// Of the receivers that were lost and that nobody waits for, the oldest go when there are too many.
+void ReceiverTable::forget_lost()
+{
+    std::map<std::uint64_t, std::function<void()>> old;  // the oldest first
+    for (auto it = plain_.begin(); it != plain_.end(); ++it)
+        if (it->registered.now == 0 && !it->subscription.awaited())
+            old.emplace(it->registered.lost, [this, it] { plain_.erase(it); });
+    for (auto& [name, group] : groups_)
+        for (auto it = group.members.begin(); it != group.members.end(); ++it)
+            if (it->second.registered.now == 0)
+                old.emplace(it->second.registered.lost, [&members = group.members, it] { members.erase(it); });
+    for (auto oldest = old.begin(); old.size() > max_lost; oldest = old.erase(oldest))
+        oldest->second();
 }
 
 /// Of the groups that nobody waits for, the one without members for longest, if there are too many.
-void ReceiverTable::forget_oldest(Decisions& decisions)
+void ReceiverTable::forget_empty_groups(Decisions& decisions)
 {
-    for (const auto& [name, group] : groups_)
-        if (!group.active())
-            emptied_.try_emplace(name, ++order_);
-    while (emptied_.size() > most_empty_groups) {
-        const auto oldest = std::ranges::min_element(emptied_, {}, [](const auto& row) { return row.second; });
-        groups_.at(oldest->first).give_up(true, decisions);
-        groups_.erase(oldest->first);
-        accounts_.forget_group(oldest->first);
-        emptied_.erase(oldest);
+    std::map<std::uint64_t, std::string> empty;
+    for (auto& [name, group] : groups_) {
+        if (group.subscription.attached() || group.subscription.awaited())
+            continue;
+        group.emptied = group.emptied != 0 ? group.emptied : ++order_;
+        empty.emplace(group.emptied, name);
+    }
+    for (auto oldest = empty.begin(); empty.size() > max_empty_groups; oldest = empty.erase(oldest)) {
+        groups_.at(oldest->second).subscription.give_up(decisions);
+        groups_.erase(oldest->second);
     }
 }
 
 void ReceiverTable::request(Id id, std::int64_t epoch, const Progress& progress, const std::vector<std::int64_t>& back,
                             Clock::time_point now, Decisions& decisions)
 {
-    if (const auto found = seats_.find(id); found != seats_.end())
-        found->second.line.request(epoch, progress, decisions);
-    else if (Group* group = group_of(id))
-        group->request(id, epoch, progress, back, now, decisions);
+    if (const auto found = seats_.find(id); found != seats_.end() && found->second.registration == epoch)
+        found->second.subscription().request(id, progress, back, now, decisions);
 }
 
 void ReceiverTable::written(Id id, std::size_t bytes, Clock::time_point now, Decisions& decisions)
 {
     if (const auto found = seats_.find(id); found != seats_.end())
-        found->second.line.written(bytes, decisions);
-    else if (Group* group = group_of(id))
-        group->written(id, bytes, now, decisions);
+        found->second.subscription().written(id, bytes, now, decisions);
 }
 
 void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions)
@@ -220,25 +279,21 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     const bool whole = event->serves(Delivery::data);
     bool received = false;
     ended_ = false;
-    for (auto& [id, seat] : seats_)
-        if (event->serves(seat.line.options().delivery)) {
-            seat.line.offer(seat.line.awaited() ? event : kept, now, decisions);
-            received = true;
+    for (Plain& plain : plain_) {
+        Subscription& to = plain.subscription;
+        if (to.awaited() ? whole : to.present() && event->serves(plain.registered.options.delivery)) {
+            to.offer(to.active() ? event : kept, now, decisions);
+            received = received || to.present() || to.awaited();
         }
-    for (auto it = kept_.begin(); whole && it != kept_.end();) {
-        const auto place = it++;
-        place->second.offer(event, now, decisions);
-        if (!place->second.worth_keeping())
-            expire(place);
     }
     for (auto& [name, group] : groups_)
-        if (whole && group.active()) {
-            group.offer(event, now, decisions);
-            received = true;
+        if (whole && (group.subscription.present() || group.subscription.awaited())) {
+            group.subscription.offer(event, now, decisions);
+            received = received || group.subscription.present() || group.subscription.awaited();
         }
     if (hold && whole && event->lossless() && !awaited())
         held_.push_back(event);
-    else if (!received && kept_.empty())
+    else if (!received)
         ++unreceived_;
     newest_ = kept;
 }
@@ -251,38 +306,25 @@ void ReceiverTable::release_held()
 
 void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
 {
-    for (auto it = kept_.begin(); it != kept_.end();) {
-        const auto place = it++;
-        if (place->second.overdue(now))
-            expire(place);
-    }
+    for (Plain& plain : plain_)
+        plain.subscription.tick(now, decisions);
     for (auto& [name, group] : groups_)
-        group.tick(now, decisions);
-}
-
-void ReceiverTable::expire(std::map<std::int64_t, Line>::iterator place)
-{
-    place->second.expire();
-    kept_.erase(place);
+        group.subscription.tick(now, decisions);
 }
 
 std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions)
 {
     std::size_t forgotten = 0;
-    const auto of_drone = [&](const Line& line) {
-        return line.receiver() == drone || line.receiver().starts_with(drone + ".");
-    };
-    for (auto it = kept_.begin(); it != kept_.end();) {
-        const auto place = it++;
-        if (of_drone(place->second)) {
-            place->second.clear(Fate::lost_left);
-            kept_.erase(place);
+    for (Plain& plain : plain_)
+        if (plain.subscription.awaited() && is_of(plain.receiver, drone)) {
+            plain.subscription.cancel(decisions);
             ++forgotten;
         }
-    }
     for (auto& [name, group] : groups_)
-        if (group.awaited() && group.lost(drone)) {
-            group.forget(decisions);
+        if (group.subscription.awaited()
+            && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
+            group.subscription.cancel(decisions);
+            group.lost.clear();
             ++forgotten;
         }
     return forgotten;

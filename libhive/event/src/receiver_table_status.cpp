@@ -6,50 +6,53 @@
 
 namespace hive::event {
 
-bool ReceiverTable::wanted() const noexcept
+/// Counts of another receiver of the same name are added.
+static void add_to(Ledger& sum, const Ledger& more)
 {
-    return awaited() || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
+    sum.came(more.total());
+    for (std::size_t i = 0; i < fates; ++i)
+        sum.went(static_cast<Fate>(i), more.of(static_cast<Fate>(i)));
 }
 
-bool ReceiverTable::awaited() const noexcept
+bool ReceiverTable::any(bool (Subscription::*like)() const) const
 {
-    return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.active(); })
-           || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.awaited(); });
+    return std::ranges::any_of(plain_, [&](const Plain& plain) { return (plain.subscription.*like)(); })
+           || std::ranges::any_of(groups_, [&](const auto& row) { return (row.second.subscription.*like)(); });
 }
+
+bool ReceiverTable::wanted() const noexcept
+{
+    return awaited() || std::ranges::any_of(plain_, [](const Plain& plain) {
+               return plain.subscription.present() && plain.registered.options.delivery == Delivery::data;
+           });
+}
+
+bool ReceiverTable::awaited() const noexcept { return any(&Subscription::active); }
 
 bool ReceiverTable::fans_out() const
 {
-    const auto plain = std::ranges::count_if(seats_, [](const auto& row) { return row.second.line.takes_bodies(); });
-    return plain + std::ssize(kept_) > 1;
+    return std::ranges::count_if(plain_,
+                                 [](const Plain& plain) {
+                                     return plain.subscription.awaited()
+                                            || (plain.subscription.present()
+                                                && plain.registered.options.delivery == Delivery::data);
+                                 })
+           > 1;
 }
 
 bool ReceiverTable::asked() const
 {
-    const auto line_asks = [](const auto& row) { return !row.second.line.awaited() || row.second.line.asks(); };
-    const auto group_asks = [](const auto& row) { return !row.second.active() || row.second.asks(); };
-    return kept_.empty() && awaited() && std::ranges::all_of(seats_, line_asks)
-           && std::ranges::all_of(groups_, group_asks);
+    const auto ready = [](const Subscription& one) { return !one.active() || one.asks(); };
+    return awaited() && std::ranges::all_of(plain_, ready, &Plain::subscription)
+           && std::ranges::all_of(groups_, [&](const auto& row) { return ready(row.second.subscription); });
 }
 
-bool ReceiverTable::backlogged() const
-{
-    return !held_.empty() || std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.backlogged(); })
-           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.backlogged(); })
-           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.backlogged(); });
-}
+bool ReceiverTable::backlogged() const { return !held_.empty() || any(&Subscription::backlogged); }
 
-bool ReceiverTable::timed() const
-{
-    return !kept_.empty() || std::ranges::any_of(groups_, [](const auto& row) { return row.second.leasing(); });
-}
+bool ReceiverTable::timed() const { return any(&Subscription::timed); }
 
 /// Does anything wait here for anybody?
-bool ReceiverTable::waits() const
-{
-    return std::ranges::any_of(seats_, [](const auto& row) { return row.second.line.waiting() > 0; })
-           || std::ranges::any_of(kept_, [](const auto& row) { return row.second.waiting() > 0; })
-           || std::ranges::any_of(groups_, [](const auto& row) { return row.second.waiting() > 0; });
-}
+bool ReceiverTable::waits() const { return any(&Subscription::has_waiting); }
 
 Reason ReceiverTable::why() const
 {
@@ -58,50 +61,60 @@ Reason ReceiverTable::why() const
     if (ended_ && !waits())
         return Reason::source_ended;
     if (!awaited())
-        return seats_.empty() ? Reason::no_receiver : Reason::watched;
-    if (!kept_.empty())
-        return Reason::place_kept;
+        return any(&Subscription::present) ? Reason::watched : Reason::no_receiver;
+    auto reason = Reason::none;
+    for (const Plain& plain : plain_)
+        if (plain.subscription.awaited())
+            return plain.subscription.why();
     for (const auto& [name, group] : groups_)
-        if (group.active() && group.why() != Reason::none)
-            return group.why();
-    for (const auto& [id, seat] : seats_)
-        if (seat.line.awaited() && seat.line.why() != Reason::none)
-            return seat.line.why();
-    return Reason::none;
+        if (reason == Reason::none && group.subscription.active())
+            reason = group.subscription.why();
+    for (const Plain& plain : plain_)
+        if (reason == Reason::none && plain.subscription.active())
+            reason = plain.subscription.why();
+    return reason;
 }
 
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const
 {
-    std::map<Accounts::Key, Row> rows;
-    for (const auto& [key, account] : accounts_) {
-        Row& row = rows[key];
-        row.status.receiver = key.first;
-        row.status.connected = account.registrations > 0;
-        row.status.registration = account.registration;
-        row.status.options = account.options;
-        row.status.events = account.ledger;
-    }
-    for (const auto& [id, seat] : seats_) {
-        Row& row = rows[{seat.line.receiver(), ""}];
-        row.id = id;
-        row.status.waiting += seat.line.waiting();
-        row.status.why = seat.line.why();
-    }
-    for (const auto& [place, line] : kept_) {
-        rows[{line.receiver(), ""}].status.waiting += line.waiting();
-        rows[{line.receiver(), ""}].status.why = line.why();
-    }
-    for (const auto& [id, name] : members_) {
-        Row& row = rows[{groups_.at(name).receiver(id), name}];
-        row.id = id;
-        row.status.why = groups_.at(name).why(id);
+    std::map<std::pair<std::string, std::string>, Row> rows;  // by receiver and group
+    const auto add_registered = [](EdgeStatus& status, const std::string& receiver, const Registered& registered) {
+        status.receiver = receiver;
+        if (registered.newest < status.registration)
+            return;
+        status.registration = registered.newest;
+        status.options = registered.options;
+    };
+    for (const Plain& plain : plain_) {
+        EdgeStatus& status = rows[{plain.receiver, ""}].status;
+        add_registered(status, plain.receiver, plain.registered);
+        add_to(status.events, plain.subscription.ledger());
+        status.connected = status.connected || plain.registered.now > 0;
+        status.waiting += plain.subscription.waiting();
+        status.why = plain.subscription.why() != Reason::none ? plain.subscription.why() : status.why;
     }
     for (const auto& [name, group] : groups_) {
-        Row& row = rows[Accounts::of_group(name)];
-        row.status.group = true;
-        row.status.connected = group.active();
-        row.status.waiting = group.waiting();
-        row.status.why = group.why();
+        for (const auto& [receiver, member] : group.members) {
+            EdgeStatus& status = rows[{receiver, name}].status;
+            add_registered(status, receiver, member.registered);
+            status.events = member.ledger;
+            status.connected = member.registered.now > 0;
+        }
+        EdgeStatus& status = rows[{"group " + name, name}].status;
+        status = {.receiver = "group " + name,
+                  .group = true,
+                  .connected = group.subscription.active(),
+                  .events = group.subscription.ledger(),
+                  .waiting = group.subscription.waiting(),
+                  .why = group.subscription.why()};
+        status.options.group = name;
+    }
+    for (const auto& [id, seat] : seats_) {
+        const auto group = std::ranges::find_if(groups_, [&](const auto& row) { return &row.second == seat.group; });
+        Row& row = rows[{seat.receiver, seat.group ? group->first : ""}];
+        row.id = id;
+        if (seat.group)
+            row.status.why = seat.group->subscription.why(id);
     }
     std::vector<Row> list;
     for (auto& [key, row] : rows)

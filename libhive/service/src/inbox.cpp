@@ -13,11 +13,9 @@ void Inbox::arrived(Event&& event)
         conclude(event, event::Ending::duplicate);
 }
 
-void Inbox::discard(const event::IntakeSpec& spec)
+void Inbox::discard(const event::Intake& intake)
 {
-    mailbox_.discard([&](const Event& event) {
-        return event.input == spec.input && event.sender == spec.sender && event.output == spec.output;
-    });
+    mailbox_.discard([&](const Event& event) { return came_over(event, intake); });
 }
 
 void Inbox::command(Command command)

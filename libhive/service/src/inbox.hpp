@@ -18,7 +18,7 @@ public:
 
     void arrived(Event&& event);
     /// Takes back what came over a connection and was not begun.
-    void discard(const event::IntakeSpec& spec);
+    void discard(const event::Intake& intake);
     /// Runs on the user thread, between callbacks and before any event that waits.
     void command(Command command);
 

@@ -1,6 +1,8 @@
 // Puts together what the board, the outlets and the intakes say.
 #include "status_report.hpp"
 
+#include <hive/event/receipt.hpp>
+
 namespace hive::service {
 
 using event::Clock;
@@ -80,11 +82,8 @@ std::vector<InputStatus> StatusReport::inputs() const
 {
     std::vector<InputStatus> rows;
     for (const auto& intake : module_.intakes()) {
-        const auto& spec = intake->spec();
         rows.push_back(intake->status());
-        rows.back().queued = mailbox_.count([&](const Event& event) {
-            return event.input == spec.input && event.sender == spec.sender && event.output == spec.output;
-        });
+        rows.back().queued = mailbox_.count([&](const Event& event) { return event::came_over(event, *intake); });
         rows.back().in_hand -= rows.back().queued;
     }
     return rows;

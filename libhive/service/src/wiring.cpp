@@ -65,7 +65,7 @@ void Wiring::on_disconnect(const event::Incoming& incoming)
     std::size_t removed = 0;
     for (const auto& intake : std::vector(module_.intakes()))
         if (meant(intake->spec())) {
-            inbox_.discard(intake->spec());
+            inbox_.discard(*intake);
             module_.remove_intake(intake);
             ++removed;
         }
@@ -216,7 +216,7 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
         if (!same_ends(other->spec(), intake->spec()))
             continue;
         if (!other->spec().options.group.empty())
-            inbox_.discard(other->spec());
+            inbox_.discard(*other);
         module_.remove_intake(other);
     }
     inputs_end_.look();

@@ -38,7 +38,7 @@ enum class Fate {
     acknowledged,     ///< the receiver has dealt with it
     skipped,          ///< a newer one took its place before the receiver asked
     dropped,          ///< the queue of a streaming receiver was full
-    passed_on,        ///< member of a group: it went to another member
+    passed_on,        ///< it went to another member of the group, or along with a receiver that changed groups
     abandoned,        ///< given up after failed attempts, or because nobody was left to do it
     lost_connection,  ///< it was under way when the connection broke
     lost_killed,      ///< it was with a receiver that died

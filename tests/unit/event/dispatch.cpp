@@ -221,25 +221,25 @@ TEST_CASE("dispatch: a job that ends after the module's end does nothing")
     CHECK(transmitted == 0);
 }
 
-TEST_CASE("dispatch: what a receiver's line skips is never encoded")
+TEST_CASE("dispatch: what is skipped for a receiver is never encoded")
 {
     Workshop shop;
-    Ledger ledger;
-    Line line(1, "slow", epoch, window(1), ledger);
+    Subscription slow({});
     const auto carry_out = [&](auto call) {
         for (const auto& send : decided(call).sends)
             shop.dispatch.send(send, "loud");
     };
+    carry_out([&](Decisions& to) { slow.attach(1, window(1), {}, nullptr, start, to); });
     for (std::int64_t sequence = 1; sequence <= 5; ++sequence)
-        carry_out([&](Decisions& to) { line.offer(emission(sequence), {}, to); });
+        carry_out([&](Decisions& to) { slow.offer(emission(sequence), start, to); });
     shop.run_all();
-    carry_out([&](Decisions& to) { line.written(10, to); });
-    carry_out([&](Decisions& to) { line.request(epoch, {2, 1, 1}, to); });
+    carry_out([&](Decisions& to) { slow.written(1, 10, start, to); });
+    carry_out([&](Decisions& to) { slow.request(1, {2, 1, 1}, {}, start, to); });
     shop.run_all();
     CHECK(shop.encoded == Words{"loud of 1", "loud of 5"});
-    CHECK(ledger.of(Fate::skipped) == 3);
-    CHECK(ledger.in_flight() == 1);
-    CHECK(balanced(ledger));
+    CHECK(slow.ledger().of(Fate::skipped) == 3);
+    CHECK(slow.ledger().in_flight() == 1);
+    CHECK(balanced(slow.ledger()));
 }
 
 }  // namespace hive::event

@@ -1,7 +1,7 @@
 // The end of an output: who is told, behind what, and how it is taken back.
-#include "group_fixtures.hpp"
-#include "line_fixtures.hpp"
+#include "one_consumer.hpp"
 #include "table_fixtures.hpp"
+#include "workers.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,26 +17,26 @@ Ids told(Call call)
     return decided(call).ends;
 }
 
-Ids end(OneLine& one)
+Ids end(OneConsumer& one)
 {
-    return told([&](Decisions& to) { one.line.end(to); });
+    return told([&](Decisions& to) { one.subscription.end(one.now, to); });
 }
 
-Ids ask(OneLine& one, std::int64_t asked)
+Ids ask(OneConsumer& one, std::int64_t asked)
 {
-    return told([&](Decisions& to) { one.line.request(one.registration, {asked, asked - 1, asked - 1}, to); });
+    return told([&](Decisions& to) { one.subscription.request(1, {asked, asked - 1, asked - 1}, {}, one.now, to); });
 }
 
 Ids end(Workers& workers)
 {
-    return told([&](Decisions& to) { workers.group.end(workers.now, to); });
+    return told([&](Decisions& to) { workers.subscription.end(workers.now, to); });
 }
 
 /// A member has dealt with its first deliveries.
 Ids done(Workers& workers, ReceiverId id, std::int64_t count)
 {
     return told([&](Decisions& to) {
-        workers.group.request(id, epoch, {count + 1, count, count}, {}, workers.now, to);
+        workers.subscription.request(id, {count + 1, count, count}, {}, workers.now, to);
     });
 }
 
@@ -56,7 +56,7 @@ Ids add(World& world, ReceiverId id, const std::string& name, const ConnectionOp
 
 TEST_CASE("end: a receiver that has been sent everything is told at once, and once")
 {
-    OneLine one(window(1));
+    OneConsumer one(window(1));
     one.offer(1);
     CHECK(end(one) == Ids{1});
     CHECK(ask(one, 2).empty());
@@ -67,11 +67,11 @@ TEST_CASE("end: what waits is sent first, live or lossless")
 {
     for (const bool lossless : {false, true}) {
         CAPTURE(lossless);
-        OneLine one(window(1));
+        OneConsumer one(window(1));
         one.offer(1, lossless);
         one.offer(2, lossless);
         CHECK(end(one).empty());
-        const auto last = decided([&](Decisions& to) { one.line.request(one.registration, {2, 1, 1}, to); });
+        const auto last = decided([&](Decisions& to) { one.subscription.request(1, {2, 1, 1}, {}, one.now, to); });
         CHECK(sequences(last) == Sequences{2});
         CHECK(last.ends == Ids{1});
     }
@@ -79,7 +79,7 @@ TEST_CASE("end: what waits is sent first, live or lossless")
 
 TEST_CASE("end: an event that comes after all takes it back from who was not told yet")
 {
-    OneLine one(window(1));
+    OneConsumer one(window(1));
     one.offer(1, true);
     one.offer(2, true);
     CHECK(end(one).empty());
@@ -91,10 +91,10 @@ TEST_CASE("end: an event that comes after all takes it back from who was not tol
 
 TEST_CASE("end: a receiver whose place is kept is not told; when it is back it gets what it missed first")
 {
-    OneLine one(window(1));
+    OneConsumer one(window(1));
     one.offer(1, true);
     one.offer(2, true);
-    REQUIRE(one.line.lose(Fate::lost_killed, true, start));
+    REQUIRE(one.lose(Fate::lost_killed));
     CHECK(end(one).empty());
     CHECK(one.resume(std::nullopt) == Sequences{1});
     CHECK(end(one).empty());
@@ -129,9 +129,7 @@ TEST_CASE("end: a member that joins after the end is told, and the others not ag
     one.offer(1);
     end(one);
     CHECK(done(one, 1, 1) == Ids{1});
-    CHECK(
-        told([&](Decisions& to) { one.group.join(2, "face-2", epoch, sharing(), one.ledgers["face-2"], one.now, to); })
-        == Ids{2});
+    CHECK(told([&](Decisions& to) { one.subscription.attach(2, sharing(), {}, nullptr, one.now, to); }) == Ids{2});
     one.offer(2);
     CHECK(end(one).empty());
     CHECK(done(one, 1, 2) == Ids{1, 2});

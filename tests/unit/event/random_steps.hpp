@@ -69,7 +69,7 @@ inline EmissionPtr any_emission(Dice& dice, std::int64_t sequence, bool lossless
 {
     static const std::array bodies{Body(std::vector<unsigned char>(10)), Body(std::vector<unsigned char>(20'000)),
                                    Body(std::vector<unsigned char>(70'000)),
-                                   Body(std::vector<unsigned char>(Line::most_queued_bytes))};
+                                   Body(std::vector<unsigned char>(Subscription::max_queued_bytes))};
     const auto size = dice.yes(80) ? 0 : dice.yes(70) ? 1 : dice.yes(70) ? 2 : 3;
     Event event = emission(sequence, lossless, 0)->event();
     event.body = bodies[static_cast<std::size_t>(size)];

@@ -157,7 +157,7 @@ TEST_CASE("receiver table: an account outlives the registration when the connect
 TEST_CASE("receiver table: the accounts of receivers that were lost are bounded, the oldest goes first")
 {
     World world;
-    const auto most = Accounts::most_old;
+    const auto most = ReceiverTable::max_lost;
     for (std::size_t i = 1; i <= most + 5; ++i) {
         world.add(i, "face-" + std::to_string(i), window(1));
         world.offer(static_cast<std::int64_t>(i));

@@ -228,11 +228,11 @@ TEST_CASE("kept place: its account is not forgotten before it, however many rece
     world.lose(1, Fate::lost_cut_off);
     auto watching = window(1);
     watching.delivery = Delivery::notification;
-    for (ReceiverId i = 2; i <= 2 + 2 * Accounts::most_old; ++i) {
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::max_lost; ++i) {
         world.add(i, "watcher-" + std::to_string(i), watching);
         world.lose(i, Fate::lost_connection);
     }
-    CHECK(world.rows().size() <= Accounts::most_old + 1);
+    CHECK(world.rows().size() <= ReceiverTable::max_lost + 1);
     CHECK(world.row("results").events.in_flight() == 1);
     CHECK(world.add({.id = 999, .receiver = "results", .options = window(1), .place = place, .taken = 1}).empty());
     world.ask(999, {2, 1, 1});
@@ -245,7 +245,7 @@ TEST_CASE("awaited group: its account stays as long as the group does, however m
     world.add(1, "face-1", sharing());
     auto watching = window(1);
     watching.delivery = Delivery::notification;
-    for (ReceiverId i = 2; i <= 2 + 2 * Accounts::most_old; ++i) {
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::max_lost; ++i) {
         world.add(i, "watcher-" + std::to_string(i), watching);
         world.lose(i, Fate::lost_connection);
     }
@@ -304,7 +304,7 @@ TEST_CASE("awaited group: of those without members only the last are remembered,
         options.group = "group-" + std::to_string(number);
         return options;
     };
-    for (std::size_t i = 0; i <= ReceiverTable::most_empty_groups; ++i) {
+    for (std::size_t i = 0; i <= ReceiverTable::max_empty_groups; ++i) {
         world.add(i, "face", member_of(i));
         world.offer(static_cast<std::int64_t>(i));
         CHECK(world.failed.empty());
@@ -370,7 +370,7 @@ TEST_CASE("receiver table: who is back at its own place leaves another one of it
     world.ask(3, {2, 1, 1});
     world.ask(3, {3, 2, 2});
     CHECK_FALSE(world.table.asked());  // for the other place
-    world.pass(Line::place_kept);
+    world.pass(Subscription::kept_for);
     CHECK(world.table.asked());
     for (const auto& row : world.rows())
         CHECK(row.events.in_flight() == 0);

@@ -42,7 +42,7 @@ public:
             hold(id == 0 || seats_.contains(id), "who is gone has no row as one that is there");
             away += !status.connected && !status.group ? 1 : 0;
         }
-        hold(away <= Accounts::most_old + places_.size(), "who was lost is forgotten in the end");
+        hold(away <= ReceiverTable::max_lost + places_.size(), "who was lost is forgotten in the end");
         hold(!table_.asked() || table_.wanted(), "nobody asks for what nobody wants");
         for (const auto& [id, seat] : seats_)
             if (seat.place != 0)
@@ -92,6 +92,8 @@ private:
                 .options = newcomer.options,
                 .known = {},
                 .lane = {}};
+        if (newcomer.unique)
+            inherited_[newcomer.receiver] = sequence_;
         decide([&](Decisions& to) {
             const auto welcome = table_.add(newcomer, now_, to);
             seat.place = welcome.place;
@@ -168,7 +170,7 @@ private:
     void come_to_rest()
     {
         places_.clear();
-        pass(Line::place_kept);
+        pass(Subscription::kept_for);
         for (const char* group : {"workers", "others"})
             if (std::ranges::none_of(seats_, [&](const auto& row) { return row.second.options.group == group; })) {
                 ConnectionOptions options = window(2);
@@ -209,7 +211,7 @@ private:
             ++seat.sent;
             hold(seat.options.transfer == Transfer::streaming || seat.sent <= seat.known.asked,
                  "nobody is sent more than it asked for");
-            if (seat.options.group.empty())
+            if (seat.options.group.empty() && sequence_of(send.event) > inherited_[seat.name])
                 hold(sequence_of(send.event) > std::exchange(seat.last, sequence_of(send.event)),
                      "a plain receiver gets events in their order, each once");
         }
@@ -219,7 +221,8 @@ private:
     ReceiverTable table_;
     Clock::time_point now_ = start;
     std::map<ReceiverId, Seat> seats_;
-    std::map<std::int64_t, Seat> places_;  ///< of those that were lost, as they remember them
+    std::map<std::int64_t, Seat> places_;            ///< of those that were lost, as they remember them
+    std::map<std::string, std::int64_t> inherited_;  ///< what was emitted until then may have been in a group
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0;
     std::uint64_t steps_ = 0;

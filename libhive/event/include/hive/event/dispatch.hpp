@@ -4,7 +4,7 @@
 
 #include <hive/encoder.hpp>
 #include <hive/error.hpp>
-#include <hive/event/line.hpp>
+#include <hive/event/decisions.hpp>
 
 #include <deque>
 #include <functional>

@@ -49,6 +49,7 @@ public:
 
     void conclude(Ending ending) const;
     void give_back_credit() const;
+    [[nodiscard]] bool is_of(const Intake& intake) const { return delivered_.intake.lock().get() == &intake; }
     /// Holds this one as long: it is for the same work, and whoever has that may still die with it.
     void hold(std::shared_ptr<const void> other) const { held_.push_back(std::move(other)); }
     /// The event was worked on. @param last  and this custody ends now
@@ -81,6 +82,8 @@ void give_receipt(Event& event, Delivered delivered);
 /// Says how an event ended, which counts from now on; once. Nothing happens to an event without custody. For its only
 /// user.
 void conclude(const Event& event, Ending ending);
+/// Did it arrive over this connection?
+bool came_over(const Event& event, const Intake& intake);
 /// The next event may be asked for, although this one has to wait.
 void give_back_credit(Event& event);
 /// The custody of all the events of a set.

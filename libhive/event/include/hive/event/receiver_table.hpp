@@ -1,9 +1,15 @@
-// Who receives an output: plain receivers, groups, and the account of each (SPEC.md, sections 5 and 8).
+// The subscriptions of an output, by name: who registers, takes whose place, leaves, is lost and is remembered
+// (SPEC.md, sections 5 and 8).
 #pragma once
 
-#include <hive/event/accounts.hpp>
-#include <hive/event/group.hpp>
-#include <hive/event/line.hpp>
+#include <hive/event/subscription.hpp>
+
+#include <list>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace hive::event {
 
@@ -17,13 +23,16 @@ struct Newcomer {
     std::optional<std::int64_t> taken = {};  ///< at that place
     bool unique = false;                     ///< nobody else has this name: what stands or is kept under it is its own
     bool guest = false;                      ///< it looks on, and nobody waits for it
+    /// If it stands elsewhere: that registration deals with what it has in hand before it ends.
+    bool drains = false;
 };
 
-/// What the newcomer is told.
+/// What the newcomer is told, and whose place it takes.
 struct Welcome {
-    std::int64_t place = 0;        ///< where it may come back to; 0 in a group
-    std::int64_t taken = 0;        ///< its deliveries go on behind this number
-    std::optional<Share> group{};  ///< how far the turns of its group are
+    std::int64_t place = 0;            ///< where it may come back to; 0 in a group
+    std::int64_t taken = 0;            ///< its deliveries go on behind this number
+    std::optional<Share> group{};      ///< how far the turns of its group are
+    std::optional<ReceiverId> ends{};  ///< the registration that ends by this one
 };
 
 /// Pure logic: no sockets, no clock; it is told what happened and decides what is to be sent.
@@ -31,7 +40,8 @@ class ReceiverTable {
 public:
     using Id = ReceiverId;
 
-    static constexpr std::size_t most_empty_groups = 16;  ///< remembered, with their turns and what waits in them
+    static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and what waits in them
+    static constexpr std::size_t max_lost = 64;          ///< receivers that were lost: their counts are kept
 
     struct Row {
         Id id;  ///< 0: a group, or a receiver that is not registered now
@@ -47,6 +57,8 @@ public:
         : output_(std::move(output)), epoch_(epoch), defences_(defences)
     {
     }
+    ReceiverTable(const ReceiverTable&) = delete;
+    ReceiverTable& operator=(const ReceiverTable&) = delete;
 
     Welcome add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     /// It deregistered.
@@ -71,7 +83,7 @@ public:
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
 
-    /// Which registration does this newcomer take the place of, if any?
+    /// Which registration does this newcomer follow, if any?
     [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
     /// Does anybody receive bodies, or is to have them when it is back?
     [[nodiscard]] bool wanted() const noexcept;
@@ -91,33 +103,62 @@ public:
     [[nodiscard]] std::vector<Row> rows() const;
 
 private:
-    struct Seat {
-        Line line;
-        std::int64_t place;
+    /// A receiver's registrations, present and past.
+    struct Registered {
+        ConnectionOptions options{};
+        std::int64_t newest = 0;  ///< epoch
+        int now = 0;
+        std::uint64_t lost = 0;  ///< order in which receivers lost their last
+    };
+    struct Plain {
+        std::string receiver;
+        Subscription subscription;
+        std::int64_t place = 0;
+        Registered registered{};
+    };
+    struct Member {
+        Ledger ledger;
+        Registered registered{};
+    };
+    struct Group {
+        Subscription subscription;
+        std::map<std::string, Member> members{};  ///< also those that were lost
+        std::set<std::string> lost{};             ///< members that may come back
+        std::uint64_t emptied = 0;                ///< order in which groups lost their last member; 0: it has some
+    };
+    struct Seat {  ///< a registration
+        std::string receiver;
+        std::int64_t registration = 0;
+        Plain* plain = nullptr;
+        Group* group = nullptr;    ///< one of the two
+        std::optional<Id> heir{};  ///< it was followed by this one, and deals with what it has in hand
+
+        [[nodiscard]] Subscription& subscription() const { return plain ? plain->subscription : group->subscription; }
     };
 
-    void close_account(const Accounts::Key& key, bool left);
-    Welcome seat(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
-    Welcome join(const Newcomer& newcomer, Account& account, Clock::time_point now, Decisions& decisions);
-    void displace(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
-    std::map<std::int64_t, Line>::iterator kept_for(const Newcomer& newcomer);
-    void expire(std::map<std::int64_t, Line>::iterator place);
+    Plain& plain_for(const Newcomer& newcomer);
+    Group& group_named(const std::string& name);
+    Welcome seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    Welcome join(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    std::optional<Id> make_way(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    [[nodiscard]] bool was_last(Group& group, const Newcomer& newcomer);
+    void inherit(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
-    void tell_end(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
+    void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
+    void departed(const Seat& seat, Fate how);
+    void unregister(Registered& registered, Fate how);
+    [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;
-    void forget_oldest(Decisions& decisions);
-    Group* group_of(Id id);
+    void forget_lost();
+    void forget_empty_groups(Decisions& decisions);
 
     std::string output_;
     std::int64_t epoch_;
     Defences defences_;
-    Accounts accounts_;
-    std::map<Id, Seat> seats_;
-    std::map<std::int64_t, Line> kept_;  ///< by place
+    std::list<Plain> plain_;
     std::map<std::string, Group> groups_;
-    std::map<Id, std::string> members_;             ///< whose group
-    std::map<std::string, std::uint64_t> emptied_;  ///< order in which groups lost their last members
-    std::deque<EmissionPtr> held_;                  ///< lossless events that had no receiver yet
+    std::map<Id, Seat> seats_;
+    std::deque<EmissionPtr> held_;  ///< lossless events that had no receiver yet
     EmissionPtr newest_;
     bool ended_ = false;
     std::int64_t unreceived_ = 0;

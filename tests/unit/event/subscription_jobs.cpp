@@ -1,5 +1,5 @@
 // Leases, and turns that are closed once: by the first answer, or by being given up when nobody can answer any more.
-#include "group_fixtures.hpp"
+#include "workers.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@ namespace hive::event {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("turn: a lease that expires gives the event to another")
+TEST_CASE("job: a lease that expires gives the event to another")
 {
     Workers workers(2, sharing(500ms));
     workers.offer(1);
@@ -18,19 +18,19 @@ TEST_CASE("turn: a lease that expires gives the event to another")
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("turn: a member whose lease expired gets nothing more until it answers, and says why")
+TEST_CASE("job: a member whose lease expired gets nothing more until it answers, and says why")
 {
     Workers workers(2, sharing(500ms));
     workers.offer(1);
     workers.pass(500ms);
     CHECK(workers.offer(2).empty());
-    CHECK(workers.group.why() == Reason::lease_running);
-    CHECK(workers.group.why(1) == Reason::lease_running);
+    CHECK(workers.subscription.why() == Reason::lease_running);
+    CHECK(workers.subscription.why(1) == Reason::lease_running);
     CHECK(workers.done(1, 1) == Got{{1, {2}}});
-    CHECK(workers.group.why(1) == Reason::not_asked);
+    CHECK(workers.subscription.why(1) == Reason::not_asked);
 }
 
-TEST_CASE("turn: the first answer closes it, whoever gives it, and later ones count for nothing")
+TEST_CASE("job: the first answer closes it, whoever gives it, and later ones count for nothing")
 {
     for (const ReceiverId first : {1, 2, 3}) {
         Workers workers(3, sharing(500ms));
@@ -40,30 +40,30 @@ TEST_CASE("turn: the first answer closes it, whoever gives it, and later ones co
         CHECK(workers.last_share->attempt == 3);
         workers.done(first, 1);
         CHECK(workers.went(Fate::acknowledged) == 1);
-        CHECK(workers.group.standing().closed == 1);
+        CHECK(workers.subscription.standing().closed == 1);
         for (const ReceiverId other : {1, 2, 3})
             if (other != first)
                 CHECK(workers.done(other, 1).empty());
         CHECK(workers.went(Fate::acknowledged) == 1);
-        CHECK(workers.ledger.in_flight() == 0);
+        CHECK(workers.ledger().in_flight() == 0);
         CHECK(workers.failed.empty());
         CHECK(workers.all_balanced());
     }
 }
 
-TEST_CASE("turn: an answer also closes one that waits to be given out again")
+TEST_CASE("job: an answer also closes one that waits to be given out again")
 {
     Workers workers(1, sharing(500ms));
     workers.offer(1);
     workers.pass(500ms);
-    CHECK(workers.group.backlogged());
+    CHECK(workers.subscription.backlogged());
     CHECK(workers.done(1, 1).empty());
-    CHECK_FALSE(workers.group.backlogged());
+    CHECK_FALSE(workers.subscription.backlogged());
     CHECK(workers.went(Fate::acknowledged) == 1);
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("turn: nothing is given up while anybody holds an attempt, the last or an earlier one")
+TEST_CASE("job: nothing is given up while anybody holds an attempt, the last or an earlier one")
 {
     Workers workers(3, sharing(500ms));
     workers.offer(1);
@@ -71,8 +71,8 @@ TEST_CASE("turn: nothing is given up while anybody holds an attempt, the last or
         workers.pass(500ms);
     CHECK(workers.last_share->attempt == 3);
     CHECK(workers.failed.empty());
-    CHECK(workers.ledger.in_flight() == 1);
-    CHECK(workers.group.why() == Reason::lease_running);
+    CHECK(workers.ledger().in_flight() == 1);
+    CHECK(workers.subscription.why() == Reason::lease_running);
     CHECK(workers.lose(3).empty());
     CHECK(workers.lose(1).empty());
     CHECK(workers.failed.empty());  // the second of them may still answer
@@ -81,7 +81,7 @@ TEST_CASE("turn: nothing is given up while anybody holds an attempt, the last or
     CHECK(workers.failed.empty());
 }
 
-TEST_CASE("turn: it is given up when the last of those who could answer is gone, and said so with turn and attempt")
+TEST_CASE("job: it is given up when the last of those who could answer is gone, and said so with turn and attempt")
 {
     Workers workers(4, sharing(500ms));
     workers.offer(1);
@@ -101,7 +101,7 @@ TEST_CASE("turn: it is given up when the last of those who could answer is gone,
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("turn: one that three members died of is given up at once")
+TEST_CASE("job: one that three members died of is given up at once")
 {
     Workers workers(4);
     workers.offer(1);
@@ -112,7 +112,7 @@ TEST_CASE("turn: one that three members died of is given up at once")
     CHECK(workers.failed == Sequences{1});
 }
 
-TEST_CASE("turn: a member that is at work again is not given once more what it has in hand, others are")
+TEST_CASE("job: a member that is at work again is not given once more what it has in hand, others are")
 {
     for (const bool another : {true, false}) {
         Workers workers(1, sharing(500ms, 2));
@@ -125,12 +125,12 @@ TEST_CASE("turn: a member that is at work again is not given once more what it h
             CHECK(workers.join(2) == Got{{2, {2}}});
         workers.ask(1, {5, 3, 3});
         CHECK(workers.went(Fate::acknowledged) == 3);
-        CHECK(workers.ledger.in_flight() == 0);
+        CHECK(workers.ledger().in_flight() == 0);
         CHECK(workers.all_balanced());
     }
 }
 
-TEST_CASE("turn: a connection that breaks, a member that leaves and one that hands back are no failures of the work")
+TEST_CASE("job: a connection that breaks, a member that leaves and one that hands back are no failures of the work")
 {
     Workers workers(2);
     workers.offer(1);
@@ -152,7 +152,7 @@ TEST_CASE("turn: a connection that breaks, a member that leaves and one that han
     CHECK(workers.went(Fate::acknowledged) == 1);
 }
 
-TEST_CASE("turn: what a dying member had not begun is no failure of it")
+TEST_CASE("job: what a dying member had not begun is no failure of it")
 {
     Workers workers(1, sharing(2));
     workers.offer(1);
@@ -170,7 +170,7 @@ TEST_CASE("turn: what a dying member had not begun is no failure of it")
     CHECK(workers.failed == Sequences{1});
 }
 
-TEST_CASE("turn: the lease of queued work begins when it becomes the member's next")
+TEST_CASE("job: the lease of queued work begins when it becomes the member's next")
 {
     Workers workers(1, sharing(500ms, 2));
     workers.offer(1);
@@ -178,26 +178,26 @@ TEST_CASE("turn: the lease of queued work begins when it becomes the member's ne
     workers.pass(400ms);
     workers.done(1, 1, 2);
     CHECK(workers.pass(499ms).empty());
-    CHECK(workers.ledger.in_flight() == 1);
-    CHECK_FALSE(workers.group.backlogged());
+    CHECK(workers.ledger().in_flight() == 1);
+    CHECK_FALSE(workers.subscription.backlogged());
     workers.pass(1ms);
-    CHECK(workers.group.backlogged());
+    CHECK(workers.subscription.backlogged());
 }
 
-TEST_CASE("turn: the lease runs while the member works, not while its result is on its way")
+TEST_CASE("job: the lease runs while the member works, not while its result is on its way")
 {
     Workers workers(2, sharing(500ms));
     workers.offer(1);
     workers.pass(400ms);
     workers.ask(1, {1, 1, 0});  // worked on; what was made of it is not yet acknowledged
-    CHECK_FALSE(workers.group.leasing());
+    CHECK_FALSE(workers.subscription.timed());
     CHECK(workers.pass(10s).empty());
-    CHECK(workers.ledger.in_flight() == 1);
+    CHECK(workers.ledger().in_flight() == 1);
     CHECK(workers.lose(1) == Got{{2, {1}}});  // it could never acknowledge it
     CHECK(workers.last_share->attempt == 2);
 }
 
-TEST_CASE("turn: a member that dies after it has worked did not die of the work")
+TEST_CASE("job: a member that dies after it has worked did not die of the work")
 {
     Workers workers(1);
     workers.offer(1);
@@ -209,7 +209,7 @@ TEST_CASE("turn: a member that dies after it has worked did not die of the work"
     CHECK(workers.failed.empty());
 }
 
-TEST_CASE("turn: the lease follows from how long the work has taken")
+TEST_CASE("job: the lease follows from how long the work has taken")
 {
     Workers workers(2);
     for (int i = 1; i <= 3; ++i) {

@@ -1,5 +1,5 @@
 // Who gets a job: one member each, in turns without gaps, and what becomes of the work of members that go.
-#include "group_fixtures.hpp"
+#include "workers.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@ namespace hive::event {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("group: each event goes to exactly one member, the one that has waited longest")
+TEST_CASE("shared: each event goes to exactly one member, the one that has waited longest")
 {
     Workers workers(3);
     CHECK(workers.offer(1) == Got{{1, {1}}});
@@ -21,7 +21,7 @@ TEST_CASE("group: each event goes to exactly one member, the one that has waited
     CHECK(workers.offer(6) == Got{{1, {6}}});
 }
 
-TEST_CASE("group: with a window, an idle member comes before one that has work")
+TEST_CASE("shared: with a window, an idle member comes before one that has work")
 {
     Workers workers(2, sharing(2));
     CHECK(workers.offer(1) == Got{{1, {1}}});
@@ -29,11 +29,11 @@ TEST_CASE("group: with a window, an idle member comes before one that has work")
     CHECK(workers.offer(3) == Got{{1, {3}}});
     CHECK(workers.offer(4) == Got{{2, {4}}});
     CHECK(workers.offer(5).empty());
-    CHECK(workers.group.why() == Reason::not_asked);
-    CHECK(workers.group.why(1) == Reason::not_asked);
+    CHECK(workers.subscription.why() == Reason::not_asked);
+    CHECK(workers.subscription.why(1) == Reason::not_asked);
 }
 
-TEST_CASE("group: among live events one that is lossless is not replaced")
+TEST_CASE("shared: among live events one that is lossless is not replaced")
 {
     Workers workers(1);
     CHECK(workers.offer(1, false) == Got{{1, {1}}});
@@ -45,7 +45,7 @@ TEST_CASE("group: among live events one that is lossless is not replaced")
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: a live source keeps the newest for the next free member, and turns have no gap where it skips")
+TEST_CASE("shared: a live source keeps the newest for the next free member, and turns have no gap where it skips")
 {
     Workers workers(1);
     workers.offer(1, false);
@@ -57,7 +57,7 @@ TEST_CASE("group: a live source keeps the newest for the next free member, and t
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: a member is told whose work it is, and how far the turns are closed")
+TEST_CASE("shared: a member is told whose work it is, and how far the turns are closed")
 {
     Workers workers(2);
     workers.offer(1);
@@ -70,10 +70,10 @@ TEST_CASE("group: a member is told whose work it is, and how far the turns are c
     workers.offer(4);
     CHECK(workers.last_share->turn == 4);
     CHECK(workers.last_share->closed == 2);
-    CHECK(workers.group.standing() == Share{.of = "camera.image#workers", .epoch = 1, .turn = 4, .closed = 2});
+    CHECK(workers.subscription.standing() == Share{.of = "camera.image#workers", .epoch = 1, .turn = 4, .closed = 2});
 }
 
-TEST_CASE("group: the work of a member that is gone goes to another as the next attempt")
+TEST_CASE("shared: the work of a member that is gone goes to another as the next attempt")
 {
     Workers workers(2);
     workers.offer(1);
@@ -86,7 +86,7 @@ TEST_CASE("group: the work of a member that is gone goes to another as the next 
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: without leases the work of a member that is gone is lost")
+TEST_CASE("shared: without leases the work of a member that is gone is lost")
 {
     Workers workers(2, sharing(), false);
     workers.offer(1);
@@ -97,7 +97,7 @@ TEST_CASE("group: without leases the work of a member that is gone is lost")
     CHECK(workers.failed.empty());
 }
 
-TEST_CASE("group: what was taken back goes out before newer events, in its order")
+TEST_CASE("shared: what was taken back goes out before newer events, in its order")
 {
     Workers workers(2, sharing(2));
     for (int i = 1; i <= 4; ++i)
@@ -109,7 +109,7 @@ TEST_CASE("group: what was taken back goes out before newer events, in its order
     CHECK(workers.done(2, 3, 2) == Got{{2, {5}}});
 }
 
-TEST_CASE("group: what a member hands back goes to others, and it answers for the rest as before")
+TEST_CASE("shared: what a member hands back goes to others, and it answers for the rest as before")
 {
     Workers workers(2, sharing(3));
     for (int i = 1; i <= 6; ++i)
@@ -122,14 +122,14 @@ TEST_CASE("group: what a member hands back goes to others, and it answers for th
     // What it handed back counts in its numbers and closes no turn.
     workers.ask(1, {3, 3, 3});
     CHECK(workers.ledgers["face-1"].of(Fate::acknowledged) == 1);
-    CHECK(workers.group.standing().closed == 2);
+    CHECK(workers.subscription.standing().closed == 2);
     workers.done(2, 5, 3);
-    CHECK(workers.group.standing().closed == 6);
+    CHECK(workers.subscription.standing().closed == 6);
     CHECK(workers.went(Fate::acknowledged) == 6);
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: numbers handed back that a member was never sent, or has done, change nothing")
+TEST_CASE("shared: numbers handed back that a member was never sent, or has done, change nothing")
 {
     Workers workers(2, sharing(2));
     workers.offer(1);
@@ -142,7 +142,7 @@ TEST_CASE("group: numbers handed back that a member was never sent, or has done,
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: members join and leave while it runs, and leases of others stay where they are")
+TEST_CASE("shared: members join and leave while it runs, and leases of others stay where they are")
 {
     Workers workers(1);
     workers.offer(1);
@@ -152,40 +152,39 @@ TEST_CASE("group: members join and leave while it runs, and leases of others sta
     CHECK(workers.done(1, 1) == Got{{1, {2}}});
 }
 
-TEST_CASE("group: work of a source on demand waits for a crashed last member to come back")
+TEST_CASE("shared: work of a source on demand waits for a crashed last member to come back")
 {
     Workers workers(1);
     workers.offer(1);
     workers.lose(1);
-    CHECK(workers.group.awaited());
-    CHECK(workers.group.why() == Reason::group_awaited);
-    CHECK_FALSE(workers.group.asks());
-    CHECK(workers.group.lost("face-1"));
+    CHECK(workers.subscription.awaited());
+    CHECK(workers.subscription.why() == Reason::group_awaited);
+    CHECK_FALSE(workers.subscription.asks());
     CHECK(workers.join(7, "face-1") == Got{{7, {1}}});
-    CHECK_FALSE(workers.group.awaited());
+    CHECK_FALSE(workers.subscription.awaited());
 }
 
-TEST_CASE("group: a source on demand also waits when the crashed member had nothing left to do")
+TEST_CASE("shared: a source on demand also waits when the crashed member had nothing left to do")
 {
     Workers workers(1);
     workers.offer(1);
     workers.done(1, 1);
     workers.lose(1);
-    CHECK(workers.group.awaited());
+    CHECK(workers.subscription.awaited());
 }
 
-TEST_CASE("group: who need not be waited for is forgotten, and what waited for it is given up")
+TEST_CASE("shared: who need not be waited for is forgotten, and what waited for it is given up")
 {
     Workers workers(1);
     workers.offer(1);
     workers.offer(2);
     workers.lose(1);
     workers.forget();
-    CHECK_FALSE(workers.group.active());
+    CHECK_FALSE(workers.subscription.active());
     CHECK(workers.failed == Sequences{2});
     CHECK(workers.went(Fate::abandoned) == 1);
-    CHECK(workers.group.why() == Reason::group_awaited);  // event 1, which the lost member may have answered
-    CHECK_FALSE(workers.group.backlogged());
+    CHECK(workers.subscription.why() == Reason::group_awaited);  // event 1, which the lost member may have answered
+    CHECK_FALSE(workers.subscription.backlogged());
     CHECK(workers.join(7, "face-1") == Got{{7, {1}}});
     CHECK(workers.done(7, 1).empty());
     CHECK(workers.offer(3) == Got{{7, {3}}});
@@ -194,7 +193,7 @@ TEST_CASE("group: who need not be waited for is forgotten, and what waited for i
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: work of a live source waits for a crashed last member too, without costing the source anything")
+TEST_CASE("shared: work of a live source waits for a crashed last member too, without costing the source anything")
 {
     Workers workers(1);
     workers.offer(1, false);
@@ -202,17 +201,17 @@ TEST_CASE("group: work of a live source waits for a crashed last member too, wit
     workers.offer(2, false);
     workers.offer(3, false);
     workers.lose(1);
-    CHECK_FALSE(workers.group.active());
-    CHECK_FALSE(workers.group.backlogged());
+    CHECK_FALSE(workers.subscription.active());
+    CHECK_FALSE(workers.subscription.backlogged());
     CHECK(workers.went(Fate::skipped) == 1);  // event 3
-    CHECK(workers.ledger.in_flight() == 1);
+    CHECK(workers.ledger().in_flight() == 1);
     CHECK(workers.join(7, "face-1") == Got{{7, {2}}});
     CHECK(workers.last_share->attempt == 2);
     CHECK(workers.done(7, 1).empty());
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: turns go on after the group was without members, so that results can still be put in order")
+TEST_CASE("shared: turns go on after the group was without members, so that results can still be put in order")
 {
     for (const bool left : {true, false}) {
         Workers workers(1);
@@ -227,22 +226,22 @@ TEST_CASE("group: turns go on after the group was without members, so that resul
     }
 }
 
-TEST_CASE("group: the last member that leaves on purpose ends the work: what is left of it is given up and said so")
+TEST_CASE("shared: the last member that leaves on purpose ends the work: what is left of it is given up and said so")
 {
     Workers workers(1, sharing(2));
     workers.offer(1);
     workers.offer(2);
     workers.offer(3);
     workers.leave(1);
-    CHECK_FALSE(workers.group.active());
-    CHECK_FALSE(workers.group.backlogged());
+    CHECK_FALSE(workers.subscription.active());
+    CHECK_FALSE(workers.subscription.backlogged());
     CHECK(workers.failed == Sequences{1, 2, 3});
     CHECK(workers.join(2).empty());
     CHECK(workers.went(Fate::abandoned) == 3);
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: the last member that leaves on purpose ends no work that a lost one may have answered")
+TEST_CASE("shared: the last member that leaves on purpose ends no work that a lost one may have answered")
 {
     Workers workers(2, sharing(1));
     workers.offer(1);
@@ -250,7 +249,7 @@ TEST_CASE("group: the last member that leaves on purpose ends no work that a los
     workers.lose(1);
     workers.leave(2);
     CHECK(workers.failed == Sequences{2});
-    CHECK_FALSE(workers.group.active());
+    CHECK_FALSE(workers.subscription.active());
     CHECK(workers.join(7, "face-1") == Got{{7, {1}}});  // the next attempt is in doubt for the same reason
     workers.leave(7);
     CHECK(workers.failed == Sequences{2});
@@ -259,7 +258,7 @@ TEST_CASE("group: the last member that leaves on purpose ends no work that a los
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("group: when there will be no next member, what is in doubt is given up as well")
+TEST_CASE("shared: when there will be no next member, what is in doubt is given up as well")
 {
     Workers workers(1);
     workers.offer(1);

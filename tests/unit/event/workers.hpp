@@ -1,4 +1,4 @@
-// Workers in one group, and a transport that writes at once.
+// Workers that share a subscription, and a transport that writes at once.
 #pragma once
 
 #include "fixtures.hpp"
@@ -12,7 +12,7 @@ using Got = std::map<ReceiverId, Sequences>;
 class Workers {
 public:
     explicit Workers(int count, const ConnectionOptions& options = sharing(), bool leases = true)
-        : group("camera.image#workers", 1, ledger, leases), options_(options)
+        : subscription({.shared_as = "camera.image#workers", .epoch = 1, .redelivers = leases}), options_(options)
     {
         for (int id = 1; id <= count; ++id)
             join(static_cast<ReceiverId>(id));
@@ -21,52 +21,53 @@ public:
     Got join(ReceiverId id) { return join(id, "face-" + std::to_string(id)); }
     Got join(ReceiverId id, const std::string& name)
     {
-        return got([&](Decisions& to) { group.join(id, name, epoch, options_, ledgers[name], now, to); });
+        return got([&](Decisions& to) { subscription.attach(id, options_, {}, &ledgers[name], now, to); });
     }
     Got offer(std::int64_t sequence, bool lossless = true)
     {
-        return got([&](Decisions& to) { group.offer(emission(sequence, lossless), now, to); });
+        return got([&](Decisions& to) { subscription.offer(emission(sequence, lossless), now, to); });
     }
     /// It has dealt with its first `count` deliveries, and asks for `size` more.
     Got done(ReceiverId id, std::int64_t count, int size = 1) { return ask(id, {count + size, count, count}); }
     Got ask(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& back = {})
     {
-        return got([&](Decisions& to) { group.request(id, epoch, progress, back, now, to); });
+        return got([&](Decisions& to) { subscription.request(id, progress, back, now, to); });
     }
     Got leave(ReceiverId id)
     {
-        return got([&](Decisions& to) { group.leave(id, now, to); });
+        return got([&](Decisions& to) { subscription.detach(id, Fate::lost_left, true, now, to); });
     }
     Got lose(ReceiverId id, Fate how = Fate::lost_killed)
     {
-        return got([&](Decisions& to) { group.lose(id, how, now, to); });
+        return got([&](Decisions& to) { subscription.detach(id, how, true, now, to); });
     }
     Got forget()
     {
-        return got([&](Decisions& to) { group.forget(to); });
+        return got([&](Decisions& to) { subscription.cancel(to); });
     }
-    /// The group ends.
+    /// No member will come.
     Got give_up()
     {
-        return got([&](Decisions& to) { group.give_up(true, to); });
+        return got([&](Decisions& to) { subscription.give_up(to); });
     }
     Got pass(Clock::duration time)
     {
         now += time;
-        return got([&](Decisions& to) { group.tick(now, to); });
+        return got([&](Decisions& to) { subscription.tick(now, to); });
     }
-    [[nodiscard]] std::int64_t went(Fate fate) const { return ledger.of(fate); }
+    [[nodiscard]] std::int64_t went(Fate fate) const { return ledger().of(fate); }
     [[nodiscard]] bool all_balanced() const
     {
         for (const auto& [name, account] : ledgers)
             if (!balanced(account))
                 return false;
-        return balanced(ledger);
+        return balanced(ledger());
     }
 
-    Ledger ledger;                          ///< of the group
-    std::map<std::string, Ledger> ledgers;  ///< of its members
-    Group group;
+    [[nodiscard]] const Ledger& ledger() const { return subscription.ledger(); }
+
+    std::map<std::string, Ledger> ledgers;  ///< of the workers
+    Subscription subscription;
     Clock::time_point now = start;
     Sequences failed;
     std::optional<Share> last_failed, last_share;
@@ -91,7 +92,7 @@ private:
         }
         for (const auto& send : decisions.sends) {
             const auto freed =
-                decided([&](Decisions& to) { group.written(send.receiver, send.event->size(), now, to); });
+                decided([&](Decisions& to) { subscription.written(send.receiver, send.event->size(), now, to); });
             for (const auto& [id, more] : deliver(freed))
                 result[id].insert(result[id].end(), more.begin(), more.end());
         }

@@ -1,0 +1,203 @@
+// The events of one output for one receiver, or for several receivers that share them: what waits, who has what, and
+// what became of each event.
+//
+// States. A subscription is *present* while it has a consumer, *awaited* while it has none and its source waits for
+// one to come back, and else *dormant*: a record that counts on when a consumer attaches again.
+//
+//                 attach                      detach: connection lost, something must arrive
+//     dormant ------------> present ------------------------------------------------------> awaited
+//        ^                   |   ^                                                             |  |
+//        |  detach: left, or |   +------------------------- attach ----------------------------+  |
+//        +-------------------+                                                                    |
+//        +------------------- cancel, or 30 s for a subscription that is not shared --------------+
+//
+// Events. An event waits (`fresh_`) until a consumer may have it; then it is a job with a number (`open_`) until one
+// consumer acknowledges it. It counts in the ledger once when it is offered and once when it ends, so
+// offered = ended + waiting + open, always. A job that comes back is in `again_` as well, and goes out before fresh
+// events, in the order of its number.
+//
+// Which events come back. A lossless one always, unless the subscription is passive; a live one only if it is shared,
+// where another consumer can still do it in time. Of any other live event the body is let go when it is sent.
+//
+// The three departures of a consumer (detach):
+//   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
+//   lost   its connection ended; it may have processed what it has. Not shared: it may come back within 30 s, say how
+//          much it received, and go on there. Shared: what it had goes to others, and may be answered twice, so a job
+//          that it had (`in_doubt`) is not reported as failed as long as another consumer may come.
+//   died   as lost, and the job that it was processing has failed once: after three failures nobody is given it again.
+//
+// Pure logic: the caller holds the loop and brings time and news; each call appends what is to be done to `Decisions`.
+#pragma once
+
+#include <hive/event/credit.hpp>
+#include <hive/event/decisions.hpp>
+#include <hive/event/work_times.hpp>
+#include <hive/status.hpp>
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace hive::event {
+
+class Subscription {
+public:
+    static constexpr int max_failures = 3;
+    static constexpr auto kept_for = std::chrono::seconds(30);
+    static constexpr std::size_t max_queued_events = 1024;     ///< of a stream, when they are small
+    static constexpr std::size_t max_queued_bytes = 1u << 20;  ///< of a stream, beyond two events
+    /// A stream that has not caught up for this long is too slow: two events and 64 KiB are queued at most.
+    static constexpr auto max_behind = std::chrono::milliseconds(500);
+
+    struct Kind {
+        std::string shared_as = {};  ///< "camera.image#workers"; empty: one consumer, which gets all events
+        std::int64_t epoch = 0;      ///< of the module
+        bool passive = false;        ///< its source waits for no consumer of it
+        bool redelivers = true;      ///< false in tests that show what redelivery is for
+    };
+    explicit Subscription(Kind kind) : kind_(std::move(kind)) {}
+
+    void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
+    /// Where events are not shared, the consumer that is there is followed by this one.
+    /// @param received  it is back and still has the deliveries up to this number; empty: it restarted
+    /// @param own       counts what this consumer of a shared subscription gets; outlives it
+    /// @return  the number behind which its deliveries continue
+    std::int64_t attach(ReceiverId id, const ConnectionOptions& options, std::optional<std::int64_t> received,
+                        Ledger* own, Clock::time_point now, Decisions& decisions);
+    /// @param returned  numbers of deliveries that go to others
+    void request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
+                 Clock::time_point now, Decisions& decisions);
+    /// The connection took an event that was sent.
+    void written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
+    /// @param how      one of Fate::lost_...
+    /// @param returns  false: it will not come back
+    void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
+    /// This consumer gets nothing more; it still acknowledges what it has, and then it leaves.
+    void retire(ReceiverId id) { consumers_.at(id).retired = true; }
+    /// Takes over what waits in another subscription, which no consumer is to have.
+    void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
+    /// The source waits no longer for a consumer to come back.
+    void cancel(Decisions& decisions);
+    /// No consumer will come: also what one that was lost may have answered is given up.
+    void give_up(Decisions& decisions) { give_up(true, decisions); }
+    /// Nothing more will come: each consumer is told, behind what waits, and where events are shared, behind their last
+    /// acknowledgement.
+    void end(Clock::time_point now, Decisions& decisions);
+    /// Something may come again.
+    void go_on();
+    /// Leases or the 30 s may be over.
+    void tick(Clock::time_point now, Decisions& decisions);
+
+    [[nodiscard]] bool shared() const noexcept { return !kind_.shared_as.empty(); }
+    [[nodiscard]] bool attached() const noexcept { return !consumers_.empty(); }
+    /// Has it a consumer that may get an event?
+    [[nodiscard]] bool present() const noexcept;
+    [[nodiscard]] bool retiring() const noexcept;
+    [[nodiscard]] bool awaited() const noexcept { return awaited_; }
+    /// Does its source wait for it?
+    [[nodiscard]] bool active() const noexcept { return (present() && !kind_.passive) || awaited_; }
+    void set_passive(bool passive) { kind_.passive = passive; }
+    /// Do its consumers want an event that they have not got?
+    [[nodiscard]] bool asks() const;
+    /// Does an event wait that must arrive?
+    [[nodiscard]] bool backlogged() const;
+    /// Does tick() have something to decide about?
+    [[nodiscard]] bool timed() const;
+    [[nodiscard]] std::int64_t waiting() const { return static_cast<std::int64_t>(again_.size() + fresh_.size()); }
+    [[nodiscard]] bool has_waiting() const { return waiting() > 0; }
+    [[nodiscard]] Reason why() const;
+    [[nodiscard]] Reason why(ReceiverId consumer) const;
+    [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
+    /// Of a shared one: the jobs so far, and the last of those that are answered, as are all before.
+    [[nodiscard]] Share standing() const;
+
+private:
+    struct Job {
+        EmissionPtr event;  ///< null: it was live, and nobody would send it again
+        int attempt = 0;
+        int failures = 0;
+        int holders = 0;        ///< attached consumers that have it and have not returned it
+        bool in_doubt = false;  ///< a consumer that was lost may have answered it
+        std::optional<Share> adopted_as =
+            {};  ///< how it was given out elsewhere: an answer to that stands for this one
+    };
+    struct Handed {  ///< one delivery to a consumer
+        std::int64_t job = 0;
+        bool passed_on = false;  ///< another consumer is given it; only its number is awaited
+    };
+    struct Consumer {
+        ConnectionOptions options;
+        Ledger* own;
+        Credit credit;
+        std::deque<Handed> hands{};      ///< not acknowledged, in the order of delivery
+        Clock::time_point head_since{};  ///< since when the first unprocessed one is that
+        std::uint64_t asked_at = 0;      ///< order in which consumers asked
+        bool suspect = false;            ///< its lease expired: it gets nothing until it has processed something
+        bool told_end = false;
+        bool retired = false;
+
+        [[nodiscard]] std::size_t head() const { return static_cast<std::size_t>(credit.worked_in_hand()); }
+        [[nodiscard]] bool works() const { return head() < hands.size(); }
+        [[nodiscard]] bool has(std::int64_t job) const;
+    };
+    struct Away {
+        Consumer was;
+        Fate how;
+        Clock::time_point until;
+    };
+    using Consumers = std::map<ReceiverId, Consumer>;
+
+    [[nodiscard]] bool must_arrive(const EmissionPtr& event) const { return event->lossless() && !kind_.passive; }
+    [[nodiscard]] bool comes_back(const Job& job) const;
+    [[nodiscard]] bool streams() const;
+    [[nodiscard]] bool worth_keeping() const;
+    [[nodiscard]] bool must_something_arrive() const;
+    [[nodiscard]] Share share(std::int64_t number, const Job& job) const;
+    [[nodiscard]] std::optional<Share> told(std::int64_t number, const Job& job) const;
+    Job leave_with(std::int64_t number);
+    [[nodiscard]] Clock::duration lease_of(const Consumer& consumer) const;
+
+    void wait(const EmissionPtr& event);
+    EmissionPtr take_fresh();
+    [[nodiscard]] bool overfull(Clock::time_point now) const;
+    bool drop_oldest(Clock::time_point now);
+    void pump(Clock::time_point now, Decisions& decisions);
+    Consumers::iterator choose(std::int64_t job, const EmissionPtr& event);
+    void give(Consumers::iterator to, std::int64_t number, Clock::time_point now, Decisions& decisions);
+    void tell_end(Decisions& decisions);
+    void acknowledge(Consumer& consumer, std::int64_t count);
+    void close(std::int64_t job, Fate fate);
+    void pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds);
+    void let_go(Consumer& consumer, Fate how);
+    void resume(Consumer& consumer, std::optional<std::int64_t> received, Decisions& decisions);
+    void take_back(Away& away, std::int64_t count);
+    void abandon_exhausted(Decisions& decisions);
+    void last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
+    void stop_waiting();
+    void skip_newest_live();
+    void end_live(Fate how);
+    [[nodiscard]] EmissionPtr next() const;
+    void settle(Decisions& decisions);
+    void abandon(std::int64_t number, Decisions& decisions);
+    void give_up(bool also_in_doubt, Decisions& decisions);
+    void clear(Fate how);
+
+    Kind kind_;
+    Ledger ledger_;
+    Consumers consumers_;
+    std::map<std::int64_t, Job> open_;  ///< by number
+    std::set<std::int64_t> again_;      ///< of those, the ones that wait to be given out again
+    std::deque<EmissionPtr> fresh_;
+    std::size_t fresh_bytes_ = 0;
+    Clock::time_point behind_since_{};  ///< something has waited ever since
+    std::int64_t jobs_ = 0;
+    std::uint64_t order_ = 0;
+    WorkTimes times_;
+    std::optional<bool> lossless_;  ///< must the last event arrive? Then the next one may have to
+    bool awaited_ = false, ended_ = false;
+    std::optional<Away> away_;  ///< not shared, and awaited
+};
+
+}  // namespace hive::event

@@ -1,0 +1,409 @@
+// Which consumer gets which event, and what becomes of it.
+#include <hive/event/subscription.hpp>
+#include <hive/protocol/defended.hpp>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace hive::event {
+
+bool Subscription::Consumer::has(std::int64_t job) const
+{
+    return job != 0 && std::ranges::find(hands, job, &Handed::job) != hands.end();
+}
+
+bool Subscription::present() const noexcept
+{
+    return std::ranges::any_of(consumers_, [](const auto& row) { return !row.second.retired; });
+}
+
+bool Subscription::retiring() const noexcept
+{
+    return std::ranges::any_of(consumers_, [](const auto& row) { return row.second.retired; });
+}
+
+bool Subscription::comes_back(const Job& job) const { return job.event && (shared() || must_arrive(job.event)); }
+
+bool Subscription::streams() const { return !shared() && present() && consumers_.begin()->second.credit.streaming(); }
+
+bool Subscription::must_something_arrive() const
+{
+    const auto must = [this](const EmissionPtr& event) { return event && must_arrive(event); };
+    return std::ranges::any_of(fresh_, must)
+           || std::ranges::any_of(open_, [&](const auto& row) { return must(row.second.event); });
+}
+
+/// Before the first event it is not known whether the source waits for its consumers.
+bool Subscription::worth_keeping() const
+{
+    return !kind_.passive && (lossless_.value_or(true) || must_something_arrive());
+}
+
+// --- events that wait ---
+
+void Subscription::wait(const EmissionPtr& event)
+{
+    fresh_bytes_ += event->size();
+    fresh_.push_back(event);
+}
+
+EmissionPtr Subscription::take_fresh()
+{
+    EmissionPtr event = std::move(fresh_.front());
+    fresh_.pop_front();
+    fresh_bytes_ -= event->size();
+    return event;
+}
+
+void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
+{
+    lossless_ = must_arrive(event);
+    if (!present() && !(awaited_ && *lossless_)) {
+        if (awaited_ && !worth_keeping())
+            stop_waiting();
+        return;  // it would be old when a consumer comes
+    }
+    ledger_.came();
+    go_on();
+    if (!streams() && !*lossless_)
+        skip_newest_live();
+    if (waiting() == 0)
+        behind_since_ = now;
+    wait(event);
+    do
+        pump(now, decisions);
+    while (streams() && drop_oldest(now));  // what was too large for the lane held up what is not
+}
+
+void Subscription::skip_newest_live()
+{
+    if (fresh_.empty() || must_arrive(fresh_.back()))
+        return;
+    fresh_bytes_ -= fresh_.back()->size();
+    fresh_.pop_back();
+    ledger_.went(Fate::skipped);
+}
+
+void Subscription::end_live(Fate how)
+{
+    const auto live = std::erase_if(fresh_, [this](const EmissionPtr& event) {
+        const bool goes = !must_arrive(event);
+        fresh_bytes_ -= goes ? event->size() : 0;
+        return goes;
+    });
+    ledger_.went(how, static_cast<std::int64_t>(live));
+}
+
+bool Subscription::overfull(Clock::time_point now) const
+{
+    static const bool judged = defended("most-behind");
+    const bool too_slow = judged && now - behind_since_ >= max_behind;
+    return fresh_.size() > max_queued_events || (fresh_.size() > 1 && fresh_bytes_ > max_queued_bytes)
+           || (too_slow && fresh_.size() > 2 && fresh_bytes_ > Credit::lane_bytes);
+}
+
+bool Subscription::drop_oldest(Clock::time_point now)
+{
+    bool dropped = false;
+    while (overfull(now)) {
+        const auto oldest =
+            std::ranges::find_if(fresh_, [this](const EmissionPtr& event) { return !must_arrive(event); });
+        if (oldest == fresh_.end())
+            break;
+        fresh_bytes_ -= (*oldest)->size();
+        fresh_.erase(oldest);
+        ledger_.went(Fate::dropped);
+        dropped = true;
+    }
+    return dropped;
+}
+
+// --- jobs ---
+
+/// Of those that have asked and do not have it: the one that has the fewest, then the one that asked first. A consumer
+/// whose connection cannot take it right now comes last.
+Subscription::Consumers::iterator Subscription::choose(std::int64_t job, const EmissionPtr& event)
+{
+    auto best = consumers_.end();
+    const auto rank = [&](const Consumer& one) {
+        return std::tuple(!one.credit.lane_free(event->size()), one.hands.size(), one.asked_at);
+    };
+    for (auto it = consumers_.begin(); it != consumers_.end(); ++it) {
+        const Consumer& one = it->second;
+        if (one.retired || one.suspect || !one.credit.open(shared() || must_arrive(event)) || one.has(job))
+            continue;
+        if (best == consumers_.end() || rank(one) < rank(best->second))
+            best = it;
+    }
+    return best;
+}
+
+/// A job that every consumer with credit has already waits for another consumer, or for its answer.
+void Subscription::pump(Clock::time_point now, Decisions& decisions)
+{
+    for (auto next = again_.begin(); next != again_.end();) {
+        const auto number = *next;
+        const EmissionPtr& event = open_.at(number).event;
+        const auto to = choose(number, event);
+        if (to == consumers_.end()) {
+            ++next;
+            continue;
+        }
+        if (!to->second.credit.lane_free(event->size()))
+            return;
+        next = again_.erase(next);
+        give(to, number, now, decisions);
+    }
+    while (!fresh_.empty()) {
+        const auto to = choose(0, fresh_.front());
+        if (to == consumers_.end() || !to->second.credit.lane_free(fresh_.front()->size()))
+            return;
+        open_[++jobs_].event = take_fresh();
+        give(to, jobs_, now, decisions);
+    }
+    tell_end(decisions);
+}
+
+void Subscription::give(Consumers::iterator to, std::int64_t number, Clock::time_point now, Decisions& decisions)
+{
+    auto& [id, consumer] = *to;
+    Job& job = open_.at(number);
+    ++job.attempt;
+    ++job.holders;
+    if (!consumer.works())
+        consumer.head_since = now;
+    consumer.credit.sent(job.event->size());
+    consumer.hands.push_back({number});
+    if (consumer.own)
+        consumer.own->came();
+    decisions.sends.push_back({id, job.event, consumer.options.delivery, told(number, job)});
+    if (!comes_back(job))
+        job.event = nullptr;
+}
+
+Share Subscription::share(std::int64_t number, const Job& job) const
+{
+    Share share = standing();
+    share.turn = number;
+    share.attempt = job.attempt;
+    share.part = job.event->event().identity.part;
+    return share;
+}
+
+/// Not shared: the first time all receivers of the output are told the same.
+std::optional<Share> Subscription::told(std::int64_t number, const Job& job) const
+{
+    if (job.adopted_as) {
+        Share share = *job.adopted_as;
+        share.attempt = job.attempt;
+        return share;
+    }
+    if (shared())
+        return share(number, job);
+    if (job.attempt == 1 || !job.event->own())
+        return std::nullopt;
+    Share own = *job.event->own();
+    own.attempt = job.attempt;
+    return own;
+}
+
+Share Subscription::standing() const
+{
+    return {.of = kind_.shared_as,
+            .epoch = kind_.epoch,
+            .turn = jobs_,
+            .closed = open_.empty() ? jobs_ : open_.begin()->first - 1};
+}
+
+void Subscription::request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
+                           Clock::time_point now, Decisions& decisions)
+{
+    const auto found = consumers_.find(id);
+    if (found == consumers_.end())
+        return;
+    Consumer& consumer = found->second;
+    const auto first = consumer.credit.done() + 1;
+    for (const auto number : returned)
+        if (shared() && number >= first && number <= consumer.credit.sent())
+            pass_on(consumer, consumer.hands[static_cast<std::size_t>(number - first)], false, false);
+    const auto news = consumer.credit.request(progress);
+    if (news.asked > 0)
+        consumer.asked_at = ++order_;
+    if (news.worked > 0) {
+        times_.add(now - consumer.head_since);
+        consumer.head_since = now;
+        consumer.suspect = false;
+    }
+    acknowledge(consumer, news.done);
+    settle(decisions);
+    pump(now, decisions);
+}
+
+void Subscription::written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions)
+{
+    if (const auto found = consumers_.find(id); found != consumers_.end())
+        found->second.credit.written(bytes);
+    pump(now, decisions);
+}
+
+void Subscription::acknowledge(Consumer& consumer, std::int64_t count)
+{
+    for (; count > 0; --count) {
+        const Handed handed = consumer.hands.front();
+        consumer.hands.pop_front();
+        if (consumer.own && !handed.passed_on)
+            consumer.own->went(Fate::acknowledged);
+        close(handed.job, Fate::acknowledged);
+    }
+}
+
+/// Once: any other consumer that has the job answers for nothing.
+void Subscription::close(std::int64_t job, Fate fate)
+{
+    if (open_.erase(job) == 0)
+        return;
+    again_.erase(job);
+    ledger_.went(fate);
+}
+
+/// @param failed  the work is to blame
+/// @param holds   the consumer may still answer
+void Subscription::pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds)
+{
+    const bool first_time = !std::exchange(handed.passed_on, true);
+    if (consumer.own && first_time)
+        consumer.own->went(Fate::passed_on);
+    const auto found = open_.find(handed.job);
+    if (!holds)
+        handed.job = 0;
+    if (found == open_.end())
+        return;
+    Job& job = found->second;
+    job.holders -= holds ? 0 : 1;
+    job.failures += failed ? 1 : 0;
+    if (first_time && kind_.redelivers && job.failures < max_failures)
+        again_.insert(found->first);
+}
+
+/// What failed too often and no consumer can answer any more.
+void Subscription::settle(Decisions& decisions)
+{
+    if (!shared())
+        return;
+    for (auto it = open_.begin(); it != open_.end();) {
+        const auto& [number, job] = *it++;
+        if (job.holders == 0 && !again_.contains(number))
+            abandon(number, decisions);
+    }
+}
+
+void Subscription::abandon(std::int64_t number, Decisions& decisions)
+{
+    const Job& job = open_.at(number);
+    if (kind_.redelivers)
+        decisions.failed.push_back(job.event->given_up(told(number, job)));
+    close(number, Fate::abandoned);
+}
+
+// --- leases and ends ---
+
+Clock::duration Subscription::lease_of(const Consumer& consumer) const
+{
+    return consumer.options.lease ? Clock::duration(*consumer.options.lease) : times_.lease();
+}
+
+void Subscription::tick(Clock::time_point now, Decisions& decisions)
+{
+    if (away_ && away_->until <= now)
+        stop_waiting();
+    if (!shared())
+        return;
+    for (auto& [id, consumer] : consumers_) {
+        if (consumer.suspect || !consumer.works() || now - consumer.head_since < lease_of(consumer))
+            continue;
+        consumer.suspect = true;
+        for (auto i = consumer.hands.size(); i-- > consumer.head();)
+            if (!consumer.hands[i].passed_on)
+                pass_on(consumer, consumer.hands[i], i == consumer.head(), true);
+    }
+    settle(decisions);
+    pump(now, decisions);
+}
+
+void Subscription::end(Clock::time_point now, Decisions& decisions)
+{
+    ended_ = true;
+    pump(now, decisions);
+}
+
+void Subscription::go_on()
+{
+    ended_ = false;
+    for (auto& [id, consumer] : consumers_)
+        consumer.told_end = false;
+}
+
+/// Where events are shared, what another consumer has may still come to any of them.
+void Subscription::tell_end(Decisions& decisions)
+{
+    if (!ended_ || waiting() > 0 || (shared() && !open_.empty()))
+        return;
+    for (auto& [id, consumer] : consumers_)
+        if (!consumer.retired && !std::exchange(consumer.told_end, true))
+            decisions.ends.push_back(id);
+}
+
+// --- what it says of itself ---
+
+bool Subscription::asks() const
+{
+    if (streams())
+        return waiting() == 0 && consumers_.begin()->second.credit.open(true);
+    std::int64_t missing = 0;
+    for (const auto& [id, consumer] : consumers_)
+        missing += consumer.suspect || consumer.retired ? 0 : consumer.credit.missing();
+    return missing > waiting();
+}
+
+EmissionPtr Subscription::next() const
+{
+    if (!again_.empty())
+        return open_.at(*again_.begin()).event;
+    return fresh_.empty() ? nullptr : fresh_.front();
+}
+
+bool Subscription::backlogged() const
+{
+    const auto event = next();
+    return event && (present() || awaited_) && must_arrive(event);
+}
+
+bool Subscription::timed() const
+{
+    return away_ || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
+}
+
+Reason Subscription::why() const
+{
+    if (!present())
+        return !awaited_ && open_.empty() ? Reason::none : shared() ? Reason::group_awaited : Reason::place_kept;
+    if (const auto event = next(); event && !shared() && !consumers_.begin()->second.credit.lane_free(event->size()))
+        return Reason::lane_full;
+    if (asks())
+        return Reason::none;
+    const bool exhausted =
+        std::ranges::any_of(open_, [](const auto& row) { return row.second.failures >= max_failures; });
+    const bool suspect = std::ranges::any_of(consumers_, [](const auto& row) { return row.second.suspect; });
+    return shared() && (exhausted || suspect) ? Reason::lease_running : Reason::not_asked;
+}
+
+Reason Subscription::why(ReceiverId consumer) const
+{
+    const auto found = consumers_.find(consumer);
+    if (found == consumers_.end() || found->second.credit.missing() > 0)
+        return Reason::none;
+    return found->second.suspect ? Reason::lease_running : Reason::not_asked;
+}
+
+}  // namespace hive::event

@@ -1,0 +1,184 @@
+// Consumers that attach, leave, are lost and come back.
+#include <hive/event/subscription.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace hive::event {
+
+std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, std::optional<std::int64_t> received,
+                                  Ledger* own, Clock::time_point now, Decisions& decisions)
+{
+    Consumer consumer{.options = options, .own = own, .credit = Credit(options)};
+    consumer.asked_at = ++order_;
+    consumer.head_since = now;
+    if (!shared() && present())
+        away_ = Away{.was = std::move(consumers_.extract(consumers_.begin()).mapped()),
+                     .how = Fate::lost_connection,
+                     .until = now};
+    awaited_ = false;
+    if (away_)
+        resume(consumer, received, decisions);
+    else if (!shared())
+        lossless_.reset();
+    const auto behind = consumer.credit.sent();
+    consumers_.emplace(id, std::move(consumer));
+    pump(now, decisions);
+    return behind;
+}
+
+/// If it was there all the time, it still has what it received and did not acknowledge.
+void Subscription::resume(Consumer& consumer, std::optional<std::int64_t> received, Decisions& decisions)
+{
+    Away away = *std::exchange(away_, std::nullopt);
+    auto& credit = away.was.credit;
+    const auto count = received ? std::clamp(*received, credit.done(), credit.sent()) : credit.done();
+    take_back(away, count);
+    if (!received)
+        abandon_exhausted(decisions);
+    credit.begin(consumer.options, count);
+    consumer.credit = credit;
+    consumer.hands = std::move(away.was.hands);
+}
+
+/// Nobody is given a job again over which three consumers have died.
+void Subscription::abandon_exhausted(Decisions& decisions)
+{
+    for (const auto number : std::set(again_))
+        if (open_.at(number).failures >= max_failures)
+            abandon(number, decisions);
+}
+
+/// What it was sent beyond the first `count` deliveries is given out again; live events ended with the connection.
+void Subscription::take_back(Away& away, std::int64_t count)
+{
+    auto& hands = away.was.hands;
+    for (const auto stay = static_cast<std::size_t>(count - away.was.credit.done()); hands.size() > stay;
+         hands.pop_back()) {
+        if (comes_back(open_.at(hands.back().job)))
+            again_.insert(hands.back().job);
+        else
+            close(hands.back().job, away.how);
+    }
+}
+
+void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
+{
+    auto consumer = consumers_.extract(id);
+    if (consumer.empty())
+        return;
+    if (shared())
+        let_go(consumer.mapped(), how);
+    if (!present())
+        last_one_left(std::move(consumer.mapped()), how, returns, now, decisions);
+    settle(decisions);
+    pump(now, decisions);
+}
+
+/// What a consumer of a shared subscription had goes to others.
+void Subscription::let_go(Consumer& consumer, Fate how)
+{
+    const auto head = consumer.head();
+    const bool died = how == Fate::lost_killed || how == Fate::lost_cut_off;
+    for (auto i = consumer.hands.size(); i-- > 0;) {
+        Handed& handed = consumer.hands[i];
+        if (handed.job == 0)
+            continue;
+        if (const auto job = open_.find(handed.job); job != open_.end() && how != Fate::lost_left)
+            job->second.in_doubt = true;
+        pass_on(consumer, handed, died && i == head && !handed.passed_on, false);
+    }
+}
+
+/// The next consumer begins with what is new then.
+void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
+{
+    end_live(shared() ? Fate::skipped : how);
+    awaited_ = how != Fate::lost_left && (shared() || returns) && worth_keeping();
+    if (shared()) {
+        if (how == Fate::lost_left)
+            give_up(false, decisions);
+        return;
+    }
+    if (!awaited_)
+        return clear(how);
+    if (how != Fate::lost_connection && last.works())
+        ++open_.at(last.hands[last.head()].job).failures;  // it may be what the receiver died of
+    away_ = Away{.was = std::move(last), .how = how, .until = now + kept_for};
+}
+
+void Subscription::stop_waiting()
+{
+    awaited_ = false;
+    if (const auto away = std::exchange(away_, std::nullopt))
+        clear(away->how);
+}
+
+void Subscription::cancel(Decisions& decisions)
+{
+    awaited_ = false;
+    if (std::exchange(away_, std::nullopt))
+        clear(Fate::lost_left);
+    if (shared() && !present())
+        give_up(false, decisions);
+}
+
+/// What a consumer that was lost may have answered is not reported as failed, or it would have two answers.
+void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
+{
+    if (!shared())
+        return clear(Fate::lost_left);
+    for (auto it = open_.begin(); it != open_.end();) {
+        const auto& [number, job] = *it++;
+        if (also_in_doubt || !job.in_doubt)
+            abandon(number, decisions);
+    }
+    while (!fresh_.empty()) {
+        const auto event = take_fresh();
+        ledger_.went(Fate::abandoned);
+        if (kind_.redelivers)
+            decisions.failed.push_back(event);
+    }
+}
+
+/// Everything that is left ends in this way.
+void Subscription::clear(Fate how)
+{
+    ledger_.went(how, static_cast<std::int64_t>(fresh_.size() + open_.size()));
+    fresh_.clear();
+    fresh_bytes_ = 0;
+    open_.clear();
+    again_.clear();
+}
+
+/// The job goes elsewhere, as the work that it was given out as: there may be an answer to that.
+Subscription::Job Subscription::leave_with(std::int64_t number)
+{
+    Job job = open_.at(number);
+    if (!job.adopted_as)
+        job.adopted_as = shared() ? share(number, job) : job.event->own();
+    job.holders = 0;
+    close(number, Fate::passed_on);
+    return job;
+}
+
+void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions& decisions)
+{
+    if (auto away = std::exchange(other.away_, std::nullopt))
+        other.take_back(*away, away->was.credit.done());
+    other.abandon_exhausted(decisions);
+    for (const auto number : std::set(other.again_)) {
+        open_[++jobs_] = other.leave_with(number);
+        again_.insert(jobs_);
+        ledger_.came();
+    }
+    while (!other.fresh_.empty()) {
+        wait(other.take_fresh());
+        other.ledger_.went(Fate::passed_on);
+        ledger_.came();
+    }
+    other.awaited_ = false;
+    pump(now, decisions);
+}
+
+}  // namespace hive::event
