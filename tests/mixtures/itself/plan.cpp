@@ -86,10 +86,11 @@ TEST_CASE("mixtures: a seed means the same everywhere and always")
     CHECK(text_of(make_plan(3, 4))
           == R"(source on demand -> a1 a2 (window 3, shared, lease 4000 ms) -> collected in order
 feed source 24
-set all 1 6, then check
-freeze a2
-thaw a2 after 688 ms
-feed source 68
+change source and a1 1, then check
+kill source, then check
+set one a1 10 9, then check
+start source
+feed source 39
 rest, then check)");
 }
 
