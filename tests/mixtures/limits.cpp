@@ -6,7 +6,7 @@ namespace {
 
 /// Where somebody is asked or waited for. A round feeds several times as many.
 constexpr std::int64_t max_asked = 256;
-/// Live events of a stream, at either end (Line::most_queued_events, Mailbox::most_events).
+/// Live events of a stream, at either end (Subscription::max_queued_events, Mailbox::most_events).
 constexpr std::int64_t max_streamed_live = 1024;
 /// One is with the drone's code, and the end of another is being told.
 constexpr std::int64_t max_in_hand = 2;

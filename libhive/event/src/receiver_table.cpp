@@ -23,7 +23,7 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
     const auto ends = before ? make_way(*before, newcomer, now, decisions) : std::nullopt;
     auto welcome = newcomer.options.group.empty() ? seat(newcomer, now, decisions) : join(newcomer, now, decisions);
     welcome.ends = ends;
-    if (newcomer.unique)
+    if (newcomer.unique && !seats_.at(newcomer.id).subscription().passive())
         inherit(newcomer, now, decisions);
     if (takes_bodies(newcomer) && !newcomer.guest && !held_.empty())
         offer_held(newcomer, now, decisions);
@@ -192,7 +192,8 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     const Seat& seat = found.mapped();
     Subscription& subscription = seat.subscription();
     const auto heir = seat.heir ? seats_.find(*seat.heir) : seats_.end();
-    if (heir == seats_.end() || &heir->second.subscription() == &subscription) {
+    if (heir == seats_.end() || &heir->second.subscription() == &subscription
+        || heir->second.subscription().passive()) {
         subscription.detach(id, how, returns, now, decisions);
     } else {  // what it had in hand and did not do goes along
         const bool last = !subscription.present();

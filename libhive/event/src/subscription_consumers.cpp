@@ -162,8 +162,11 @@ Subscription::Job Subscription::leave_with(std::int64_t number)
     return job;
 }
 
+/// From a passive one nothing goes along: what waits there was for that one to see, and may have no body.
 void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions& decisions)
 {
+    if (other.passive())
+        return other.end_live(Fate::lost_left);
     if (auto away = std::exchange(other.away_, std::nullopt))
         other.take_back(*away, away->was.credit.done());
     other.abandon_exhausted(decisions);

@@ -142,6 +142,28 @@ TEST_CASE("regroup: from one group to another")
     CHECK(world.offer(4, true) == Got{{2, {4}}});
 }
 
+TEST_CASE("regroup: from a receiver of notifications nothing goes along, and to one neither")
+{
+    auto watching = window(1);
+    watching.delivery = Delivery::notification;
+    World joins;
+    joins.add(face(1, watching));
+    joins.offer(1, true);
+    joins.offer(2, true);
+    CHECK(joins.add(face(2, sharing(4))).empty());
+    joins.leave(1);
+    CHECK(joins.offer(3, true) == Got{{2, {3}}});
+    World leaves;
+    leaves.add(face(1, sharing(1)));
+    leaves.offer(1, true);
+    leaves.offer(2, true);
+    CHECK(leaves.add(face(2, watching)).empty());
+    CHECK(leaves.row("group workers").why == Reason::none);  // nobody is waited for
+    leaves.leave(1);
+    CHECK(leaves.failed == Sequences{1, 2});
+    CHECK_FALSE(leaves.table.awaited());
+}
+
 TEST_CASE("regroup: changing the options of a plain receiver loses nothing, not even what is live and waits")
 {
     World world;

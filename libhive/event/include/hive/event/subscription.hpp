@@ -98,6 +98,7 @@ public:
     [[nodiscard]] bool awaited() const noexcept { return awaited_; }
     /// Does its source wait for it?
     [[nodiscard]] bool active() const noexcept { return (present() && !kind_.passive) || awaited_; }
+    [[nodiscard]] bool passive() const noexcept { return kind_.passive; }
     void set_passive(bool passive) { kind_.passive = passive; }
     /// Do its consumers want an event that they have not got?
     [[nodiscard]] bool asks() const;

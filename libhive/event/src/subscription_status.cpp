@@ -1,0 +1,60 @@
+// What a subscription says of itself: whether its consumers ask, what waits, and why it stands still.
+#include <hive/event/subscription.hpp>
+
+#include <algorithm>
+
+namespace hive::event {
+
+bool Subscription::asks() const
+{
+    if (streams())
+        return waiting() == 0 && consumers_.begin()->second.credit.open(true);
+    std::int64_t missing = 0;
+    for (const auto& [id, consumer] : consumers_)
+        missing += consumer.suspect || consumer.retired ? 0 : consumer.credit.missing();
+    return missing > waiting();
+}
+
+EmissionPtr Subscription::next() const
+{
+    if (!again_.empty())
+        return open_.at(*again_.begin()).event;
+    return fresh_.empty() ? nullptr : fresh_.front();
+}
+
+bool Subscription::backlogged() const
+{
+    const auto event = next();
+    return event && (present() || awaited_) && must_arrive(event);
+}
+
+bool Subscription::timed() const
+{
+    return away_ || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
+}
+
+Reason Subscription::why() const
+{
+    if (!present()) {
+        const bool waits = awaited_ || (!attached() && !open_.empty());
+        return !waits ? Reason::none : shared() ? Reason::group_awaited : Reason::place_kept;
+    }
+    if (const auto event = next(); event && !shared() && !consumers_.begin()->second.credit.lane_free(event->size()))
+        return Reason::lane_full;
+    if (asks())
+        return Reason::none;
+    const bool exhausted =
+        std::ranges::any_of(open_, [](const auto& row) { return row.second.failures >= max_failures; });
+    const bool suspect = std::ranges::any_of(consumers_, [](const auto& row) { return row.second.suspect; });
+    return shared() && (exhausted || suspect) ? Reason::lease_running : Reason::not_asked;
+}
+
+Reason Subscription::why(ReceiverId consumer) const
+{
+    const auto found = consumers_.find(consumer);
+    if (found == consumers_.end() || found->second.credit.missing() > 0)
+        return Reason::none;
+    return found->second.suspect ? Reason::lease_running : Reason::not_asked;
+}
+
+}  // namespace hive::event
