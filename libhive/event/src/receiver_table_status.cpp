@@ -110,7 +110,7 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
         status.options.group = name;
     }
     for (const auto& [id, seat] : seats_) {
-        const auto group = std::ranges::find_if(groups_, [&](const auto& row) { return &row.second == seat.group; });
+        const auto group = std::ranges::find(groups_, seat.group, [](auto& row) { return &row.second; });
         Row& row = rows[{seat.receiver, seat.group ? group->first : ""}];
         row.id = id;
         if (seat.group)
