@@ -3,6 +3,7 @@
 #include <hive/protocol/defended.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace hive::event {
@@ -261,12 +262,31 @@ void Module::accept(Event event, const Intake::Sink& sink)
     intake->accept(std::move(event));
 }
 
+std::vector<Subscriber> Module::subscribers() const
+{
+    std::vector<Subscriber> all;
+    for (const auto& outlet : outlets_)
+        std::ranges::move(outlet.subscribers(), std::back_inserter(all));
+    return all;
+}
+
+/// Those of an output that this drone has no longer are left out.
+void Module::expect(const std::vector<Subscriber>& subscribers, std::optional<Clock::time_point> until)
+{
+    for (const auto& subscriber : subscribers)
+        for (auto& outlet : outlets_)
+            if (outlet.port().name == subscriber.output)
+                outlet.expect(subscriber, until);
+    arm();
+}
+
 std::size_t Module::forget(const std::string& drone, const std::string& output)
 {
     std::size_t forgotten = 0;
     for (auto& outlet : outlets_)
         if (output.empty() || outlet.port().name == output)
             forgotten += outlet.forget(drone);
+    on_subscribers();
     return forgotten;
 }
 
@@ -339,6 +359,7 @@ void Module::tick()
     for (auto& outlet : outlets_)
         if (outlet.timed())
             outlet.tick();
+    on_subscribers();
     arm();
 }
 

@@ -237,6 +237,7 @@ void Module::on_closed(Link& link, const Error& reason)
     last_one_gone();
     for (auto& outlet : outlets_)
         outlet.link_closed(link, fate);
+    on_subscribers();
     arm();
     for (const auto& intake : std::vector(intakes_))
         intake->link_closed(link);

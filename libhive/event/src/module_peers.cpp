@@ -76,8 +76,10 @@ void Module::on_register(Link& link, const protocol::Packet& packet, const Json&
         require_free(link, packet.channel);
         Outlet& sender = outlet(registration.output);
         sender.require_fit(link, registration);
-        sender.add(link.shared_from_this(), packet.channel, registration,
-                   [&](const Welcome& welcome) { link.answer(id, confirmation(sender, welcome)); });
+        sender.add(link.shared_from_this(), packet.channel, registration, [&](const Welcome& welcome) {
+            on_subscribers();
+            link.answer(id, confirmation(sender, welcome));
+        });
         release_held();
     } catch (const Error& error) {
         link.answer(id, error);
@@ -131,6 +133,7 @@ void Module::on_deregister(Link& link, const protocol::Packet& packet, const Jso
             found = outlet.remove(link, packet.channel) || found;
         if (!found)
             throw Error(Errc::not_found, "nothing is registered on channel " + std::to_string(packet.channel));
+        on_subscribers();
         link.answer(request.id, Json::object());
     } catch (const Error& error) {
         link.answer(request.id, error);

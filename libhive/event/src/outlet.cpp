@@ -1,5 +1,6 @@
 // Carrying out the decisions of the receiver table.
 #include <hive/event/outlet.hpp>
+#include <hive/platform/process.hpp>
 #include <hive/protocol/defended.hpp>
 
 #include <algorithm>
@@ -149,7 +150,6 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
     const auto welcome = table_.add(newcomer, lease_now(), decisions);
     if (welcome.ends)
         detach(std::ranges::find(ids_, *welcome.ends, [](const auto& row) { return row.second; }));
-    confirm(welcome);
     ids_[{link.get(), channel}] = id;
     places_.emplace(id, Place{.link = link,
                               .channel = channel,
@@ -157,6 +157,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                               .registration = registration.epoch,
                               .encoding = choice(*link, registration),
                               .data = registration.options.delivery == Delivery::data});
+    confirm(welcome);
     execute(decisions);
 }
 
@@ -226,6 +227,34 @@ void Outlet::release_held()
     refresh();
 }
 
+void Outlet::expect(const Subscriber& subscriber, std::optional<Clock::time_point> until)
+{
+    table_.expect(++next_id_, subscriber, until);
+    if (subscriber.pid != 0)
+        expected_[subscriber.receiver] = subscriber.pid;
+    refresh();
+}
+
+/// 0: of no application on this machine.
+std::int64_t Outlet::pid_of(const std::string& application) const
+{
+    for (const auto& [id, place] : places_)
+        if (place.receiver == application && place.link->local() && place.link->peer().kind == "application")
+            return place.link->peer().pid;
+    const auto expected = expected_.find(application);
+    return expected != expected_.end() ? expected->second : 0;
+}
+
+std::vector<Subscriber> Outlet::subscribers() const
+{
+    auto list = table_.subscribers();
+    for (auto& each : list) {
+        each.output = port_.name;
+        each.pid = pid_of(each.receiver);
+    }
+    return list;
+}
+
 std::size_t Outlet::forget(const std::string& drone)
 {
     Decisions decisions;
@@ -237,6 +266,9 @@ std::size_t Outlet::forget(const std::string& drone)
 void Outlet::tick()
 {
     Decisions decisions;
+    for (const auto& [application, pid] : expected_)
+        if (platform::process_ends(pid))
+            table_.forget(application, decisions);
     table_.tick(lease_now(), decisions);
     execute(decisions);
 }

@@ -64,7 +64,8 @@ std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcom
     return before;
 }
 
-/// Its place, or that of its name if nobody else has that name, or what is remembered of its name.
+/// Its place, or that of its name if nobody else has that name or it had it in an earlier run of this drone, or what is
+/// remembered of its name.
 ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
 {
     const auto find = [&](auto fits) {
@@ -78,6 +79,8 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
         found = find([&](const Plain& plain) { return plain.place == newcomer.place && in_use(plain); });
     if (found == plain_.end() && newcomer.unique)
         found = find(in_use);
+    if (found == plain_.end() && newcomer.place == 0 && takes_bodies(newcomer))
+        found = find([](const Plain& plain) { return plain.subscription.awaited() && plain.registered.newest == 0; });
     if (found == plain_.end())
         found = find(std::not_fn(in_use));
     if (found != plain_.end())
@@ -311,6 +314,18 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
         plain.subscription.tick(now, decisions);
     for (auto& [name, group] : groups_)
         group.subscription.tick(now, decisions);
+}
+
+void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until)
+{
+    if (!subscriber.group.empty()) {
+        Group& group = group_named(subscriber.group);
+        group.lost.insert(subscriber.receiver);
+        return group.subscription.expect(until);
+    }
+    Plain& plain = plain_.emplace_back(Plain{.receiver = subscriber.receiver, .subscription = Subscription({})});
+    plain.place = epoch_ + static_cast<std::int64_t>(id);
+    plain.subscription.expect(until);
 }
 
 std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions)

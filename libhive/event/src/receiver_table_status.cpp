@@ -75,6 +75,25 @@ Reason ReceiverTable::why() const
     return reason;
 }
 
+std::vector<Subscriber> ReceiverTable::subscribers() const
+{
+    std::vector<Subscriber> list;
+    for (const Plain& plain : plain_)
+        if (plain.subscription.active() && !plain.subscription.retiring())
+            list.push_back({.output = {}, .receiver = plain.receiver});
+    for (const auto& [name, group] : groups_) {
+        if (!group.subscription.active())
+            continue;
+        std::set<std::string> members = group.lost;
+        for (const auto& [id, seat] : seats_)
+            if (seat.group == &group && !seat.heir)
+                members.insert(seat.receiver);
+        for (const auto& receiver : members)
+            list.push_back({.output = {}, .receiver = receiver, .group = name});
+    }
+    return list;
+}
+
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const
 {
     std::map<std::pair<std::string, std::string>, Row> rows;  // by receiver and group

@@ -316,8 +316,8 @@ Clock::duration Subscription::lease_of(const Consumer& consumer) const
 
 void Subscription::tick(Clock::time_point now, Decisions& decisions)
 {
-    if (away_ && away_->until <= now)
-        stop_waiting();
+    if (awaited_ && awaited_until_ && *awaited_until_ <= now)
+        shared() ? cancel(decisions) : stop_waiting();
     if (!shared())
         return;
     for (auto& [id, consumer] : consumers_) {

@@ -13,9 +13,7 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
     consumer.asked_at = ++order_;
     consumer.head_since = now;
     if (!shared() && present())
-        away_ = Away{.was = std::move(consumers_.extract(consumers_.begin()).mapped()),
-                     .how = Fate::lost_connection,
-                     .until = now};
+        away_ = Away{.was = std::move(consumers_.extract(consumers_.begin()).mapped()), .how = Fate::lost_connection};
     awaited_ = false;
     if (away_)
         resume(consumer, received, decisions);
@@ -95,6 +93,7 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
 {
     end_live(shared() ? Fate::skipped : how);
     awaited_ = how != Fate::lost_left && (shared() || returns) && worth_keeping();
+    awaited_until_.reset();
     if (shared()) {
         if (how == Fate::lost_left)
             give_up(false, decisions);
@@ -104,7 +103,16 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
         return clear(how);
     if (how != Fate::lost_connection && last.works())
         ++open_.at(last.hands[last.head()].job).failures;  // it may be what the receiver died of
-    away_ = Away{.was = std::move(last), .how = how, .until = now + kept_for};
+    awaited_until_ = now + kept_for;
+    away_ = Away{.was = std::move(last), .how = how};
+}
+
+void Subscription::expect(std::optional<Clock::time_point> until)
+{
+    awaited_ = true;
+    awaited_until_ = until;
+    if (!shared())
+        away_ = Away{.was = {.options = {}, .own = nullptr, .credit = Credit({})}, .how = Fate::lost_connection};
 }
 
 void Subscription::stop_waiting()

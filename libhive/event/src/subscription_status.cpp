@@ -30,7 +30,8 @@ bool Subscription::backlogged() const
 
 bool Subscription::timed() const
 {
-    return away_ || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
+    return (awaited_ && awaited_until_)
+           || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
 }
 
 Reason Subscription::why() const

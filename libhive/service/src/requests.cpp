@@ -22,6 +22,7 @@ Requests::Requests(Parts parts)
       status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module, parts_.listening)
 {
     add_handlers();
+    parts_.module.on_subscribers = [this] { state_file_.subscribers_changed(); };
 }
 
 void Requests::add_handlers()
@@ -46,6 +47,7 @@ void Requests::add_handlers()
 
 void Requests::restore(const Json& state, const std::vector<protocol::Connect>& wished)
 {
+    parts_.module.expect(subscribers_from(state, parts_.reporter), event::Clock::now() + event::Subscription::kept_for);
     wiring_.begin(wished);
     wiring_.restore(state.value("connections", Json::array()));
     state_file_.remember();

@@ -27,7 +27,7 @@ public:
     };
     explicit Requests(Parts parts);
 
-    /// Connects what the command line says, and again what was connected before a crash.
+    /// Waits for those who received before a crash, connects what the command line says, and again what was connected.
     void restore(const Json& state, const std::vector<protocol::Connect>& wished);
     /// Answers whoever still waits: the drone ends.
     void end() { parameters_.end(); }

@@ -15,7 +15,33 @@ Json connection_json(const event::IntakeSpec& spec)
                                      .options = spec.options});
 }
 
+Json subscriber_json(const event::Subscriber& subscriber)
+{
+    Json json{{"output", subscriber.output}, {"receiver", subscriber.receiver}};
+    if (!subscriber.group.empty())
+        json["group"] = subscriber.group;
+    if (subscriber.pid != 0)
+        json["pid"] = subscriber.pid;
+    return json;
+}
+
 }  // namespace
+
+std::vector<event::Subscriber> subscribers_from(const Json& state, const Reporter& reporter)
+{
+    std::vector<event::Subscriber> subscribers;
+    for (const auto& saved : state.value("subscribers", Json::array()))
+        try {
+            const Fields fields(saved, "a saved subscriber");
+            subscribers.push_back({.output = fields.text("output"),
+                                   .receiver = fields.text("receiver"),
+                                   .group = fields.text_or("group", ""),
+                                   .pid = fields.integer_or("pid", 0, max_json_integer, 0)});
+        } catch (const Error& error) {
+            reporter.log(LogLevel::warning, std::string("ignored a saved subscriber: ") + error.what());
+        }
+    return subscribers;
+}
 
 Json left_state(const event::Home& home, const protocol::Hello& self, OtherKind other, const Reporter& reporter)
 try {
@@ -50,6 +76,7 @@ void StateFile::remember()
     if (board_.stopping() && !board_.handing_over())
         return;
     try {
+        subscribers_ = module_.subscribers();
         home_.write_state(module_.self().name, state());
         forgetful_ = false;
     } catch (const std::exception& error) {
@@ -59,8 +86,17 @@ void StateFile::remember()
     }
 }
 
+void StateFile::subscribers_changed()
+{
+    if (module_.subscribers() != subscribers_)
+        remember();
+}
+
 Json StateFile::state() const
 {
+    Json subscribers = Json::array();
+    for (const auto& subscriber : subscribers_)
+        subscribers.push_back(subscriber_json(subscriber));
     Json connections = Json::array();
     for (const auto& intake : module_.intakes())
         if (!intake->spec().output.empty())
@@ -69,6 +105,7 @@ Json StateFile::state() const
     state.update({{"kind", declaration_.interface.kind},
                   {"parameters", declaration_.parameters.changed()},
                   {"connections", connections},
+                  {"subscribers", subscribers},
                   {"policy", token(board_.policy())}});
     return state;
 }

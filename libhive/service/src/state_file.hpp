@@ -15,6 +15,9 @@ enum class OtherKind { leave_out, take };
 /// The saved values that the drone still takes. The user thread, before the start.
 [[nodiscard]] Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter);
 
+/// Whom a drone of this name worked for; those that cannot be read are left out.
+[[nodiscard]] std::vector<event::Subscriber> subscribers_from(const Json& state, const Reporter& reporter);
+
 /// The network side.
 class StateFile {
 public:
@@ -31,6 +34,8 @@ public:
 
     /// Writes what the drone is told now. One that cannot write goes on without, and says so once.
     void remember();
+    /// The same, if others are waited for than it says.
+    void subscribers_changed();
 
 private:
     [[nodiscard]] Json state() const;
@@ -41,7 +46,8 @@ private:
     const StatusBoard& board_;
     const Listening& listening_;
     Reporter& reporter_;
-    bool forgetful_ = false;  ///< the state cannot be written, which was reported
+    std::vector<event::Subscriber> subscribers_;  ///< as written
+    bool forgetful_ = false;                      ///< the state cannot be written, which was reported
 };
 
 }  // namespace hive::service

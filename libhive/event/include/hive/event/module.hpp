@@ -67,7 +67,8 @@ public:
     // --- before start() ---
     Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event, Encoder encoder = {});
     void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
-    std::function<void()> on_demand = [] {};  ///< the demand for an outlet changed
+    std::function<void()> on_demand = [] {};       ///< the demand for an outlet changed
+    std::function<void()> on_subscribers = [] {};  ///< subscribers() may have changed, and nobody was told yet
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {
     };  ///< a shared event is given up; its identity has the last attempt
     /// An encoder threw; the event goes as it is.
@@ -118,6 +119,9 @@ public:
     /// What came in other ways than over the present intakes: put, or over intakes that were removed; one row for each
     /// input.
     [[nodiscard]] std::vector<InputStatus> left() const;
+    /// Whom the sources of this module wait for; those that are expected to come are among them.
+    [[nodiscard]] std::vector<Subscriber> subscribers() const;
+    void expect(const std::vector<Subscriber>& subscribers, std::optional<Clock::time_point> until);
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, const std::string& output);
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }

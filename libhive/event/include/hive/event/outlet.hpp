@@ -54,10 +54,13 @@ public:
     /// Something may come again.
     void go_on();
     void release_held();
+    /// An earlier run of this drone had this one. @param until  as for ReceiverTable
+    void expect(const Subscriber& subscriber, std::optional<Clock::time_point> until);
     /// @return  how many places and groups waited for this drone
     std::size_t forget(const std::string& drone);
     void tick();
 
+    [[nodiscard]] std::vector<Subscriber> subscribers() const;
     /// Does anybody receive bodies whom a source of lossless events waits for? The network side.
     [[nodiscard]] bool awaited() const noexcept { return table_.awaited(); }
     [[nodiscard]] bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
@@ -89,6 +92,7 @@ private:
     void require_newest(const Link& link, const protocol::Registration& registration) const;
     void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
+    [[nodiscard]] std::int64_t pid_of(const std::string& application) const;
     void transmit(const Send& send, const Emission& form);
     void transmit_end(ReceiverId receiver);
     void execute(const Decisions& decisions);
@@ -103,6 +107,7 @@ private:
     Dispatch dispatch_;
     std::map<Key, ReceiverId> ids_;
     std::map<ReceiverId, Place> places_;
+    std::map<std::string, std::int64_t> expected_;  ///< processes of applications that an earlier run had
     ReceiverId next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;

@@ -35,6 +35,16 @@ struct Welcome {
     std::optional<ReceiverId> ends{};  ///< the registration that ends by this one
 };
 
+/// Somebody whom a source waits for. What a drone remembers of it is enough for its next run to wait, too.
+struct Subscriber {
+    std::string output;
+    std::string receiver;
+    std::string group{};   ///< that it shares the events with; empty: none
+    std::int64_t pid = 0;  ///< of an application on this machine, which comes again only as long as it lives
+
+    bool operator==(const Subscriber&) const = default;
+};
+
 /// Pure logic: no sockets, no clock; it is told what happened and decides what is to be sent.
 class ReceiverTable {
 public:
@@ -80,6 +90,9 @@ public:
     void release_held();
     /// Time passed: leases or places may have expired.
     void tick(Clock::time_point now, Decisions& decisions);
+    /// An earlier run of this drone had this one.
+    /// @param until  wait so long for it; empty: until it is there
+    void expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until);
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
 
@@ -99,6 +112,8 @@ public:
     [[nodiscard]] bool timed() const;
     [[nodiscard]] Reason why() const;
     [[nodiscard]] std::int64_t unreceived() const noexcept { return unreceived_; }
+    /// Those whom the source waits for, and who may come again; without outputs and processes.
+    [[nodiscard]] std::vector<Subscriber> subscribers() const;
     /// Receivers first, then groups under the name "group NAME", then those that were lost.
     [[nodiscard]] std::vector<Row> rows() const;
 

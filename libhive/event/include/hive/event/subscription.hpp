@@ -11,6 +11,8 @@
 //        +-------------------+                                                                    |
 //        +------------------- cancel, or 30 s for a subscription that is not shared --------------+
 //
+// Where an earlier run of the drone had a consumer, the new subscription is awaited from the beginning (expect).
+//
 // Events. An event waits (`fresh_`) until a consumer may have it; then it is a job with a number (`open_`) until one
 // consumer acknowledges it. It counts in the ledger once when it is offered and once when it ends, so
 // offered = ended + waiting + open, always. A job that comes back is in `again_` as well, and goes out before fresh
@@ -80,6 +82,9 @@ public:
     void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
     /// The source waits no longer for a consumer to come back.
     void cancel(Decisions& decisions);
+    /// Of a new one: an earlier run of this drone had a consumer, which will come again.
+    /// @param until  empty: whenever that is
+    void expect(std::optional<Clock::time_point> until);
     /// No consumer will come: also what one that was lost may have answered is given up.
     void give_up(Decisions& decisions) { give_up(true, decisions); }
     /// Nothing more will come: each consumer is told, behind what waits, and where events are shared, behind their last
@@ -146,7 +151,6 @@ private:
     struct Away {
         Consumer was;
         Fate how;
-        Clock::time_point until;
     };
     using Consumers = std::map<ReceiverId, Consumer>;
 
@@ -198,6 +202,7 @@ private:
     WorkTimes times_;
     std::optional<bool> lossless_;  ///< must the last event arrive? Then the next one may have to
     bool awaited_ = false, ended_ = false;
+    std::optional<Clock::time_point> awaited_until_;
     std::optional<Away> away_;  ///< not shared, and awaited
 };
 
