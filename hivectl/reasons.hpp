@@ -8,11 +8,11 @@
 
 namespace hivectl {
 
-/// "a place is kept for a receiver that was cut off"; empty for Reason::none.
+/// "it waits for a receiver that was cut off, or has not come yet"; empty for Reason::none.
 std::string_view sentence(hive::Reason reason) noexcept;
 
-/// Why the drone, its outputs or its inputs stand still: "image: a place is kept for a receiver that was cut off
-/// (s1.image)". Empty when all moves. What lasts less than a second is no standstill.
+/// Why the drone, its outputs or its inputs stand still: "image: it waits for a receiver that was cut off, or has not
+/// come yet (s1.image)". Empty when all moves. What lasts less than a second is no standstill.
 std::string standstill(const hive::Status& status);
 
 }  // namespace hivectl

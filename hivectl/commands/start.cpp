@@ -13,7 +13,7 @@ namespace {
 
 struct Options {
     std::string kind, name, on_exception, listen, advertise, key, log_level, on;
-    std::vector<std::string> settings, connections;
+    std::vector<std::string> settings, connections, expected;
     bool if_missing = false, halted = false, insecure = false, no_announce = false, remote_operator = false;
 };
 
@@ -30,6 +30,8 @@ std::vector<std::string> handed_on(const Options& options)
             words.insert(words.end(), {flag, value});
     for (const auto& connection : options.connections)
         words.insert(words.end(), {"--connect", connection});
+    for (const auto& receiver : options.expected)
+        words.insert(words.end(), {"--expect", receiver});
     for (const auto& [flag, chosen] : {std::pair{"--halted", options.halted},
                                        {"--insecure", options.insecure},
                                        {"--no-announce", options.no_announce},
@@ -93,6 +95,11 @@ Run declare(CommandLine& line, Session& session)
                 "is only one. OPTIONs: at=tcp://HOST:PORT, stream, notify, window=N, first_frame, share, group=NAME, "
                 "lease=SECONDS, encoding=NAME")
         .type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
+        .one_each();
+    line.option("--expect", options->expected,
+                "produce nothing on demand, and let nothing pass that must arrive, before this one receives it; may be "
+                "repeated, and OUTPUT be left out where there is only one (hivectl disconnect ends the wait)")
+        .type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         .one_each();
     line.flag("--halted", options->halted, "start it halted, so that everything can be connected first");
     line.option("--listen", options->listen,

@@ -171,4 +171,33 @@ std::string to_text(const Connect& connect)
     return text.str();
 }
 
+Expect expect_from_text(const std::string& text)
+{
+    const std::string advice = "write [OUTPUT=]DRONE.INPUT[,group=NAME], for example image=face.image";
+    const auto comma = text.find(',');
+    const auto ends = text.substr(0, comma);
+    const auto equals = ends.find('=');
+    Expect expect{.output = equals == std::string::npos ? "" : require_name(ends.substr(0, equals), "output"),
+                  .receiver = equals == std::string::npos ? ends : ends.substr(equals + 1)};
+    const auto dot = expect.receiver.rfind('.');
+    if (dot == std::string::npos)
+        throw mistake(in_quotes(expect.receiver) + " names no input", advice);
+    require_name(expect.receiver.substr(0, dot), "drone");
+    require_name(expect.receiver.substr(dot + 1), "input");
+    if (comma == std::string::npos)
+        return expect;
+    constexpr std::string_view group = "group=";
+    const auto option = text.substr(comma + 1);
+    if (!option.starts_with(group))
+        throw mistake(in_quotes(option) + " is no option of it", advice);
+    expect.group = require_name(option.substr(group.size()), "group");
+    return expect;
+}
+
+std::string to_text(const Expect& expect)
+{
+    return (expect.output.empty() ? "" : expect.output + "=") + expect.receiver
+           + (expect.group.empty() ? "" : ",group=" + expect.group);
+}
+
 }  // namespace hive::protocol

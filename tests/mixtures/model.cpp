@@ -78,9 +78,12 @@ void Model::before(const Step& step)
 {
     const auto was = condition_;
     condition_.follow(step);
-    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::stop
-        || step.verb == Verb::start)
+    if (step.verb == Verb::stop || (step.verb == Verb::start && stopped_.contains(step.drone)))
         began_anew(step.drone);
+    if (step.verb == Verb::stop)
+        stopped_.insert(step.drone);
+    else if (step.verb == Verb::start)
+        stopped_.erase(step.drone);
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver);

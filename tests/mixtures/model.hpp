@@ -41,7 +41,7 @@ public:
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
     /// How many exceptions came of drones before the last stage.
     [[nodiscard]] std::int64_t failed_early() const;
-    /// Was anything excused so far, or has a drone begun anew, whose exceptions wait for nobody?
+    /// Was anything excused so far, or has a drone begun anew after it was stopped, whose exceptions wait for nobody?
     [[nodiscard]] bool was_excused() const { return began_anew_ || !excuses_.empty(); }
 
 private:
@@ -67,7 +67,8 @@ private:
     Topology topology_;
     Condition condition_;
     std::vector<Excuse> excuses_;
-    bool began_anew_ = false;  ///< some drone did
+    bool began_anew_ = false;        ///< some drone did
+    std::set<std::string> stopped_;  ///< drones that have forgotten what they were told, and for whom they worked
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
     std::map<std::pair<Way, std::int64_t>, std::pair<std::int64_t, std::int64_t>> last_;  ///< of each way and epoch
 };

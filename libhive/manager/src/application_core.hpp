@@ -39,6 +39,7 @@ public:
     /// The error when there is none.
     [[nodiscard]] Error not_running(const std::string& drone) const;
     /// The receiver is gone; its sender is to wait for it no longer.
+    void disconnect(const Endpoint& sender, const Endpoint& receiver);
     void forget(const Endpoint& sender, const Endpoint& receiver);
     /// Where the receiver can reach the sender, the nearest first; an empty one: by its name in the receiver's home.
     std::vector<std::string> ways(const std::string& sender, const std::string& receiver);

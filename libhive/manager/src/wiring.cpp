@@ -90,35 +90,46 @@ std::vector<std::string> Application::Core::ways(const std::string& from, const 
     return ways;
 }
 
+/// Ends the wait of a sender for a receiver that is not there.
 void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
 {
-    require_name(drone_of(receiver.drone), "drone");
     const std::string name = drone_of(receiver.drone) + (receiver.port.empty() ? "" : "." + receiver.port);
-    try {
-        ask(sender.drone, PacketType::forget, to_json(protocol::Forget{.output = sender.port, .receiver = name}));
-    } catch (const Error& error) {
-        if (error.code() != Errc::not_found)
-            throw;
-        throw not_running(receiver.drone).reworded(receiver.drone + " is not running, and " + error.what());
-    }
+    ask(sender.drone, PacketType::forget, to_json(protocol::Forget{.output = sender.port, .receiver = name}));
 }
 
 void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
 {
-    if (!core_->directory.find(receiver.drone))
-        return core_->forget(sender, receiver);
+    require_name(drone_of(receiver.drone), "drone");
+    std::optional<Error> refused;
+    try {
+        if (core_->directory.find(receiver.drone))
+            return core_->disconnect(sender, receiver);
+    } catch (const Error& error) {
+        // From here it seems to be gone, or it was never connected.
+        const bool gone = error.code() == Errc::unreachable && !is_here(core_->place(receiver.drone));
+        if (!gone && error.code() != Errc::not_found)
+            throw;
+        refused = error;
+    }
+    try {
+        core_->forget(sender, receiver);
+    } catch (const Error& error) {
+        if (refused)
+            throw *refused;
+        if (error.code() != Errc::not_found)
+            throw;
+        throw core_->not_running(receiver.drone).reworded(receiver.drone + " is not running, and " + error.what());
+    }
+}
+
+void Application::Core::disconnect(const Endpoint& sender, const Endpoint& receiver)
+{
     Json header{{"from", {{"drone", drone_of(sender.drone)}}}};
     if (!sender.port.empty())
         header["from"]["output"] = sender.port;
     if (!receiver.port.empty())
         header["input"] = receiver.port;
-    try {
-        core_->ask(receiver.drone, PacketType::disconnect, header);
-    } catch (const Error& error) {
-        if (error.code() != Errc::unreachable || is_here(core_->place(receiver.drone)))
-            throw;
-        core_->forget(sender, receiver);  // as far as can be told from here it is gone
-    }
+    ask(receiver.drone, PacketType::disconnect, header);
 }
 
 }  // namespace hive

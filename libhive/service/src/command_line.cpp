@@ -50,7 +50,7 @@ void start_log(const std::string& name, const std::string& level)
 
 /// The words of the command line that are checked later.
 struct Words {
-    std::vector<std::string> assignments, connections;
+    std::vector<std::string> assignments, connections, expected;
     std::string policy, level = "info";
     double take_over_s = 0;
 };
@@ -88,6 +88,11 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
                    "lease=SECONDS, encoding=NAME")
         ->type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         ->allow_extra_args(false);
+    app.add_option("--expect", words.expected,
+                   "produce nothing on demand, and let nothing pass that must arrive, before this one receives it; may "
+                   "be repeated. OUTPUT may be left out where there is only one. `hivectl disconnect` ends the wait")
+        ->type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
+        ->allow_extra_args(false);
     declare_listening(app, settings);
     app.add_option("--on-exception", words.policy,
                    "when the drone's code throws: skip the input, or halt until resumed")
@@ -113,6 +118,7 @@ void check(DroneSettings& settings, const Words& words)
     require_advertisable(settings.listen);
     settings.parameters = parameters_from(words.assignments);
     settings.connections = service::connections_from(words.connections);
+    settings.expected = service::expected_from(words.expected);
     if (words.take_over_s > 0)
         settings.take_over =
             event::Clock::now()

@@ -131,6 +131,7 @@ void DroneCore::start()
         throw Error(Errc::invalid_argument, "a drone runs once");
     declaration_.interface = interface();
     service::settle(settings_.connections, declaration_.interface, self_.name);
+    service::settle(settings_.expected, declaration_.interface, self_.name);
     prepare();
 }
 
@@ -251,7 +252,7 @@ void DroneCore::serve()
         if (settings_.signals)
             module.on_signal([this](int) { end(); });
         running_->listening.begin(running_->wish, running_->left);
-        running_->requests.restore(running_->left, settings_.connections);
+        running_->requests.restore(running_->left, settings_.connections, settings_.expected);
     });
 }
 

@@ -21,6 +21,7 @@ struct DroneSettings {
     service::ListenWish listen;
     Json parameters = Json::object();            ///< --set
     std::vector<protocol::Connect> connections;  ///< --connect
+    std::vector<protocol::Expect> expected;      ///< --expect
     std::optional<ExceptionPolicy> policy;       ///< empty: as before the crash, or skip
     bool halted = false;                         ///< from the start
     /// To take over from the running drone of this name, if it is ready by then.

@@ -45,9 +45,22 @@ void Requests::add_handlers()
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 
-void Requests::restore(const Json& state, const std::vector<protocol::Connect>& wished)
+/// Who was connected last counts, and comes soon; the command line counts for a drone that was never connected.
+void Requests::expect(const Json& state, const std::vector<protocol::Expect>& expected)
 {
-    parts_.module.expect(subscribers_from(state, parts_.reporter), event::Clock::now() + event::Subscription::kept_for);
+    if (state.contains("subscribers"))
+        return parts_.module.expect(subscribers_from(state, parts_.reporter),
+                                    event::Clock::now() + event::Subscription::kept_for);
+    std::vector<event::Subscriber> subscribers;
+    for (const auto& [output, receiver, group] : expected)
+        subscribers.push_back({.output = output, .receiver = receiver, .group = group});
+    parts_.module.expect(subscribers, std::nullopt);
+}
+
+void Requests::restore(const Json& state, const std::vector<protocol::Connect>& wished,
+                       const std::vector<protocol::Expect>& expected)
+{
+    expect(state, expected);
     wiring_.begin(wished);
     wiring_.restore(state.value("connections", Json::array()));
     state_file_.remember();

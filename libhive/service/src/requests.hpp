@@ -5,6 +5,8 @@
 #include "status_report.hpp"
 #include "wiring.hpp"
 
+#include <hive/protocol/connect_text.hpp>
+
 namespace hive::service {
 
 /// The network side, but for the constructor: it runs before the module starts.
@@ -28,13 +30,15 @@ public:
     explicit Requests(Parts parts);
 
     /// Waits for those who received before a crash, connects what the command line says, and again what was connected.
-    void restore(const Json& state, const std::vector<protocol::Connect>& wished);
+    void restore(const Json& state, const std::vector<protocol::Connect>& wished,
+                 const std::vector<protocol::Expect>& expected);
     /// Answers whoever still waits: the drone ends.
     void end() { parameters_.end(); }
     [[nodiscard]] Status status() const { return status_.now(); }
 
 private:
     void add_handlers();
+    void expect(const Json& state, const std::vector<protocol::Expect>& expected);
     void on_put(const event::Incoming& incoming);
     bool set_policy(const event::Incoming& incoming);
     void on_forget(const event::Incoming& incoming);

@@ -2,7 +2,6 @@
 #include "wished_connections.hpp"
 
 #include <hive/error.hpp>
-#include <hive/protocol/connect_text.hpp>
 #include <hive/transport/address.hpp>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 namespace hive::service {
 
 using protocol::Connect;
+using protocol::Expect;
 
 namespace {
 
@@ -25,23 +25,24 @@ void require_dialable(const std::string& text)
                     "write at=tcp://HOST:PORT, where the sender listens, as this machine knows it");
 }
 
-/// The one that it has.
-std::string only_input(const std::string& self, const std::vector<Port>& inputs)
+/// The one that it has. @param what  "input"
+std::string only_port(const std::string& self, const std::vector<Port>& ports, const std::string& what,
+                      const char* advice)
 {
-    if (inputs.size() == 1)
-        return inputs.front().name;
-    if (inputs.empty())
-        throw Error(Errc::not_found, self + " has no input");
+    if (ports.size() == 1)
+        return ports.front().name;
+    if (ports.empty())
+        throw Error(Errc::not_found, self + " has no " + what);
     std::string names;
-    for (const auto& input : inputs)
-        names += (names.empty() ? "" : ", ") + input.name;
-    throw Error(Errc::invalid_argument, self + " has several inputs: " + names, "say which: INPUT=DRONE.OUTPUT");
+    for (const auto& port : ports)
+        names += (names.empty() ? "" : ", ") + port.name;
+    throw Error(Errc::invalid_argument, self + " has several " + what + "s: " + names, advice);
 }
 
 void settle(Connect& connect, const Interface& interface, const std::string& self)
 {
     if (connect.input.empty())
-        connect.input = only_input(self, interface.inputs);
+        connect.input = only_port(self, interface.inputs, "input", "say which: INPUT=DRONE.OUTPUT");
     port_named(interface.inputs, self, "input", connect.input);
     if (connect.drone == self && connect.address.empty())
         throw Error(Errc::invalid_argument, self + " cannot receive its own output");
@@ -68,6 +69,31 @@ std::vector<Connect> connections_from(const std::vector<std::string>& words)
             throw error.reworded("--connect " + word + ": " + error.what());
         }
     return connections;
+}
+
+std::vector<Expect> expected_from(const std::vector<std::string>& words)
+{
+    std::vector<Expect> expected;
+    for (const auto& word : words)
+        try {
+            expected.push_back(protocol::expect_from_text(word));
+        } catch (const Error& error) {
+            throw error.reworded("--expect " + word + ": " + error.what());
+        }
+    return expected;
+}
+
+void settle(std::vector<Expect>& expected, const Interface& interface, const std::string& self)
+{
+    for (auto& expect : expected)
+        try {
+            if (expect.output.empty())
+                expect.output = only_port(self, interface.outputs, "output", "say which: OUTPUT=DRONE.INPUT");
+            if (expect.output != "exceptions")
+                port_named(interface.outputs, self, "output", expect.output);
+        } catch (const Error& error) {
+            throw error.reworded("--expect " + to_text(expect) + ": " + error.what());
+        }
 }
 
 void settle(std::vector<Connect>& connections, const Interface& interface, const std::string& self)

@@ -276,7 +276,7 @@ TEST_CASE("standstill: an output that has been quiet for a second names its reas
     output.last_emitted_us = 2'000'000;
     CHECK(standstill(status).empty());
     output.why = output.edges[0].why = Reason::place_kept;
-    CHECK(standstill(status) == "image: a place is kept for a receiver that was cut off (face.image)");
+    CHECK(standstill(status) == "image: it waits for a receiver that was cut off, or has not come yet (face.image)");
     output.last_emitted_us = 5'500'000;  // half a second ago
     CHECK(standstill(status).empty());
 }

@@ -58,8 +58,10 @@ TEST_CASE("command lines: parameters, ports that receivers know, and connections
     const auto plan = doorway();
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
     CHECK_EQ(joined(lines.of(plan.drones[0])),
-             "hive-camera --name camera --set fps=30 --set source=/dev/video0 --listen tcp://0.0.0.0:7700");
-    CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-face --name face-1 --listen tcp://0.0.0.0:7701 --connect "
+             "hive-camera --name camera --set fps=30 --set source=/dev/video0 --listen tcp://0.0.0.0:7700 "
+             "--expect image=face-1.image,group=camera");
+    CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-face --name face-1 --listen tcp://0.0.0.0:7701 "
+                                               "--expect faces=track.in --connect "
                                                "image=camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
     CHECK_EQ(joined(lines.of(plan.drones[2])), "hive-face --name face-2 --listen tcp://0.0.0.0:7700 --connect "
                                                "camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
@@ -74,7 +76,7 @@ TEST_CASE("command lines: on one machine drones meet without a port")
                    .connections = {{{"a", "out"}, {"b", "in"}, {}}},
                    .engines = {}};
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
-    CHECK_EQ(joined(lines.of(plan.drones[0])), "python3 -u edges.py --name a");
+    CHECK_EQ(joined(lines.of(plan.drones[0])), "python3 -u edges.py --name a --expect out=b.in");
     CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-view --name b --connect in=a.out");
 }
 
@@ -84,7 +86,8 @@ TEST_CASE("command lines: in containers each is found by its name")
     plan.drones[1].key = "/home/user/key";
     const CommandLines lines(plan, CommandLines::Machines::one_each);
     CHECK_EQ(joined(lines.of(plan.drones[1])),
-             "hive-face --name face-1 --listen tcp://0.0.0.0:7700 --advertise tcp://face-1:7700 --connect "
+             "hive-face --name face-1 --listen tcp://0.0.0.0:7700 --advertise tcp://face-1:7700 "
+             "--expect faces=track.in --connect "
              "image=camera.image,at=tcp://camera:7700,window=2,group=camera,lease=1.5");
 }
 

@@ -47,6 +47,19 @@ TEST_CASE("connect text: what is written is read again as the same")
         CHECK(to_text(connect_from_text(text)) == text);
 }
 
+TEST_CASE("connect text: whom a sender expects")
+{
+    const auto whole = hive::protocol::expect_from_text("image=face.left.image,group=faces");
+    CHECK(whole.output == "image");
+    CHECK(whole.receiver == "face.left.image");
+    CHECK(whole.group == "faces");
+    for (const char* text : {"face.image", "tick=face.image", "tick=face.image,group=faces"})
+        CHECK(to_text(hive::protocol::expect_from_text(text)) == text);
+    for (const char* text : {"", "face", "image=face", "=face.image", "../x=face.image", "face.", ".image",
+                             "face.image,", "face.image,window=2", "face.image,group=", "face.image,group=a b"})
+        CHECK_THROWS_AS(static_cast<void>(hive::protocol::expect_from_text(text)), hive::Error);
+}
+
 TEST_CASE("connect text: mistakes are named")
 {
     const std::pair<const char*, const char*> mistakes[]{{"", "names no output"},

@@ -25,6 +25,7 @@ struct SwarmDrone {
     // What `hivectl start` has options for; an empty text: as there.
     std::string on_exception{}, listen{}, advertise{}, key{}, log_level{};
     bool halted = false, insecure = false, remote_operator = false;
+    std::vector<std::string> expected{};  ///< who will receive from it, for --expect; only where it is started
 
     bool operator==(const SwarmDrone&) const = default;
 };

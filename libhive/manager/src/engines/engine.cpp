@@ -3,6 +3,7 @@
 
 #include <hive/process.hpp>
 #include <hive/program.hpp>
+#include <hive/protocol/connect_text.hpp>
 
 namespace hive {
 
@@ -26,6 +27,15 @@ Error not_ready(const std::string& drone, int status, const std::string& last_wo
                               + (last_words.empty() ? "(nothing)" : last_words)};
 }
 
+SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)
+{
+    for (const auto& [from, to, options] : plan.connections)
+        if (from.drone == drone.name && !from.port.empty() && !to.port.empty() && options.delivery == Delivery::data)
+            drone.expected.push_back(protocol::to_text(
+                protocol::Expect{.output = from.port, .receiver = to.drone + "." + to.port, .group = options.group}));
+    return drone;
+}
+
 std::vector<std::string> arguments_of(const SwarmDrone& drone)
 {
     std::vector<std::string> words{"--name", drone.name};
@@ -43,6 +53,8 @@ std::vector<std::string> arguments_of(const SwarmDrone& drone)
                                        {"--remote-operator", drone.remote_operator}})
         if (chosen)
             words.emplace_back(flag);
+    for (const auto& receiver : drone.expected)
+        words.insert(words.end(), {"--expect", receiver});
     return words;
 }
 

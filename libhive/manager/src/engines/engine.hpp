@@ -38,6 +38,9 @@ public:
 std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string& host,
                                     const std::filesystem::path& home);
 
+/// The drone as it is to be started: it waits for those who are to receive from it, as far as their ports are known.
+SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
+
 /// The command line of the drone's program, but for its name.
 std::vector<std::string> arguments_of(const SwarmDrone& drone);
 

@@ -86,7 +86,7 @@ void Starting::begin(const std::vector<std::string>& drones)
 {
     std::map<Engine*, std::vector<SwarmDrone>> by_engine;
     for (const auto& name : drones)
-        by_engine[&engine_of(*plan_.drone(name))].push_back(*plan_.drone(name));
+        by_engine[&engine_of(*plan_.drone(name))].push_back(as_started(plan_, *plan_.drone(name)));
     begun_ = {drones.begin(), drones.end()};
     waiting_ = begun_;
     for (auto& [engine, orders] : by_engine)

@@ -27,7 +27,7 @@ std::string shell_word(const std::string& word)
 
 std::string machine_name(const std::string& host) { return host.substr(host.rfind('@') + 1); }
 
-CommandLines::CommandLines(const SwarmPlan& plan, Machines machines) : machines_(machines)
+CommandLines::CommandLines(const SwarmPlan& plan, Machines machines) : machines_(machines), plan_(plan)
 {
     for (const auto& drone : plan.drones)
         drones_[drone.name] = &drone;
@@ -119,7 +119,7 @@ std::string CommandLines::connection(const SwarmConnection& connection, const Sw
 
 std::vector<std::string> CommandLines::of(const SwarmDrone& drone) const
 {
-    auto told = drone;
+    auto told = as_started(plan_, drone);
     told.listen = listening(drone);
     told.advertise = advertised(drone);
     if (machines_ == Machines::one_each)

@@ -37,6 +37,7 @@ private:
     [[nodiscard]] std::string connection(const SwarmConnection& connection, const SwarmDrone& receiver) const;
 
     Machines machines_;
+    const SwarmPlan& plan_;
     std::map<std::string, const SwarmDrone*> drones_;
     std::map<std::string, std::vector<const SwarmConnection*>> received_;  ///< by receiver
     std::map<std::string, std::uint16_t> ports_;                           ///< of drones on the network

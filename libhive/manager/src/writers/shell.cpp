@@ -25,7 +25,7 @@ std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
                     "write it as slurm, or bring it up: hivectl up");
     if (engine.name == "ssh")
         words.insert(words.end(), {"--on", engine.settings.get<std::string>()});
-    const auto program = arguments_of(drone);
+    const auto program = arguments_of(as_started(plan, drone));
     for (std::size_t i = 2; i < program.size(); ++i)  // behind --name NAME
         if (program[i] != "--set")
             words.push_back(program[i]);

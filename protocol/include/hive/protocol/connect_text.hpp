@@ -1,4 +1,5 @@
-// A connection as one word of a command line: "image=camera.image,at=tcp://cam1:7700,window=4".
+// A connection as one word of a command line, of its receiver: "image=camera.image,at=tcp://cam1:7700,window=4"; and of
+// its sender: "image=face.image,group=faces".
 #pragma once
 
 #include <hive/protocol/requests.hpp>
@@ -12,5 +13,15 @@ namespace hive::protocol {
 Connect connect_from_text(const std::string& text);
 /// What connect_from_text reads as this.
 std::string to_text(const Connect& connect);
+
+/// A receiver that a sender is to wait for.
+struct Expect {
+    std::string output, receiver;  ///< "image", "face.image"
+    std::string group{};           ///< in which it shares the work; empty: none
+};
+/// Reads [OUTPUT=]DRONE.INPUT[,group=NAME]; the output is empty where it is left out. Throws Errc::invalid_argument.
+Expect expect_from_text(const std::string& text);
+/// What expect_from_text reads as this.
+std::string to_text(const Expect& expect);
 
 }  // namespace hive::protocol

@@ -1,0 +1,120 @@
+// Receivers of an earlier run of a drone: its source waits for them, for 30 s or until they come.
+#include "table_fixtures.hpp"
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+void expect(World& world, ReceiverId id, const std::string& receiver, const std::string& group = "",
+            std::optional<Clock::duration> patience = 30s)
+{
+    world.table.expect(id, {.output = "image", .receiver = receiver, .group = group},
+                       patience ? std::optional(world.now + *patience) : std::nullopt);
+}
+
+Newcomer drone(ReceiverId id, const std::string& receiver, const ConnectionOptions& options = window(1))
+{
+    return {.id = id, .receiver = receiver, .options = options, .unique = true};
+}
+
+}  // namespace
+
+TEST_CASE("expect: each that an earlier run had gets every event, whoever comes first")
+{
+    World world;
+    expect(world, 1, "x.image");
+    expect(world, 2, "y.image");
+    CHECK(world.table.why() == Reason::place_kept);
+    CHECK(world.table.fans_out());
+    CHECK(world.offer(1, true).empty());
+    CHECK(world.add(drone(3, "x.image")) == Got{{3, {1}}});
+    CHECK(world.ask(3, {2, 1, 1}).empty());
+    CHECK_FALSE(world.table.asked());
+    CHECK(world.add(drone(4, "y.image")) == Got{{4, {1}}});
+    CHECK(world.ask(4, {2, 1, 1}).empty());
+    CHECK(world.table.asked());
+    CHECK(world.row("y.image").events.of(Fate::acknowledged) == 1);
+}
+
+TEST_CASE("expect: two applications of one name, and a third that nobody expected")
+{
+    World world;
+    expect(world, 1, "hivectl");
+    expect(world, 2, "hivectl");
+    world.offer(1, true);
+    CHECK(world.add(3, "hivectl", window(1)) == Got{{3, {1}}});
+    CHECK(world.add(4, "hivectl", window(1)) == Got{{4, {1}}});
+    CHECK(world.add(5, "hivectl", window(1)).empty());
+    CHECK(world.offer(2, true) == Got{{5, {2}}});
+    CHECK(world.table.subscribers().size() == 3);
+}
+
+TEST_CASE("expect: one that does not come is waited for as long as was said, and its events are counted as lost")
+{
+    World world;
+    expect(world, 1, "x.image");
+    expect(world, 2, "y.image", "", std::nullopt);
+    world.offer(1, true);
+    world.pass(29s);
+    CHECK(world.table.subscribers().size() == 2);
+    world.pass(2s);
+    CHECK(world.table.subscribers() == std::vector<Subscriber>{{.output = "", .receiver = "y.image"}});
+    CHECK(world.row("x.image").events.of(Fate::lost_connection) == 1);
+    world.pass(1h);
+    CHECK(world.table.why() == Reason::place_kept);
+    CHECK(world.forget("y") == 1);
+    CHECK(world.table.why() == Reason::no_receiver);
+    CHECK_FALSE(world.table.timed());
+}
+
+TEST_CASE("expect: a live source waits for nobody")
+{
+    World world;
+    expect(world, 1, "x.image");
+    world.offer(1);
+    CHECK(world.table.why() == Reason::no_receiver);
+    CHECK(world.add(drone(2, "x.image")).empty());
+    CHECK(world.offer(2) == Got{{2, {2}}});
+}
+
+TEST_CASE("expect: a group is there when the first of its members is, and gives up what waits when none comes")
+{
+    World world;
+    expect(world, 1, "x.image", "workers");
+    expect(world, 2, "y.image", "workers");
+    world.offer(1, true);
+    CHECK(world.table.why() == Reason::group_awaited);
+    CHECK(world.add(drone(3, "y.image", sharing(1))) == Got{{3, {1}}});
+    CHECK(world.table.subscribers().size() == 2);
+    World alone;
+    expect(alone, 1, "x.image", "workers");
+    alone.offer(1, true);
+    alone.pass(31s);
+    CHECK(alone.failed == Sequences{1});
+    CHECK(alone.table.why() == Reason::no_receiver);
+}
+
+TEST_CASE("expect: who is remembered is whom the source waits for, and no one else")
+{
+    World world;
+    world.add(drone(1, "x.image"));
+    world.add(drone(2, "w1.image", sharing(1)));
+    world.add(drone(3, "watcher.image", streaming(Delivery::notification)));
+    world.add({.id = 4, .receiver = "viewer", .options = window(1), .guest = true});
+    world.add(drone(5, "gone.image"));
+    world.add(drone(6, "cut.image"));
+    world.offer(1, true);
+    world.leave(5);
+    world.lose(6, Fate::lost_cut_off);
+    world.lose(2, Fate::lost_killed);
+    std::vector<std::string> names;
+    for (const auto& each : world.table.subscribers())
+        names.push_back(each.receiver + each.group);
+    CHECK(names == std::vector<std::string>{"x.image", "cut.image", "w1.imageworkers"});
+}
+
+}  // namespace hive::event
