@@ -199,6 +199,8 @@ std::optional<Event> MailboxCollector::take(Event event)
     if (!filter_.first(event)) {
         ++counts_.duplicates;
         conclude(event, event::Ending::duplicate);
+        if (options_.ordered)
+            reorder_.skip(event.identity, event::Clock::now());
         return std::nullopt;
     }
     if (options_.ordered)

@@ -20,9 +20,21 @@ bool Reorder::push(Event event, TimePoint now)
         ready_.push_back(std::move(event));
         return true;
     }
+    if (const Line* later = later_run(key_of(*share), event.identity)) {
+        const auto& reached = later->reached;
+        if (reached && std::get<0>(*reached) == event.identity.source && capture_of(event) <= *reached) {
+            if (event.identity.lossless)
+                ready_.push_back(std::move(event));
+            return event.identity.lossless;
+        }
+        earlier_.emplace(capture_of(event), Earlier{event, now});
+        return true;
+    }
+    end_earlier_runs(key_of(*share), event.identity, now);
     Line& line = lines_[key_of(*share)];
+    line.sources[event.identity.source] = event.identity.epoch;
     line.lossless = event.identity.lossless;
-    line.finished = false;
+    line.finished = finished_ = false;
     line.closed = std::max(line.closed, share->closed);
     if (line.first == 0) {
         line.first = line.expected = std::min(line.closed + 1, share->turn);
@@ -35,10 +47,59 @@ bool Reorder::push(Event event, TimePoint now)
     return true;
 }
 
+bool Reorder::Line::has(const Identity& identity) const
+{
+    const auto run = sources.find(identity.source);
+    return run != sources.end() && run->second == identity.epoch;
+}
+
+const Reorder::Line* Reorder::later_run(const Key& key, const Identity& identity) const
+{
+    for (auto it = lines_.upper_bound(key); it != lines_.end() && it->first.first == key.first; ++it)
+        if (it->second.has(identity))
+            return &it->second;
+    return nullptr;
+}
+
+void Reorder::end_earlier_runs(const Key& key, const Identity& identity, TimePoint now)
+{
+    for (auto it = lines_.lower_bound({key.first, 0}); it != lines_.end() && it->first < key;) {
+        if (!it->second.has(identity)) {
+            ++it;
+            continue;
+        }
+        for (auto& [turn, event] : it->second.waiting)
+            earlier_.emplace(capture_of(event), Earlier{event, now});
+        it = lines_.erase(it);
+    }
+}
+
+void Reorder::hand_out(Line& line, Event event)
+{
+    const auto capture = capture_of(event);
+    const Capture first{event.identity.source, event.identity.epoch, 0};
+    for (auto it = earlier_.lower_bound(first); it != earlier_.end() && it->first < capture; it = earlier_.erase(it))
+        ready_.push_back(std::move(it->second.event));
+    line.reached = capture;
+    ready_.push_back(std::move(event));
+}
+
+void Reorder::skip(const Identity& identity, TimePoint now)
+{
+    const Share* share = identity.shared_work();
+    if (!share || later_run(key_of(*share), identity))
+        return;
+    Line& line = lines_[key_of(*share)];
+    if (share->turn < line.expected || line.waiting.contains(share->turn))
+        return;
+    line.failed.insert(share->turn);
+    advance(line, now);
+}
+
 void Reorder::fail(const Identity& identity, TimePoint now)
 {
     const Share* share = identity.shared_work();
-    if (!share) {
+    if (!share || later_run(key_of(*share), identity)) {
         ++failed_;
         return;
     }
@@ -61,7 +122,7 @@ void Reorder::advance(Line& line, TimePoint now)
         // A turn already handed out may have further results: they follow as they come.
         while (!line.waiting.empty() && line.waiting.begin()->first <= line.expected) {
             line.expected = std::max(line.expected, line.waiting.begin()->first + 1);
-            ready_.push_back(std::move(line.waiting.begin()->second));
+            hand_out(line, std::move(line.waiting.begin()->second));
             line.waiting.erase(line.waiting.begin());
             moved = true;
         }
@@ -72,9 +133,18 @@ void Reorder::advance(Line& line, TimePoint now)
         line.failed.erase(line.failed.begin());
 }
 
+/// A lossless result is acknowledged where it is received, and only then is its turn closed. So a closed turn that has
+/// no result here will have none: its worker gave none, or nobody here receives from that worker.
+bool Reorder::answered(const Line& line, std::int64_t turn)
+{
+    return line.lossless && (turn <= line.closed || line.finished);
+}
+
 Reorder::TimePoint Reorder::due(const Line& line) const
 {
     if (!line.lossless && line.waiting.size() > live_window)
+        return line.stuck_since;
+    if (line.lossless && line.expected <= line.closed)
         return line.stuck_since;
     if (line.expected <= line.joined && !line.open.contains(line.expected))
         return line.stuck_since + std::min(patience_, join_patience);
@@ -84,6 +154,9 @@ Reorder::TimePoint Reorder::due(const Line& line) const
 
 void Reorder::finish(TimePoint now)
 {
+    if (!std::exchange(finished_, true))
+        for (auto& [capture, earlier] : earlier_)
+            earlier.since = now;
     for (auto& [key, line] : lines_)
         if (!std::exchange(line.finished, true))
             line.stuck_since = now;  // an exception may still tell that there is no result
@@ -91,6 +164,13 @@ void Reorder::finish(TimePoint now)
 
 void Reorder::expire(TimePoint now)
 {
+    const auto patience = finished_ ? std::min(patience_, closed_patience) : patience_;
+    std::erase_if(earlier_, [&](auto& row) {
+        const bool due = row.second.since + patience <= now;
+        if (due)
+            ready_.push_back(std::move(row.second.event));
+        return due;
+    });
     for (auto& [key, line] : lines_)
         while (!line.waiting.empty() && due(line) <= now)
             give_up(key, line, now);
@@ -103,7 +183,7 @@ void Reorder::give_up(const Key& key, Line& line, TimePoint now)
     line.passed.insert(turn);
     if (line.passed.size() > remembered_turns)
         line.passed.erase(line.passed.begin());
-    if (turn > line.joined || line.open.contains(turn)) {
+    if (!answered(line, turn) && (turn > line.joined || line.open.contains(turn))) {
         ++missing_;
         if (auto& turns = missing_turns_[key.first]; turns.size() < remembered_turns)
             turns.push_back(turn);
@@ -126,6 +206,9 @@ std::optional<Event> Reorder::pop()
 std::optional<Reorder::TimePoint> Reorder::deadline() const
 {
     std::optional<TimePoint> first;
+    const auto patience = finished_ ? std::min(patience_, closed_patience) : patience_;
+    for (const auto& [capture, earlier] : earlier_)
+        first = std::min(first.value_or(TimePoint::max()), earlier.since + patience);
     for (const auto& [key, line] : lines_)
         if (!line.waiting.empty())
             first = first ? std::min(*first, due(line)) : due(line);

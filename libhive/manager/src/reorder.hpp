@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -35,6 +36,8 @@ public:
     /// @return  false: its turn was given up, has failed, or lies before the one that this began with; the result is
     /// left out
     bool push(Event event, TimePoint now);
+    /// This turn gets no result, since its work has one already.
+    void skip(const Identity& identity, TimePoint now);
     /// This turn has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
     /// Nothing more will come: what is missing now is not waited for much longer.
@@ -56,7 +59,12 @@ public:
     }
 
 private:
-    using Key = std::pair<std::string, std::int64_t>;  ///< whose turns, in which epoch
+    using Key = std::pair<std::string, std::int64_t>;                     ///< whose turns, in which epoch
+    using Capture = std::tuple<std::string, std::int64_t, std::int64_t>;  ///< source, epoch, sequence
+    static Capture capture_of(const Event& event)
+    {
+        return {event.identity.source, event.identity.epoch, event.identity.sequence};
+    }
     struct Line {
         std::int64_t first = 0;     ///< the turn that this began with; 0: not known yet
         std::int64_t expected = 0;  ///< the next turn
@@ -69,14 +77,29 @@ private:
         std::set<std::int64_t> passed;  ///< given up
         std::multimap<std::int64_t, Event> waiting;
         TimePoint stuck_since{};
+        std::map<std::string, std::int64_t> sources;  ///< and the run of each that the last event was of
+        std::optional<Capture> reached;               ///< the last that was handed out
+        [[nodiscard]] bool has(const Identity& identity) const;
     };
+    /// Of one run of its source, a drone that was started again gives out anew what it had not finished. So the turns
+    /// of its earlier run are no gaps, and their results stand where their captures are among those of the new ones.
+    struct Earlier {
+        Event event;
+        TimePoint since;
+    };
+    void end_earlier_runs(const Key& key, const Identity& identity, TimePoint now);
+    [[nodiscard]] const Line* later_run(const Key& key, const Identity& identity) const;
+    void hand_out(Line& line, Event event);
     void advance(Line& line, TimePoint now);
     void give_up(const Key& key, Line& line, TimePoint now);
     [[nodiscard]] TimePoint due(const Line& line) const;
+    [[nodiscard]] static bool answered(const Line& line, std::int64_t turn);
     static Key key_of(const Share& share) { return {share.of, share.epoch}; }
 
     std::chrono::milliseconds patience_;
     std::map<Key, Line> lines_;
+    std::multimap<Capture, Earlier> earlier_;
+    bool finished_ = false;
     std::deque<Event> ready_;
     std::int64_t missing_ = 0, failed_ = 0;
     std::map<std::string, std::vector<std::int64_t>> missing_turns_;
