@@ -77,7 +77,7 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
     const auto& shares = event.identity.shares;
     std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
     Answer answer{.attempts = {}, .branches = {}, .custody = event.custody};
-    bool behind_group = false, by_kind = true;
+    bool behind_group = false, by_kind = false;
     for (std::size_t i = 0; i < count; ++i) {
         const Share& share = shares[i];
         const auto receiver = i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender;
@@ -85,7 +85,7 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
         (answer.attempts += std::to_string(share.attempt)) += ' ';
         if (behind_group)
             answer.branches.push_back(share.group() ? Branch() : Branch{receiver, share.each});
-        by_kind = behind_group || !share.group();
+        by_kind = behind_group;
         behind_group = behind_group || share.group();
     }
     work += ' ';

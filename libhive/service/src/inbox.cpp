@@ -1,17 +1,11 @@
-// Refuses second answers and puts what arrives into the mailbox.
+// Puts what arrives into the mailbox, and takes back what was not begun.
 #include "inbox.hpp"
 
 #include <hive/event/receipt.hpp>
 
 namespace hive::service {
 
-void Inbox::arrived(Event&& event)
-{
-    if (filters_[event.input].first(event))
-        mailbox_.push(std::move(event));
-    else
-        conclude(event, event::Ending::duplicate);
-}
+void Inbox::arrived(Event&& event) { mailbox_.push(std::move(event)); }
 
 void Inbox::discard(const event::Intake& intake)
 {

@@ -3,10 +3,6 @@
 
 #include "worker.hpp"
 
-#include <hive/event/answer_filter.hpp>
-
-#include <map>
-
 namespace hive::service {
 
 /// The network side.
@@ -24,8 +20,7 @@ public:
 
 private:
     event::Mailbox& mailbox_;
-    Worker& worker_;                                      ///< for commands alone
-    std::map<std::string, event::AnswerFilter> filters_;  ///< by input
+    Worker& worker_;  ///< for commands alone
 };
 
 }  // namespace hive::service

@@ -117,8 +117,11 @@ try {
     parts_.reporter.report(current_error());
 }
 
+/// What is discarded before it was begun has answered nothing, so second answers are refused here and not on arrival.
 void Worker::deliver(Event&& event)
 {
+    if (!filters_[event.input].first(event))
+        return conclude(event, event::Ending::duplicate);
     for (auto& matching : parts_.declaration.matchings)
         if (const auto* input = matching.input(event.input))
             return to_partners(std::move(event), matching, *input);

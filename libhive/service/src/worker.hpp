@@ -5,6 +5,10 @@
 #include "halting.hpp"
 #include "reporter.hpp"
 
+#include <hive/event/answer_filter.hpp>
+
+#include <map>
+
 namespace hive::service {
 
 /// Everything here runs on the user thread. The network side reaches it only by commands (inbox.hpp).
@@ -53,6 +57,7 @@ private:
 
     Parts parts_;
     event::Clock::time_point next_step_ = event::Clock::now();  ///< of main
+    std::map<std::string, event::AnswerFilter> filters_;        ///< by input
 };
 
 }  // namespace hive::service

@@ -41,6 +41,16 @@ TEST_CASE("answer filter: the answer of another attempt at the same work is refu
     CHECK_FALSE(filter.first(answer({with(turn_1, 2, 1)})));
 }
 
+TEST_CASE("answer filter: a plain receiver that was replaced by a drone of another kind is the same receiver")
+{
+    AnswerFilter filter;
+    const Share plain{.of = "camera.image", .epoch = 1, .turn = 1, .to = "image"};
+    CHECK(filter.first(answer({plain}, "finder")));
+    auto again = answer({with(plain, 1, 2)}, "finder");
+    again.kind = "finder.py";
+    CHECK_FALSE(filter.first(again));
+}
+
 TEST_CASE(
     "answer filter: each plain receiver of lossless events answers for itself, also when one was given them again")
 {
