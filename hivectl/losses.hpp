@@ -12,39 +12,16 @@ namespace hivectl {
 struct Loss {
     std::string from;  ///< "camera.image"
     std::string reason;
-    std::int64_t events = 0;  ///< 0: not known how many
-    bool promised = true;     ///< false: skipped because hivectl had not asked, as connections of live sources do
+    std::int64_t events = 0;
+    bool promised = true;  ///< false: skipped because hivectl had not asked, as connections of live sources do
 };
 
-/// The edges from some outputs to one receiver, from now on.
-class Losses {
-public:
-    /// @param now  what the drones of the outputs say once the receiver is registered
-    Losses(std::string receiver, std::vector<hive::Endpoint> outputs, const std::vector<hive::StatusAnswer>& now);
-    /// Since then.
-    /// @param here  the receiver's end: what a sender counts as lost may have arrived all the same
-    [[nodiscard]] std::vector<Loss> until(const std::vector<hive::StatusAnswer>& now,
-                                          const std::vector<hive::InputStatus>& here = {}) const;
-
-private:
-    struct Look {  ///< at one output
-        bool known = false;
-        std::int64_t epoch = 0;      ///< of the drone: which run of it this is
-        std::int64_t elsewhere = 0;  ///< emitted while the receiver was not registered
-        hive::Ledger events{};
-    };
-    [[nodiscard]] Look look(const hive::Endpoint& output, const std::vector<hive::StatusAnswer>& now) const;
-
-    std::string receiver_;
-    std::vector<hive::Endpoint> outputs_;
-    std::vector<Look> first_;  ///< one for each output
-};
-
-/// The losses of this application, which receives the outputs, from now on.
-Losses losses_from_now(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
-std::vector<Loss> losses_until_now(const Losses& losses, hive::Application& application,
-                                   const std::vector<hive::Endpoint>& outputs,
-                                   const std::vector<hive::InputStatus>& here = {});
+/// What the senders of an application's inputs say that did not come to it.
+/// @param here  its inputs: what a sender counts as lost may have arrived all the same
+std::vector<Loss> losses_of(const std::string& receiver, const std::vector<hive::InputStatus>& here,
+                            const std::vector<hive::StatusAnswer>& senders);
+/// The losses of this application.
+std::vector<Loss> losses_now(hive::Application& application, const std::vector<hive::InputStatus>& here);
 /// Is something missing that was promised? Nothing is promised of a live source unless its results come in order; all
 /// is promised of a lossless one.
 bool promise_broken(const hive::CollectCounts& counts, const std::vector<Loss>& losses, bool ordered, bool lossless);

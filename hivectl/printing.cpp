@@ -17,7 +17,7 @@ int exit_code_at_end(const std::string& verb, const std::string& text)
 {
     if (text.empty())
         return exit_code::done;
-    complain(verb, "the source ended early: " + printable(text));
+    complain(verb, "not everything came: " + printable(text));
     return exit_code::partly_done;
 }
 

@@ -20,7 +20,7 @@ struct PrintUntil {
     std::function<void()> silence = {};
 };
 
-/// The exit code of a verb whose sources have ended, and what was said about that on stderr.
+/// The exit code of a verb whose sources have ended; what is lacking is said on stderr.
 int exit_code_at_end(const std::string& verb, const std::string& text);
 
 /// Prints the lines that `next` gives, which waits no longer than it is told; until that, or Ctrl-C, or the end of

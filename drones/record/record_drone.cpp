@@ -16,6 +16,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
+constexpr const char* at_end = "end of source";
+
 /// Events that came and that the drone's code has not seen.
 std::int64_t queued(const hive::Status& status)
 {
@@ -173,7 +175,7 @@ void RecordDrone::end(const std::string& text)
     part();
     if (!writer_ || !writer_->ended().empty() || writer_->summary().events() == 0)
         return;
-    const auto how = text.empty() ? "end of source" : "end of source: " + text;
+    const auto how = text.empty() ? at_end : std::string(at_end) + ": " + text;
     close(how);
     ended_ = how;
     say();
@@ -248,7 +250,8 @@ void RecordDrone::count_dropped()
 void RecordDrone::say()
 {
     if (!ended_.empty())
-        return drone_.condition("ended: " + ended_ + "; " + writes_ + " is complete");
+        return drone_.condition("ended: " + ended_ + "; " + writes_
+                                + (ended_ == at_end ? " is complete" : " has everything else"));
     if (!writer_)
         return drone_.condition("no file: set one, file=PATH");
     const bool failed = !writer_->failure().empty();

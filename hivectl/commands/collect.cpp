@@ -80,7 +80,6 @@ int run(const Options& options, Session& session)
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
-    const auto losses = losses_from_now(application, outputs);
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
                                   .patience = session.patience(),
@@ -91,7 +90,7 @@ int run(const Options& options, Session& session)
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;
                                  });
-    summarize(*collector, losses_until_now(losses, application, outputs));
+    summarize(*collector, losses_now(application, collector->inputs()));
     return code;
 }
 

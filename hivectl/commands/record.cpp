@@ -114,10 +114,9 @@ void take_rest(hive::Collector& collector, hive::recording::Writer& writer)
         hive::recording::append(writer, *event);
 }
 
-void note_losses(const Losses& losses, hive::Application& application, const std::vector<hive::Endpoint>& outputs,
-                 const hive::Collector& collector, hive::recording::Writer& writer)
+void note_losses(hive::Application& application, const hive::Collector& collector, hive::recording::Writer& writer)
 {
-    for (const auto& loss : losses_until_now(losses, application, outputs, collector.inputs()))
+    for (const auto& loss : losses_now(application, collector.inputs()))
         writer.lost(loss.from, loss.reason, loss.events);
     if (const auto dropped = collector.counts().dropped; dropped > 0)
         writer.lost("*", "dropped by hivectl: it could not write them in time", dropped);
@@ -129,8 +128,7 @@ void summarize(const std::string& file, const hive::recording::Writer& writer, b
     hive::Json lost = hive::Json::array();
     for (const auto& loss : summary.lost) {
         lost.push_back({{"from", loss.from}, {"reason", loss.reason}, {"events", loss.events}});
-        complain("record", "lost: " + printable(loss.from) + ": "
-                               + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "")
+        complain("record", "lost: " + printable(loss.from) + ": " + count_text(loss.events, "event") + ", "
                                + printable(loss.reason));
     }
     const auto outputs = static_cast<std::int64_t>(hive::recording::ports_of(summary.tracks).size());
@@ -169,7 +167,6 @@ int run(const Options& options, Session& session)
     if (outputs.empty())
         return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
-    const auto losses = losses_from_now(application, outputs);
     hive::recording::Writer writer({.path = options.file,
                                     .overwrite = options.overwrite,
                                     .limits = {static_cast<std::uint64_t>(options.max_size * 1e6), {}}});
@@ -179,7 +176,7 @@ int run(const Options& options, Session& session)
         return take_events(*collector, writer, progress, options, session.patience(),
                            [&] { return reason_for_silence(application, outputs); });
     }();
-    note_losses(losses, application, outputs, *collector, writer);
+    note_losses(application, *collector, writer);
     take_rest(*collector, writer);
     writer.finish("stopped");
     summarize(options.file, writer, session.json);

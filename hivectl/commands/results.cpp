@@ -88,7 +88,6 @@ int run(const Options& options, Session& session)
     if (outputs.empty())
         return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
-    const auto losses = losses_from_now(application, outputs);
     Progress progress(application, true);
     bool lossless = false;
     const int code = print_lines({.verb = "results",
@@ -105,7 +104,7 @@ int run(const Options& options, Session& session)
                                      return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
                                  });
     const auto counts = collector->counts();
-    const auto lost = losses_until_now(losses, application, outputs, collector->inputs());
+    const auto lost = losses_now(application, collector->inputs());
     summarize(counts, lost);
     const bool broken = promise_broken(counts, lost, options.ordered, lossless);
     return outcome.exit_code(code == exit_code::done && broken ? exit_code::partly_done : code);
@@ -147,7 +146,8 @@ Verb verb()
                        "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
                        "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
                        "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
-                       "missing that were promised: with --ordered, or when the source produces on demand.",
+                       "missing that were promised: with --ordered, or when the source produces on demand. An event at "
+                       "which a drone failed has an exception instead: hivectl exceptions shows them.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header",
             .timeout = "give up after this long without a result (default: never)",

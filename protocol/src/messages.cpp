@@ -115,17 +115,28 @@ Request request_from_json(const Json& object)
     return request;
 }
 
+void End::add(const std::string& more)
+{
+    constexpr std::size_t longest = most_text - 24;  // it fits even when a broken character becomes longer
+    if (more.empty() || ("; " + text + "; ").find("; " + more + "; ") != std::string::npos)
+        return;
+    text = (text + (text.empty() ? "" : "; ") + more).substr(0, longest);
+}
+
 Json to_json(const End& end)
 {
     Json json = Json::object();
     if (!end.text.empty())
         json["text"] = end.text;
+    if (end.leaves)
+        json["leaves"] = true;
     return json;
 }
 
 End end_from_json(const Json& object)
 {
-    End end{Fields(object, "end").text_or("text", "")};
+    const Fields fields(object, "end");
+    End end{.text = fields.text_or("text", ""), .leaves = fields.flag_or("leaves", false)};
     if (end.text.size() > End::most_text)
         throw Error(Errc::malformed, "end: \"text\" has at most " + std::to_string(End::most_text) + " bytes");
     return end;

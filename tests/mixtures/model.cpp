@@ -84,6 +84,10 @@ void Model::before(const Step& step)
         stopped_.insert(step.drone);
     else if (step.verb == Verb::start)
         stopped_.erase(step.drone);
+    if (step.verb == Verb::connect)
+        alone_.erase({step.sender, step.drone});
+    else if (step.verb == Verb::change && topology_.edge_of(step).options.group.empty())
+        alone_.insert({step.sender, step.drone});
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver);
@@ -105,8 +109,8 @@ void Model::left(const std::string& sender, const std::string& receiver)
     if (receiver == watcher)
         return;
     const auto& stage = topology_.stages.at(topology_.stage_of(receiver));
-    if (!stage.shared())
-        return excuse(receiver);
+    if (!stage.shared() || alone_.contains({sender, receiver}))
+        return excuse(stage.shared() ? "" : receiver);
     const bool last =
         std::ranges::none_of(stage.drones, [&](auto& drone) { return condition_.connected(sender, drone); });
     if (last && sender != source)

@@ -69,6 +69,7 @@ private:
     std::vector<Excuse> excuses_;
     bool began_anew_ = false;        ///< some drone did
     std::set<std::string> stopped_;  ///< drones that have forgotten what they were told, and for whom they worked
+    std::set<std::pair<std::string, std::string>> alone_;  ///< sender, receiver: connected alone, whatever its stage is
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
     std::map<std::pair<Way, std::int64_t>, std::pair<std::int64_t, std::int64_t>> last_;  ///< of each way and epoch
 };

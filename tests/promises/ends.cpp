@@ -156,3 +156,52 @@ TEST_CASE("end: a picture that was made when nobody received it waits for whoeve
     REQUIRE(eventually([&] { return total(application, "face", "received") == 1; }));
     CHECK(take(*application.collect({{"face", "annotated"}}), 2) == one_to(2));
 }
+
+TEST_CASE("end: it waits for a sender that was lost, and not for one that was stopped")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", counted(40)},
+                                    {"--expect", "quick.image", "--expect", "slow.image"});
+    const auto quick = swarm.drone("sleeper", "quick");
+    auto slow = swarm.drone("sleeper", "slow", {"work_ms=20"});
+    auto application = swarm.application();
+    const auto results = application.collect({{"quick", "result"}, {"slow", "result"}});
+    application.connect({"source", "tick"}, {"quick", "image"}, {.window = 4});
+    application.connect({"source", "tick"}, {"slow", "image"}, {.window = 4});
+    const auto came = take(*results, 70).size();
+    SUBCASE("killed, and started again later than quick has ended")
+    {
+        slow.kill();
+        const auto meanwhile = rest(*results, 2500ms);
+        CHECK(came + meanwhile < 80);
+        CHECK_FALSE(results->ended());
+        slow = swarm.drone("sleeper", "slow");
+        const auto [others, end] = take_all(*results);
+        CHECK(came + meanwhile + others.size() == 80);
+        CHECK(end == "");
+    }
+    SUBCASE("stopped")
+    {
+        swarm.hivectl_done({"stop", "slow"});
+        const auto [others, end] = take_all(*results);
+        CHECK(end == "");
+    }
+}
+
+TEST_CASE("end: it says at how many events a drone on the way failed, and the verbs exit with 8")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", counted(40)});
+    const auto worker = swarm.drone("sleeper", "worker", {"throw_every=2"});
+    const auto last = swarm.drone("sleeper", "last");
+    swarm.hivectl_done({"connect", "worker", "last"});
+    const auto recorder = swarm.drone("record", "recorder", {"file=" + (swarm.home() / "run.hive").string()});
+    swarm.hivectl_done({"connect", "last", "recorder"});
+    swarm.hivectl_done({"connect", "source", "worker"});
+    const auto done = swarm.hivectl({"results", "last"});
+    CHECK(done.exit_code == 8);
+    CHECK(done.err.find("not everything came: worker failed at 20 events") != std::string::npos);
+    CHECK(eventually([&] {
+        return swarm.hivectl_done({"ps", "recorder"}).find("worker failed at 20 events") != std::string::npos;
+    }));
+}

@@ -97,3 +97,38 @@ TEST_CASE("throw: a set whose on_change throws what is no exception is refused, 
     CHECK(swarm.hivectl_done({"get", "fork", "mark"}) == "0\n");
     CHECK(swarm.hivectl_done({"set", "fork", "mark=8"}) == "8\n");
 }
+
+TEST_CASE("disconnect: a drone whose results wait for a first receiver leaves at once, and keeps them")
+{
+    const Swarm swarm;
+    const auto source =
+        swarm.drone("ticker", "source", {"pace=demand", "count=40"}, {"--expect", "x.image", "--expect", "y.image"});
+    const auto x = swarm.drone("sleeper", "x"), y = swarm.drone("sleeper", "y");
+    auto application = swarm.application();
+    const auto results = application.collect({{"x", "result"}});
+    application.connect({"source", "tick"}, {"x", "image"});
+    application.connect({"source", "tick"}, {"y", "image"});
+    REQUIRE(eventually([&] { return says(application, "y", "held"); }));
+    application.disconnect({"source", "tick"}, {"y", "image"});
+    CHECK(take(*results, 40) == one_to(40));
+    CHECK(take(*application.collect({{"y", "result"}}), 1) == one_to(1));
+}
+
+TEST_CASE("halt: what it discards unbegun counts for nothing, and is worked on when it is given out again")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=40"});
+    auto middle = swarm.drone("sleeper", "middle");
+    const auto last = swarm.drone("sleeper", "last", {"work_ms=300"});
+    auto application = swarm.application();
+    const auto results = application.collect({{"last", "result"}});
+    application.connect({"middle", "result"}, {"last", "image"}, member_of("workers", 4));
+    application.connect({"source", "tick"}, {"middle", "image"}, {.window = 8});
+    REQUIRE(eventually([&] { return total(application, "last", "received") >= 4; }));
+    application.halt("last");
+    middle.kill();
+    application.set("last", {{"work_ms", 1}});
+    application.resume("last");
+    middle = swarm.drone("sleeper", "middle");
+    CHECK(sorted(take(*results, 40)) == one_to(40));
+}

@@ -18,7 +18,8 @@ constexpr auto short_break = 10s;  // so long after a loss it is tried more ofte
 constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, and six round trips more
 constexpr auto pause_after_refusal = 1s;   // the sender is there, and will say the same again
 constexpr auto patience_to_leave = 30s;    // for what is in hand when it is told to stop
-constexpr auto lost_for_good = 2s;         // who has not come back by then does not hold up the end of the others
+constexpr auto lost_for_good = 30s;        // who has not come back by then does not hold up the end of the others
+constexpr auto others_work = 2s;           // the same for one whose group does what it leaves undone
 
 /// A socket file is the name of its drone; a port may be another one's by now.
 std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
@@ -155,6 +156,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
         return failed(error);
     }
     connected_ = true;
+    sender_leaves_ = false;
     end_.reset();  // the sender tells of it again, if it is still so
     on_end_();
     before_.reset();
@@ -264,9 +266,16 @@ void Intake::leave_now()
     try_to_leave();
 }
 
-/// Work that somebody else would do again is ended first; what is merely being looked at is not waited for.
+/// Work that somebody else would do again is ended first; what is merely being looked at is not waited for. Nor is what
+/// was worked on while its results wait here for whoever comes first: this drone has them.
 void Intake::try_to_leave()
 {
+    if (connected_ && all_worked() && !in_hand_.empty() && host_.holds()) {
+        ++generation_;
+        done_ = arrived();
+        in_hand_.clear();
+        tell(asked_, done_);
+    }
     const bool owed = !spec_.options.group.empty()
                       || std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.lossless; });
     if (left_ || (connected_ && owed && !in_hand_.empty()))
@@ -337,6 +346,14 @@ std::optional<Error> Intake::refusal() const
     }
 }
 
-bool Intake::given_up() const { return !connected_ && Clock::now() - lost_at_ >= lost_for_good; }
+bool Intake::gone_for_good() const
+{
+    return !connected_ && (sender_leaves_ || Clock::now() - lost_at_ >= (of_member_ ? others_work : lost_for_good));
+}
+
+std::string Intake::lacks() const
+{
+    return sender_leaves_ || of_member_ ? "" : spec_.sender + " was lost, and has not come back within 30 s";
+}
 
 }  // namespace hive::event

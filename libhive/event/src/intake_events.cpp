@@ -28,8 +28,11 @@ void Intake::note_end(std::optional<std::string> text)
 
 void Intake::on_packet(const protocol::Packet& packet)
 {
-    if (packet.type == PacketType::end)
-        return note_end(protocol::end_from_json(parse_json(packet.header_text())).text);
+    if (packet.type == PacketType::end) {
+        auto end = protocol::end_from_json(parse_json(packet.header_text()));
+        sender_leaves_ = end.leaves;
+        return end.leaves ? void() : note_end(std::move(end.text));
+    }
     note_end(std::nullopt);
     if (spec_.options.transfer == Transfer::synchronized && arrived() >= asked_)
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
@@ -67,9 +70,14 @@ void Intake::note_share(Event& event)
 {
     Delivery& delivery = in_hand_.emplace_back();
     delivery.lossless = lossless_ = event.identity.lossless;
-    if (event.identity.shares.empty())
+    auto& shares = event.identity.shares;
+    const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
+        return share.of.starts_with(spec_.sender) && share.of[spec_.sender.size()] == '.';
+    });
+    of_member_ = before != shares.rend() && before->group();
+    if (shares.empty())
         return;
-    Share& share = event.identity.shares.back();
+    Share& share = shares.back();
     if (group_ && share.of == group_->of && share.epoch == group_->epoch) {
         delivery.turn = share.turn;
         group_->turn = std::max(group_->turn, share.turn);
@@ -189,31 +197,20 @@ InputStatus Intake::status() const
     return status;
 }
 
-namespace {
-
-/// Each text once, joined.
-void add_text(std::string& all, const std::string& text)
-{
-    if (!text.empty() && ("; " + all + "; ").find("; " + text + "; ") == std::string::npos)
-        all += (all.empty() ? "" : "; ") + text;
-}
-
-}  // namespace
-
 std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& intakes, bool worked)
 {
     constexpr auto exceptions = "exceptions";  // they never end
     bool any = false;
-    std::string text;
+    protocol::End end;
     for (const auto& intake : intakes) {
         if (intake->spec().output == exceptions)
             continue;
-        if ((!intake->ended() && !intake->given_up()) || (worked && !intake->all_worked()))
+        if ((!intake->ended() && !intake->gone_for_good()) || (worked && !intake->all_worked()))
             return std::nullopt;
         any = any || intake->ended();
-        add_text(text, intake->ended().value_or(""));
+        end.add(intake->ended().value_or(intake->lacks()));
     }
-    return any ? std::optional(text) : std::nullopt;
+    return any ? std::optional(end.text) : std::nullopt;
 }
 
 }  // namespace hive::event

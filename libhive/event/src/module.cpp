@@ -62,6 +62,9 @@ void Module::close_links()
     signals_.reset();
     keys_timer_.cancel();
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
+    if (!handed_over_)
+        for (auto& outlet : outlets_)
+            outlet.say_leaving();
     for (const auto& link : std::vector(links_))
         link->close(Error(Errc::stopped, options_.self.name + " is ending"));
     if (options_.most_dialing > 0)
@@ -108,6 +111,7 @@ void Module::settle()
 
 void Module::hand_over()
 {
+    handed_over_ = true;
     for (const auto& intake : std::exchange(intakes_, {}))
         intake->hand_over();
 }
@@ -124,6 +128,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
     Outlet::Hooks hooks{
         .changed = [this] { demand_changed(); },
         .failed = [this](const EmissionPtr& event) { on_failed(event); },
+        .failures = [this](const Event* newest) { return failures(newest); },
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
         .on_encoder_thread = [this](const std::string& peer,
                                     std::function<void()> job) { encoder_thread_.push(peer, std::move(job)); },

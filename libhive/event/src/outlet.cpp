@@ -23,9 +23,6 @@ Clock::time_point lease_now()
     return steady ? Clock::now() : Clock::time_point(platform::WallClock::now().time_since_epoch());
 }
 
-/// Of what is said about an end; cut so that it still fits when a broken character at its end becomes longer.
-constexpr std::size_t longest_text = protocol::End::most_text - 24;
-
 /// The peer dialed in with the viewers' key.
 bool is_guest(const Link& link) { return link.credentials().role == Role::viewer; }
 
@@ -213,7 +210,8 @@ void Outlet::offer(const EmissionPtr& event, bool hold)
 
 void Outlet::end(const std::string& text)
 {
-    end_text_ = text.substr(0, longest_text);
+    end_ = {};
+    end_.add(text);
     Decisions decisions;
     table_.end(lease_now(), decisions);
     execute(decisions);
@@ -311,8 +309,24 @@ void Outlet::transmit(const Send& send, const Emission& form)
 void Outlet::transmit_end(ReceiverId receiver)
 {
     const Place& place = places_.at(receiver);
+    protocol::End end = end_;
+    end.add(hooks_.failures(table_.newest()));
+    if (const auto missed = table_.missed(receiver); missed > 0)
+        end.add(std::to_string(missed) + (missed == 1 ? " event" : " events") + " did not come to " + place.receiver
+                + ", which was away for more than 30 s");
+    send_end(place, end);
+}
+
+void Outlet::send_end(const Place& place, const protocol::End& end)
+{
     place.link->connection().send(
-        protocol::make_packet(PacketType::end, to_text(protocol::to_json(protocol::End{end_text_})), place.channel));
+        protocol::make_packet(PacketType::end, to_text(protocol::to_json(end)), place.channel));
+}
+
+void Outlet::say_leaving()
+{
+    for (const auto& [id, place] : places_)
+        send_end(place, {.text = {}, .leaves = true});
 }
 
 void Outlet::refresh()

@@ -51,7 +51,7 @@ std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcom
     Seat& seat = seats_.at(before);
     const bool goes_on = seat.plain && newcomer.options.group.empty() && &plain_for(newcomer) == seat.plain;
     if (goes_on) {
-        unregister(seat.plain->registered, Fate::lost_connection);
+        unregister(seat.plain->registered);
         seats_.erase(before);
         return before;
     }
@@ -80,12 +80,18 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
     if (found == plain_.end() && newcomer.unique)
         found = find(in_use);
     if (found == plain_.end() && newcomer.place == 0 && takes_bodies(newcomer))
-        found = find([](const Plain& plain) { return plain.subscription.awaited() && plain.registered.newest == 0; });
+        found = find([](const Plain& plain) { return plain.registered.newest == 0; });
     if (found == plain_.end())
-        found = find(std::not_fn(in_use));
+        found = find([&](const Plain& plain) {
+            return !in_use(plain) && (newcomer.unique || newcomer.guest || plain.place == newcomer.place);
+        });
     if (found != plain_.end())
         return *found;
-    return plain_.emplace_back(Plain{.receiver = newcomer.receiver, .subscription = Subscription({})});
+    const bool application = !newcomer.unique && !newcomer.guest;
+    return plain_.emplace_back(Plain{.receiver = newcomer.receiver,
+                                     .subscription = Subscription({.application = application}),
+                                     .application = application,
+                                     .forgotten = !newcomer.unique});
 }
 
 Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
@@ -93,7 +99,7 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
     Plain& plain = plain_for(newcomer);
     Subscription& subscription = plain.subscription;
     const bool goes_on = subscription.present() || subscription.awaited();
-    const auto taken = goes_on && plain.place == newcomer.place ? newcomer.taken : std::nullopt;
+    const auto taken = plain.place == newcomer.place ? newcomer.taken : std::nullopt;
     if (!goes_on)
         plain.place = epoch_ + static_cast<std::int64_t>(newcomer.id);
     plain.registered.options = newcomer.options;
@@ -205,45 +211,43 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
             heir->second.subscription().adopt(std::move(subscription), now, decisions);
     }
     departed(seat, how);
-    forget_lost();
+    forget_gone();
     forget_empty_groups(decisions);
 }
 
 void ReceiverTable::departed(const Seat& seat, Fate how)
 {
     if (seat.plain) {
-        unregister(seat.plain->registered, how);
-        const Subscription& subscription = seat.plain->subscription;
-        if (how == Fate::lost_left && seat.plain->registered.now == 0 && !subscription.awaited())
+        unregister(seat.plain->registered);
+        const Plain& plain = *seat.plain;
+        if (how == Fate::lost_left && plain.forgotten && plain.registered.now == 0 && !plain.subscription.awaited())
             plain_.remove_if([&](const Plain& plain) { return &plain == seat.plain; });
         return;
     }
     const auto member = seat.group->members.find(seat.receiver);
-    unregister(member->second.registered, how);
-    if (how != Fate::lost_left && !seat.heir && seat.group->lost.size() < max_lost)
+    unregister(member->second.registered);
+    if (how != Fate::lost_left && !seat.heir && seat.group->lost.size() < max_gone)
         seat.group->lost.insert(seat.receiver);
-    if (how == Fate::lost_left && member->second.registered.now == 0)
-        seat.group->members.erase(member);
 }
 
-void ReceiverTable::unregister(Registered& registered, Fate how)
+void ReceiverTable::unregister(Registered& registered)
 {
-    if (--registered.now == 0 && how != Fate::lost_left)
-        registered.lost = ++order_;
+    if (--registered.now == 0)
+        registered.gone = ++order_;
 }
 
-/// Of the receivers that were lost and that nobody waits for, the oldest go when there are too many.
-void ReceiverTable::forget_lost()
+/// Of the receivers that are gone and that nobody waits for, the oldest go when there are too many.
+void ReceiverTable::forget_gone()
 {
     std::map<std::uint64_t, std::function<void()>> old;  // the oldest first
     for (auto it = plain_.begin(); it != plain_.end(); ++it)
         if (it->registered.now == 0 && !it->subscription.awaited())
-            old.emplace(it->registered.lost, [this, it] { plain_.erase(it); });
+            old.emplace(it->registered.gone, [this, it] { plain_.erase(it); });
     for (auto& [name, group] : groups_)
         for (auto it = group.members.begin(); it != group.members.end(); ++it)
             if (it->second.registered.now == 0)
-                old.emplace(it->second.registered.lost, [&members = group.members, it] { members.erase(it); });
-    for (auto oldest = old.begin(); old.size() > max_lost; oldest = old.erase(oldest))
+                old.emplace(it->second.registered.gone, [&members = group.members, it] { members.erase(it); });
+    for (auto oldest = old.begin(); old.size() > max_gone; oldest = old.erase(oldest))
         oldest->second();
 }
 
@@ -283,9 +287,12 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     const bool whole = event->serves(Delivery::data);
     bool received = false;
     ended_ = false;
+    const bool held = hold && whole && event->lossless() && !awaited();
     for (Plain& plain : plain_) {
         Subscription& to = plain.subscription;
-        if (to.awaited() ? whole : to.present() && event->serves(plain.registered.options.delivery)) {
+        if (to.missing()   ? !held
+            : to.awaited() ? whole
+                           : to.present() && event->serves(plain.registered.options.delivery)) {
             to.offer(to.active() ? event : kept, now, decisions);
             received = received || to.present() || to.awaited();
         }
@@ -295,7 +302,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
             group.subscription.offer(event, now, decisions);
             received = received || group.subscription.present() || group.subscription.awaited();
         }
-    if (hold && whole && event->lossless() && !awaited())
+    if (held)
         held_.push_back(event);
     else if (!received)
         ++unreceived_;
@@ -323,9 +330,19 @@ void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Cl
         group.lost.insert(subscriber.receiver);
         return group.subscription.expect(until);
     }
-    Plain& plain = plain_.emplace_back(Plain{.receiver = subscriber.receiver, .subscription = Subscription({})});
+    const bool application = subscriber.pid != 0;
+    Plain& plain = plain_.emplace_back(Plain{.receiver = subscriber.receiver,
+                                             .subscription = Subscription({.application = application}),
+                                             .application = application,
+                                             .forgotten = application});
     plain.place = epoch_ + static_cast<std::int64_t>(id);
     plain.subscription.expect(until);
+}
+
+std::int64_t ReceiverTable::missed(Id id) const
+{
+    const auto found = seats_.find(id);
+    return found == seats_.end() ? 0 : found->second.subscription().missed();
 }
 
 std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions)
@@ -335,6 +352,8 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
         if (plain.subscription.awaited() && is_of(plain.receiver, drone)) {
             plain.subscription.cancel(decisions);
             ++forgotten;
+        } else if (plain.subscription.missing() && is_of(plain.receiver, drone)) {
+            plain.subscription.cancel(decisions);
         }
     for (auto& [name, group] : groups_)
         if (group.subscription.awaited()

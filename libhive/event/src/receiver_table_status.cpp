@@ -2,6 +2,7 @@
 #include <hive/event/receiver_table.hpp>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace hive::event {
@@ -94,9 +95,15 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
     return list;
 }
 
+std::int64_t ReceiverTable::row_of(const Plain& plain)
+{
+    return plain.application && plain.registered.now > 0 ? plain.place : 0;
+}
+
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const
 {
-    std::map<std::pair<std::string, std::string>, Row> rows;  // by receiver and group
+    // By receiver and group. Applications that are registered have a row each, even under one name.
+    std::map<std::tuple<std::string, std::string, std::int64_t>, Row> rows;
     const auto add_registered = [](EdgeStatus& status, const std::string& receiver, const Registered& registered) {
         status.receiver = receiver;
         if (registered.newest < status.registration)
@@ -105,7 +112,7 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
         status.options = registered.options;
     };
     for (const Plain& plain : plain_) {
-        EdgeStatus& status = rows[{plain.receiver, ""}].status;
+        EdgeStatus& status = rows[{plain.receiver, "", row_of(plain)}].status;
         add_registered(status, plain.receiver, plain.registered);
         add_to(status.events, plain.subscription.ledger());
         status.connected = status.connected || plain.registered.now > 0;
@@ -114,12 +121,12 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
     }
     for (const auto& [name, group] : groups_) {
         for (const auto& [receiver, member] : group.members) {
-            EdgeStatus& status = rows[{receiver, name}].status;
+            EdgeStatus& status = rows[{receiver, name, 0}].status;
             add_registered(status, receiver, member.registered);
             status.events = member.ledger;
             status.connected = member.registered.now > 0;
         }
-        EdgeStatus& status = rows[{"group " + name, name}].status;
+        EdgeStatus& status = rows[{"group " + name, name, 0}].status;
         status = {.receiver = "group " + name,
                   .group = true,
                   .connected = group.subscription.active(),
@@ -130,7 +137,7 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
     }
     for (const auto& [id, seat] : seats_) {
         const auto group = std::ranges::find(groups_, seat.group, [](auto& row) { return &row.second; });
-        Row& row = rows[{seat.receiver, seat.group ? group->first : ""}];
+        Row& row = rows[{seat.receiver, seat.group ? group->first : "", seat.plain ? row_of(*seat.plain) : 0}];
         row.id = id;
         if (seat.group)
             row.status.why = seat.group->subscription.why(id);

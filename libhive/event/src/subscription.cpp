@@ -27,18 +27,16 @@ bool Subscription::comes_back(const Job& job) const { return job.event && (share
 
 bool Subscription::streams() const { return !shared() && present() && consumers_.begin()->second.credit.streaming(); }
 
-bool Subscription::must_something_arrive() const
+/// How many of the events here must.
+std::int64_t Subscription::must_arrive() const
 {
     const auto must = [this](const EmissionPtr& event) { return event && must_arrive(event); };
-    return std::ranges::any_of(fresh_, must)
-           || std::ranges::any_of(open_, [&](const auto& row) { return must(row.second.event); });
+    return std::ranges::count_if(fresh_, must)
+           + std::ranges::count_if(open_, [&](const auto& row) { return must(row.second.event); });
 }
 
 /// Before the first event it is not known whether the source waits for its consumers.
-bool Subscription::worth_keeping() const
-{
-    return !kind_.passive && (lossless_.value_or(true) || must_something_arrive());
-}
+bool Subscription::worth_keeping() const { return !kind_.passive && (lossless_.value_or(true) || must_arrive() > 0); }
 
 // --- events that wait ---
 
@@ -62,6 +60,7 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
     if (!present() && !(awaited_ && *lossless_)) {
         if (awaited_ && !worth_keeping())
             stop_waiting();
+        miss(now);
         return;  // it would be old when a consumer comes
     }
     ledger_.came();
@@ -74,6 +73,15 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
     do
         pump(now, decisions);
     while (streams() && drop_oldest(now));  // what was too large for the lane held up what is not
+}
+
+void Subscription::miss(Clock::time_point now)
+{
+    if (!missing_as_ || (!*lossless_ && now >= live_missed_until_))
+        return;
+    ledger_.came();
+    ledger_.went(*missing_as_);
+    missed_ += *lossless_ ? 1 : 0;
 }
 
 void Subscription::skip_newest_live()

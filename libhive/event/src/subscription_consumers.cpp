@@ -15,6 +15,8 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
     if (!shared() && present())
         away_ = Away{.was = std::move(consumers_.extract(consumers_.begin()).mapped()), .how = Fate::lost_connection};
     awaited_ = false;
+    if (std::exchange(missing_as_, std::nullopt) && received)
+        missed_ -= std::clamp(*received, unsure_from_, unsure_to_) - unsure_from_;
     if (away_)
         resume(consumer, received, decisions);
     else if (!shared())
@@ -99,8 +101,14 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
             give_up(false, decisions);
         return;
     }
-    if (!awaited_)
+    if (!awaited_) {
+        if (kind_.application && returns && how != Fate::lost_left) {
+            missing_as_ = how;
+            live_missed_until_ = now + kept_for;
+            unsure_from_ = unsure_to_ = 0;
+        }
         return clear(how);
+    }
     if (how != Fate::lost_connection && last.works())
         ++open_.at(last.hands[last.head()].job).failures;  // it may be what the receiver died of
     awaited_until_ = now + kept_for;
@@ -118,13 +126,21 @@ void Subscription::expect(std::optional<Clock::time_point> until)
 void Subscription::stop_waiting()
 {
     awaited_ = false;
-    if (const auto away = std::exchange(away_, std::nullopt))
-        clear(away->how);
+    const auto away = std::exchange(away_, std::nullopt);
+    if (!away)
+        return;
+    missing_as_ = away->how;
+    live_missed_until_ = {};
+    missed_ += must_arrive();
+    unsure_from_ = away->was.credit.done();
+    unsure_to_ = away->was.credit.sent();
+    clear(away->how);
 }
 
 void Subscription::cancel(Decisions& decisions)
 {
     awaited_ = false;
+    missing_as_.reset();
     if (std::exchange(away_, std::nullopt))
         clear(Fate::lost_left);
     if (shared() && !present())
@@ -189,6 +205,8 @@ void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions&
         ledger_.came();
     }
     other.awaited_ = false;
+    other.missing_as_.reset();
+    missed_ += std::exchange(other.missed_, 0);
     pump(now, decisions);
 }
 

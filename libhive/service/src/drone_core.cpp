@@ -183,6 +183,7 @@ void DroneCore::prepare()
                                                     + (attempts == 1 ? " attempt" : " attempts")),
                          &cause);
     };
+    module.failures = [this](const Event* newest) { return reporter_.failures(newest); };
     module.on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {
         reporter_.report(problem, &event->event());
     };

@@ -55,8 +55,30 @@ void Reporter::report(const Error& error, const Event* cause)
         own = Share{.of = self_.name + ".exceptions", .epoch = self_.epoch, .turn = ++given_};
     if (module_)
         module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event), true, own)] {
+            count(emission->event().identity);
             module_->emit(*exceptions_, emission);
         });
+}
+
+/// A live event that failed is one of many that its receivers did not get.
+void Reporter::count(const Identity& of)
+{
+    constexpr std::size_t most_sources = 64;
+    if (!of.lossless || (!failures_.contains(of.source) && failures_.size() == most_sources))
+        return;
+    Failures& failures = failures_[of.source];
+    if (of.epoch > failures.epoch)
+        failures = {.epoch = of.epoch};
+    ++failures.count;
+}
+
+std::string Reporter::failures(const Event* newest) const
+{
+    std::int64_t count = 0;
+    for (const auto& [source, failures] : failures_)
+        if (!newest || newest->identity.source != source || newest->identity.epoch <= failures.epoch)
+            count += failures.count;
+    return count == 0 ? "" : self_.name + " failed at " + std::to_string(count) + (count == 1 ? " event" : " events");
 }
 
 Event Reporter::exception_event(const Error& error, const Event* cause) const

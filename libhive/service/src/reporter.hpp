@@ -25,7 +25,14 @@ public:
     /// @param cause  the event that was worked on, or null
     void report(const Error& error, const Event* cause = nullptr);
 
+    /// Of lossless events. @param newest  what came of the same run of its source counts, at least; null: all do
+    [[nodiscard]] std::string failures(const Event* newest) const;
+
 private:
+    struct Failures {
+        std::int64_t epoch = 0, count = 0;
+    };
+    void count(const Identity& of);
     [[nodiscard]] Event exception_event(const Error& error, const Event* cause) const;
 
     const protocol::Hello& self_;
@@ -34,7 +41,8 @@ private:
     event::Module* module_ = nullptr;
     event::Outlet* exceptions_ = nullptr;
     event::LineBudget lines_;
-    std::atomic<std::int64_t> given_ = 0;  ///< turns of exceptions of lossless events
+    std::map<std::string, Failures> failures_;  ///< by source; the network side
+    std::atomic<std::int64_t> given_ = 0;       ///< turns of exceptions of lossless events
 };
 
 }  // namespace hive::service

@@ -133,16 +133,19 @@ TEST_CASE("receiver table: a removed receiver gets nothing, and nobody else noti
     CHECK(world.rows().size() == 1);
 }
 
-TEST_CASE("receiver table: an account outlives the registration when the connection is lost, not when it is ended")
+TEST_CASE("receiver table: the account of a drone outlives its registrations, that of an application does not")
 {
     World world;
-    world.add(1, "face.image", window(1));
+    const auto face = [](ReceiverId id) {
+        return Newcomer{.id = id, .receiver = "face.image", .options = window(1), .unique = true};
+    };
+    world.add(face(1));
     world.offer(1);
     world.lose(1, Fate::lost_killed);
     const auto lost = world.row("face.image");
     CHECK_FALSE(lost.connected);
     CHECK(lost.events.of(Fate::lost_killed) == 1);
-    world.add(2, "face.image", window(1));
+    world.add(face(2));
     world.offer(2);
     world.ask(2, {2, 1, 1});
     const auto back = world.row("face.image");
@@ -151,13 +154,36 @@ TEST_CASE("receiver table: an account outlives the registration when the connect
     CHECK(back.events.total() == 2);
     CHECK(back.events.of(Fate::acknowledged) == 1);
     world.leave(2);
-    CHECK(world.rows().empty());
+    CHECK_FALSE(world.row("face.image").connected);
+    CHECK(world.row("face.image").events.total() == 2);
+    world.add(3, "app-1", window(1));
+    world.leave(3);
+    CHECK_FALSE(world.has_row("app-1"));  // the next one of its name is somebody else
+}
+
+TEST_CASE("receiver table: two applications of one name have an account each")
+{
+    World world;
+    world.add(1, "app-1", window(1));
+    world.add(2, "app-1", window(1));
+    world.offer(1, true);
+    world.ask(1, {2, 1, 1});
+    const auto rows = world.rows();
+    REQUIRE(rows.size() == 2);
+    for (const auto& row : rows) {
+        CHECK(row.events.total() == 1);
+        CHECK(row.events.of(Fate::acknowledged) == (row.registration == world.registrations[1] ? 1 : 0));
+    }
+    world.lose(1, Fate::lost_connection);
+    world.pass(31s);
+    world.add(3, "app-1", window(1));
+    CHECK(world.rows().size() == 3);  // nobody knows whether that is the first one
 }
 
 TEST_CASE("receiver table: the accounts of receivers that were lost are bounded, the oldest goes first")
 {
     World world;
-    const auto most = ReceiverTable::max_lost;
+    const auto most = ReceiverTable::max_gone;
     for (std::size_t i = 1; i <= most + 5; ++i) {
         world.add(i, "face-" + std::to_string(i), window(1));
         world.offer(static_cast<std::int64_t>(i));

@@ -184,6 +184,27 @@ TEST_CASE("kept place: after 30 s it is let go, and the source goes on without i
     CHECK(world.table.asked());
     CHECK(world.row("results").events.of(Fate::lost_cut_off) == 1);
     CHECK(world.row("results").events.in_flight() == 0);
+    CHECK(world.table.missed(2) == 0);
+    SUBCASE("what it is not sent then it misses")
+    {
+        world.offer(2, true);
+        world.add({.id = 3, .receiver = "results", .options = window(1), .unique = true});
+        CHECK(world.table.missed(3) == 2);
+    }
+    SUBCASE("it misses nothing more once it is forgotten")
+    {
+        CHECK(world.forget("results") == 0);
+        world.offer(2, true);
+        world.add({.id = 3, .receiver = "results", .options = window(1), .unique = true});
+        CHECK(world.table.missed(3) == 1);
+    }
+    SUBCASE("nor what waits at the output for whoever comes first")
+    {
+        world.leave(2);
+        world.offer(2, true, true);
+        CHECK(world.add({.id = 3, .receiver = "results", .options = window(1), .unique = true}) == Got{{3, {2}}});
+        CHECK(world.table.missed(3) == 1);
+    }
 }
 
 TEST_CASE("kept place: forgetting a drone lets go all places of its inputs, and nobody else's")
@@ -228,11 +249,11 @@ TEST_CASE("kept place: its account is not forgotten before it, however many rece
     world.lose(1, Fate::lost_cut_off);
     auto watching = window(1);
     watching.delivery = Delivery::notification;
-    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::max_lost; ++i) {
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::max_gone; ++i) {
         world.add(i, "watcher-" + std::to_string(i), watching);
         world.lose(i, Fate::lost_connection);
     }
-    CHECK(world.rows().size() <= ReceiverTable::max_lost + 1);
+    CHECK(world.rows().size() <= ReceiverTable::max_gone + 1);
     CHECK(world.row("results").events.in_flight() == 1);
     CHECK(world.add({.id = 999, .receiver = "results", .options = window(1), .place = place, .taken = 1}).empty());
     world.ask(999, {2, 1, 1});
@@ -245,7 +266,7 @@ TEST_CASE("awaited group: its account stays as long as the group does, however m
     world.add(1, "face-1", sharing());
     auto watching = window(1);
     watching.delivery = Delivery::notification;
-    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::max_lost; ++i) {
+    for (ReceiverId i = 2; i <= 2 + 2 * ReceiverTable::max_gone; ++i) {
         world.add(i, "watcher-" + std::to_string(i), watching);
         world.lose(i, Fate::lost_connection);
     }

@@ -130,6 +130,54 @@ TEST_CASE("kept: after 30 s it is not kept any longer, and what was in it is los
     CHECK(balanced(one.ledger()));
 }
 
+TEST_CASE("kept: who was away for too long is told how many events that must arrive it has missed")
+{
+    OneConsumer one(window(1));
+    one.offer(1, true);
+    one.offer(2, true);
+    CHECK(one.lose(Fate::lost_cut_off));
+    CHECK(one.subscription.missed() == 0);
+    one.pass(30s);
+    CHECK(one.subscription.missed() == 2);
+    one.offer(3, true);
+    one.offer(4);
+    CHECK(one.subscription.missed() == 3);
+    CHECK(one.ledger().total() == 3);
+    SUBCASE("it comes back as a new process") { CHECK(one.resume(std::nullopt).empty()); }
+    SUBCASE("it comes back with the one that it was sent")
+    {
+        one.resume(1);
+        CHECK(one.subscription.missed() == 2);
+    }
+    SUBCASE("nobody waits for it: what comes from now on it does not miss")
+    {
+        decided([&](Decisions& to) { one.subscription.cancel(to); });
+        one.offer(5, true);
+        CHECK(one.subscription.missed() == 3);
+    }
+    CHECK_FALSE(one.subscription.missing());
+    CHECK(balanced(one.ledger()));
+}
+
+TEST_CASE("kept: an application that was cut off from a live source counts for 30 s what it does not get")
+{
+    for (const bool application : {true, false}) {
+        OneConsumer one(window(1));
+        one.subscription = Subscription({.application = application});
+        one.resume(std::nullopt);
+        one.offer(1);
+        CHECK_FALSE(one.lose(Fate::lost_cut_off));
+        one.offer(2);
+        one.pass(30s - 1ns);
+        one.offer(3);
+        one.pass(1ns);
+        one.offer(4);
+        CHECK(one.ledger().of(Fate::lost_cut_off) == (application ? 3 : 1));
+        CHECK(one.subscription.missed() == 0);
+        CHECK(balanced(one.ledger()));
+    }
+}
+
 TEST_CASE("kept: an event that its receiver died of three times is given up and said so")
 {
     OneConsumer one(window(2));

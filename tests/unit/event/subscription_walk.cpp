@@ -84,14 +84,17 @@ private:
     void offer()
     {
         const bool lossless = dice_.yes(60);
-        const auto before = subscription_->ledger().total();
+        const auto before = subscription_->ledger().total(), missed = subscription_->missed();
         const auto event = any_emission(dice_, ++sequence_, lossless);
         if (!lossless || passive_)
             live_.insert(sequence_);
         for (auto& [id, peer] : peers_)
             peer.told_end = false;
+        const bool was_missing = subscription_->missing();
         decide([&](Decisions& to) { subscription_->offer(event, now_, to); });
-        if (lossless && !passive_ && subscription_->ledger().total() > before)
+        const bool misses = subscription_->missed() > missed;
+        hold(misses == (was_missing && lossless && !passive_), "who was away for too long misses what must arrive");
+        if (lossless && !passive_ && subscription_->ledger().total() > before && !misses)
             owed_.insert(sequence_);
         look();
     }

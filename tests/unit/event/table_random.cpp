@@ -42,7 +42,7 @@ public:
             hold(id == 0 || seats_.contains(id), "who is gone has no row as one that is there");
             away += !status.connected && !status.group ? 1 : 0;
         }
-        hold(away <= ReceiverTable::max_lost + places_.size(), "who was lost is forgotten in the end");
+        hold(away <= ReceiverTable::max_gone + places_.size(), "who was lost is forgotten in the end");
         hold(!table_.asked() || table_.wanted(), "nobody asks for what nobody wants");
         for (const auto& [id, seat] : seats_)
             if (seat.place != 0)

@@ -9,43 +9,45 @@ using hive::Fate;
 namespace {
 
 constexpr auto own_name = "app-7";
-const std::vector<hive::Endpoint> image{{"camera", "image"}};
+constexpr std::int64_t own_registration = 12;
 
-/// @param came  of those produced, to hivectl
-std::vector<hive::StatusAnswer> camera(std::int64_t produced, std::int64_t came, std::int64_t epoch = 1)
+std::vector<hive::InputStatus> received(std::int64_t events)
 {
-    hive::OutputStatus output{.name = "image", .type = "image/jpeg", .produced = produced};
-    for (const char* receiver : {"face.image", own_name})
-        output.edges.push_back({.receiver = receiver, .connected = true});
-    output.edges[0].events.came(produced);
-    output.edges[0].events.went(Fate::dropped, produced);
-    output.edges[1].events.came(came);
-    hive::Status status{.name = "camera", .kind = "camera", .epoch = epoch};
+    return {{.input = "camera.image", .from = "camera.image", .registration = own_registration, .received = events}};
+}
+
+/// To another application of that name, and to this one.
+std::vector<hive::StatusAnswer> camera(const hive::Ledger& own)
+{
+    hive::OutputStatus output{.name = "image", .type = "image/jpeg"};
+    for (const std::int64_t registration : {own_registration - 1, own_registration})
+        output.edges.push_back({.receiver = own_name, .registration = registration});
+    output.edges[0].events.came(50);
+    output.edges[0].events.went(Fate::lost_cut_off, 50);
+    output.edges[1].events = own;
+    hive::Status status{.name = "camera", .kind = "camera"};
     status.outputs.push_back(output);
     return {{"camera", status, {}}};
 }
 
-hive::Ledger& own_events(std::vector<hive::StatusAnswer>& answers)
-{
-    return answers[0].status.outputs[0].edges[1].events;
-}
-
 }  // namespace
 
-TEST_CASE("losses: when all that was produced came, there are none, whatever others lost")
+TEST_CASE("losses: when all that was produced came, there are none, whatever others of that name lost")
 {
-    const Losses losses(own_name, image, camera(10, 2));
-    CHECK(losses.until(camera(50, 42)).empty());
+    hive::Ledger events;
+    events.came(40);
+    events.went(Fate::acknowledged, 38);
+    CHECK(losses_of(own_name, received(40), camera(events)).empty());
 }
 
-TEST_CASE("losses: each fate that is a loss is told with its reason, counted from the first look")
+TEST_CASE("losses: each fate that is a loss is told with its reason, but for what arrived all the same")
 {
-    auto first = camera(10, 10), last = camera(40, 40);
-    own_events(first).went(Fate::lost_connection, 1);
-    own_events(last).went(Fate::lost_connection, 3);
-    own_events(last).went(Fate::acknowledged, 30);
-    own_events(last).went(Fate::skipped, 4);
-    const auto told = Losses(own_name, image, first).until(last);
+    hive::Ledger events;
+    events.came(40);
+    events.went(Fate::lost_connection, 3);
+    events.went(Fate::acknowledged, 30);
+    events.went(Fate::skipped, 4);
+    const auto told = losses_of(own_name, received(34), camera(events));
     REQUIRE(told.size() == 2);
     CHECK(sentence(told[0]) == "camera.image: 4 events, skipped by the sender: hivectl had not asked for them in time");
     CHECK_FALSE(told[0].promised);
@@ -53,19 +55,12 @@ TEST_CASE("losses: each fate that is a loss is told with its reason, counted fro
     CHECK(told[1].promised);
 }
 
-TEST_CASE("losses: what was emitted while hivectl was not connected did not come to its edge, and is counted")
+TEST_CASE("losses: a sender that was started again, or is silent, says nothing of them")
 {
-    const auto told = Losses(own_name, image, camera(10, 10)).until(camera(50, 20));
-    REQUIRE(told.size() == 1);
-    CHECK(sentence(told[0]) == "camera.image: 30 events, not sent: hivectl was not connected");
-}
-
-TEST_CASE("losses: of a sender that was restarted or is silent nobody knows how many")
-{
-    const Losses losses(own_name, image, camera(10, 10));
-    CHECK(sentence(losses.until(camera(3, 3, 2)).at(0)) == "camera.image: not known: camera was restarted");
-    const std::vector<hive::StatusAnswer> silent{{"camera", {}, hive::Error(hive::Errc::timeout, "silent")}};
-    CHECK(sentence(losses.until(silent).at(0)) == "camera.image: not known: camera does not answer");
+    auto again = camera({});
+    again[0].status.outputs[0].edges.pop_back();
+    CHECK(losses_of(own_name, received(40), again).empty());
+    CHECK(losses_of(own_name, received(40), {{"camera", {}, hive::Error(hive::Errc::timeout, "silent")}}).empty());
 }
 
 TEST_CASE("losses: a promise is broken by what is missing in order, and by all that a lossless source lost")

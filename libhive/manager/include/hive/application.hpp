@@ -98,8 +98,8 @@ public:
     virtual ~Collector() = default;
     /// The next event, or nothing when `patience` has passed or everything has ended(). User thread.
     virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
-    /// When all that it receives has come to its end and everything was taken: what is said about that, empty for a
-    /// regular end. Nothing as long as something may come; so it is again when something comes after all. User thread.
+    /// When all that it receives has come to its end and everything was taken: what is lacking, empty when everything
+    /// came. Nothing as long as something may come; so it is again when something comes after all. User thread.
     [[nodiscard]] virtual std::optional<std::string> ended() = 0;
     [[nodiscard]] virtual CollectCounts counts() const = 0;
     /// This end of each connection.

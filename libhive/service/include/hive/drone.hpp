@@ -96,8 +96,7 @@ public:
     /// The source has come to its end: nothing more will come, unless something is emitted all the same. Receivers are
     /// told behind everything that was emitted before, and drones pass it on, so that whoever collects at the other end
     /// knows that it has everything.
-    /// @param text  what is to be said about it, at most about 1000 bytes: "87 of 196 frames: the file is damaged";
-    /// empty: its regular end
+    /// @param text  what is lacking, at most about 1000 bytes: "87 of 196 frames: the file is damaged"; empty: nothing
     void end(const std::string& text = "") const;
     /// What is captured from now on is of another source: a new epoch, numbered from 1, so that drones that keep state
     /// begin anew. After end() that is so by itself.
@@ -177,7 +176,7 @@ public:
     /// throws, the drone ends and says why.
     void on_start(std::function<void()> callback);
     /// Called when everything that the inputs receive has come to its end and has been worked on, before the outputs
-    /// end too. `text` is what is said about it, empty for a regular end. Called again when something came after all.
+    /// end too. `text` says what is lacking, empty: nothing. Called again when something came after all.
     void on_end(std::function<void(const std::string& text)> callback);
     /// What a source does: called again and again between callbacks. Returns how long to wait before the next call; it
     /// is called earlier when the demand for an output changes, a parameter was set, or wake() was called. Not called

@@ -56,7 +56,11 @@ Request request_from_text(std::string_view text);
 /// An output has ended: nothing more will come (SPEC.md, section 5.6).
 struct End {
     static constexpr std::size_t most_text = 1024;
-    std::string text;  ///< empty: the regular end of its source
+    std::string text;     ///< what is lacking; empty: nothing, the regular end of its source
+    bool leaves = false;  ///< instead: its drone is being stopped, and need not be waited for
+
+    /// Each text once, cut where it is too long.
+    void add(const std::string& more);
 };
 Json to_json(const End& end);
 End end_from_json(const Json& object);

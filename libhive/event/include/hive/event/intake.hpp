@@ -80,8 +80,10 @@ public:
     [[nodiscard]] bool all_worked() const noexcept { return worked_ == arrived(); }
     /// Does the sender know, or is it not there, that this one is gone?
     [[nodiscard]] bool has_left() const noexcept { return has_left_; }
-    /// Has the connection been lost for so long that nobody need wait for it?
-    [[nodiscard]] bool given_up() const;
+    /// Is the sender away, and need nobody wait for it (SPEC.md, section 5.6)?
+    [[nodiscard]] bool gone_for_good() const;
+    /// What is said of an end that did not wait for it.
+    [[nodiscard]] std::string lacks() const;
     /// `queued` is left to whoever knows the queue: until then it counts as in hand.
     [[nodiscard]] InputStatus status() const;
     /// Of the group that it is a member of.
@@ -142,7 +144,9 @@ private:
     std::deque<Delivery> in_hand_;  ///< those behind done_
     std::vector<std::int64_t> back_;
     std::int64_t asked_ = 0, told_done_ = 0, told_worked_ = 0;
-    bool lossless_ = false;  ///< the last event was
+    bool lossless_ = false;       ///< the last event was
+    bool of_member_ = false;      ///< the last event was the work of a group that the sender is a member of
+    bool sender_leaves_ = false;  ///< it said that it is being stopped
 
     std::optional<Share> group_;  ///< its standing
     std::int64_t received_ = 0, age_us_ = 0;

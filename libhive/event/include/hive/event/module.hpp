@@ -15,6 +15,7 @@
 #include <hive/platform/signals.hpp>
 #include <hive/platform/timer.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -71,6 +72,8 @@ public:
     std::function<void()> on_subscribers = [] {};  ///< subscribers() may have changed, and nobody was told yet
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {
     };  ///< a shared event is given up; its identity has the last attempt
+    /// What this drone failed at, for those who hear of an end. @param newest  as for Outlet::Hooks
+    std::function<std::string(const Event* newest)> failures = [](const Event*) { return std::string(); };
     /// An encoder threw; the event goes as it is.
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.
@@ -128,6 +131,7 @@ public:
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
+    [[nodiscard]] bool holds() const override { return std::ranges::any_of(outlets_, &Outlet::holds); }
     [[nodiscard]] Reason paused() const override
     {
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
@@ -190,7 +194,7 @@ private:
     std::string keys_trouble_;  ///< what was last said of the file
     LogLimit refusals_{10, std::chrono::seconds(10)};
     std::optional<platform::Signals> signals_;
-    bool armed_ = false, ending_ = false;
+    bool armed_ = false, ending_ = false, handed_over_ = false;
     LineBudget lines_;
     std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by who is there
     std::atomic<bool> halted_ = false;

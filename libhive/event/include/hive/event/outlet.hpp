@@ -21,6 +21,8 @@ public:
     struct Hooks {
         std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
+        /// What this drone failed at in the run of its sources that this event is of; null: of any.
+        std::function<std::string(const Event* newest)> failures;
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
         std::function<void(const std::string& peer, std::function<void()>)> on_encoder_thread;
@@ -49,10 +51,12 @@ public:
     void link_closed(const Link& link, Fate how);
     void offer(const EmissionPtr& event, bool hold);
     /// Nothing more will come: everybody is told behind all that they are sent.
-    /// @param text  what is to be said about it; empty: its regular end
+    /// @param text  what is lacking; empty: nothing, its regular end
     void end(const std::string& text);
     /// Something may come again.
     void go_on();
+    /// This drone is being stopped: no end needs to wait for it.
+    void say_leaving();
     void release_held();
     /// An earlier run of this drone had this one. @param until  as for ReceiverTable
     void expect(const Subscriber& subscriber, std::optional<Clock::time_point> until);
@@ -73,6 +77,8 @@ public:
     /// Does anybody receive bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool timed() const { return table_.timed(); }
+    /// Do events wait for a first receiver?
+    [[nodiscard]] bool holds() const noexcept { return table_.holds(); }
     /// Without edges, which are as many as there are receivers.
     [[nodiscard]] OutputStatus status() const;
     [[nodiscard]] std::vector<EdgeStatus> edges() const;
@@ -95,6 +101,7 @@ private:
     [[nodiscard]] std::int64_t pid_of(const std::string& application) const;
     void transmit(const Send& send, const Emission& form);
     void transmit_end(ReceiverId receiver);
+    static void send_end(const Place& place, const protocol::End& end);
     void execute(const Decisions& decisions);
     ReceiverId detach(std::map<Key, ReceiverId>::iterator place);
     void refresh();
@@ -111,7 +118,7 @@ private:
     ReceiverId next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
-    std::string end_text_;
+    protocol::End end_;
     std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, backlogged_ = false, shares_ = false,
                       fans_out_ = false;
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);

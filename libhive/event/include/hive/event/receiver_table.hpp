@@ -51,7 +51,7 @@ public:
     using Id = ReceiverId;
 
     static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and what waits in them
-    static constexpr std::size_t max_lost = 64;          ///< receivers that were lost: their counts are kept
+    static constexpr std::size_t max_gone = 64;          ///< receivers that left or were lost: their counts are kept
 
     struct Row {
         Id id;  ///< 0: a group, or a receiver that is not registered now
@@ -95,6 +95,8 @@ public:
     void expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until);
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
+    /// Events that must have arrived at this receiver, and were lost to it while it was away for too long.
+    [[nodiscard]] std::int64_t missed(Id id) const;
 
     /// Which registration does this newcomer follow, if any?
     [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
@@ -108,10 +110,14 @@ public:
     [[nodiscard]] bool asked() const;
     /// Do lossless events wait for somebody to ask?
     [[nodiscard]] bool backlogged() const;
+    /// Do events wait for a first receiver?
+    [[nodiscard]] bool holds() const noexcept { return !held_.empty(); }
     /// Is there anything that tick() decides about?
     [[nodiscard]] bool timed() const;
     [[nodiscard]] Reason why() const;
     [[nodiscard]] std::int64_t unreceived() const noexcept { return unreceived_; }
+    /// The last event that was offered here, null: none was.
+    [[nodiscard]] const Event* newest() const { return newest_ ? &newest_->event() : nullptr; }
     /// Those whom the source waits for, and who may come again; without outputs and processes.
     [[nodiscard]] std::vector<Subscriber> subscribers() const;
     /// Receivers first, then groups under the name "group NAME", then those that were lost.
@@ -123,13 +129,15 @@ private:
         ConnectionOptions options{};
         std::int64_t newest = 0;  ///< epoch
         int now = 0;
-        std::uint64_t lost = 0;  ///< order in which receivers lost their last
+        std::uint64_t gone = 0;  ///< order in which receivers lost their last
     };
     struct Plain {
         std::string receiver;
         Subscription subscription;
         std::int64_t place = 0;
         Registered registered{};
+        bool application = false;  ///< there may be others of its name
+        bool forgotten = false;    ///< when it leaves: nobody knows whether the next one of its name is the same
     };
     struct Member {
         Ledger ledger;
@@ -151,6 +159,7 @@ private:
         [[nodiscard]] Subscription& subscription() const { return plain ? plain->subscription : group->subscription; }
     };
 
+    [[nodiscard]] static std::int64_t row_of(const Plain& plain);
     Plain& plain_for(const Newcomer& newcomer);
     Group& group_named(const std::string& name);
     Welcome seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
@@ -161,10 +170,10 @@ private:
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void departed(const Seat& seat, Fate how);
-    void unregister(Registered& registered, Fate how);
+    void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;
-    void forget_lost();
+    void forget_gone();
     void forget_empty_groups(Decisions& decisions);
 
     std::string output_;

@@ -57,7 +57,10 @@ public:
         std::string shared_as = {};  ///< "camera.image#workers"; empty: one consumer, which gets all events
         std::int64_t epoch = 0;      ///< of the module
         bool passive = false;        ///< its source waits for no consumer of it
-        bool redelivers = true;      ///< false in tests that show what redelivery is for
+        /// Its consumer is an application: when it was cut off, it counts for 30 s what it does not get, live events
+        /// too.
+        bool application = false;
+        bool redelivers = true;  ///< false in tests that show what redelivery is for
     };
     explicit Subscription(Kind kind) : kind_(std::move(kind)) {}
 
@@ -80,7 +83,7 @@ public:
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
     /// Takes over what waits in another subscription, which no consumer is to have.
     void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
-    /// The source waits no longer for a consumer to come back.
+    /// Nobody waits any longer for a consumer to come back, nor misses what it does not get.
     void cancel(Decisions& decisions);
     /// Of a new one: an earlier run of this drone had a consumer, which will come again.
     /// @param until  empty: whenever that is
@@ -116,6 +119,10 @@ public:
     [[nodiscard]] Reason why() const;
     [[nodiscard]] Reason why(ReceiverId consumer) const;
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
+    /// Its consumer is away and may come all the same, but nobody waits for it: what must arrive is lost to it.
+    [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
+    /// Events that were lost to its consumer for that reason.
+    [[nodiscard]] std::int64_t missed() const noexcept { return missed_; }
     /// Of a shared one: the jobs so far, and the last of those that are answered, as are all before.
     [[nodiscard]] Share standing() const;
 
@@ -158,12 +165,13 @@ private:
     [[nodiscard]] bool comes_back(const Job& job) const;
     [[nodiscard]] bool streams() const;
     [[nodiscard]] bool worth_keeping() const;
-    [[nodiscard]] bool must_something_arrive() const;
+    [[nodiscard]] std::int64_t must_arrive() const;
     [[nodiscard]] Share share(std::int64_t number, const Job& job) const;
     [[nodiscard]] std::optional<Share> told(std::int64_t number, const Job& job) const;
     Job leave_with(std::int64_t number);
     [[nodiscard]] Clock::duration lease_of(const Consumer& consumer) const;
 
+    void miss(Clock::time_point now);
     void wait(const EmissionPtr& event);
     EmissionPtr take_fresh();
     [[nodiscard]] bool overfull(Clock::time_point now) const;
@@ -204,6 +212,10 @@ private:
     bool awaited_ = false, ended_ = false;
     std::optional<Clock::time_point> awaited_until_;
     std::optional<Away> away_;  ///< not shared, and awaited
+    std::optional<Fate> missing_as_;
+    Clock::time_point live_missed_until_{};
+    std::int64_t missed_ = 0;
+    std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries that are missed unless it says that they came
 };
 
 }  // namespace hive::event
