@@ -80,6 +80,7 @@ std::string_view sentence(Reason reason) noexcept
     case Reason::lane_full: return "the connection has not yet taken what was sent";
     case Reason::held: return "lossless events are held until somebody receives them";
     case Reason::group_awaited: return "a group has lost its last member and still has work to do";
+    case Reason::not_acknowledged: return "the receiver acknowledges none of the events that it has worked on";
     case Reason::place_kept: return "it waits for a receiver that was cut off, or has not come yet";
     case Reason::lease_running: return "the last attempt at an event is still under way";
     case Reason::halted: return "the drone has halted";

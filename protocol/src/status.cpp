@@ -16,6 +16,7 @@ constexpr std::array reasons{
     std::pair{Reason::held, "held"},
     std::pair{Reason::group_awaited, "group_awaited"},
     std::pair{Reason::place_kept, "place_kept"},
+    std::pair{Reason::not_acknowledged, "not_acknowledged"},
     std::pair{Reason::lease_running, "lease_running"},
     std::pair{Reason::halted, "halted"},
     std::pair{Reason::backlog, "backlog"},

@@ -47,9 +47,11 @@ void Credit::written(std::size_t bytes)
 bool Credit::open(bool lossless) const
 {
     if (streaming_)
-        return !lossless || sent_ - progress_.worked < most_streamed;
+        return !lossless || (sent_ - progress_.worked < most_streamed && !full());
     return missing() > 0;
 }
+
+std::int64_t Credit::missing() const { return full() ? 0 : progress_.asked - sent_; }
 
 bool Credit::lane_free(std::size_t bytes) const
 {

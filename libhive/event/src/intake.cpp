@@ -121,10 +121,15 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .taken = {}};
     if (place_ != 0)
         registration.taken = arrived();
-    channel_ = link->claim_channel([weak = weak_from_this()](const protocol::Packet& packet) {
-        if (const auto intake = weak.lock())
-            intake->on_packet(packet);
-    });
+    try {
+        channel_ = link->claim_channel([weak = weak_from_this()](const protocol::Packet& packet) {
+            if (const auto intake = weak.lock())
+                intake->on_packet(packet);
+        });
+    } catch (const Error& error) {
+        link_.reset();
+        return failed(error);
+    }
     const auto on_outcome = [self = shared_from_this(), link](const Outcome& outcome) {
         if (self->stopped_ || link != self->link_)
             return;
@@ -191,7 +196,7 @@ void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
     if (anew) {
         ++generation_;
         in_hand_.clear();
-        done_ = worked_ = finished_ = taken;
+        done_ = worked_ = finished_ = most_told_ = taken;
         group_.reset();
     }
     place_ = place;

@@ -1,5 +1,6 @@
 // What comes at an intake, what the sender is told of it, and what the status says.
 #include <hive/event/door.hpp>
+#include <hive/event/credit.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/name.hpp>
@@ -34,15 +35,18 @@ void Intake::on_packet(const protocol::Packet& packet)
         return end.leaves ? void() : note_end(std::move(end.text));
     }
     note_end(std::nullopt);
-    if (spec_.options.transfer == Transfer::synchronized && arrived() >= asked_)
-        throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it was asked for");
     Event event = event_from_packet(packet);
+    const auto most = spec_.options.transfer == Transfer::synchronized ? asked_
+                      : event.identity.lossless                        ? most_told_ + Credit::most_streamed
+                                                                       : max_json_integer;
+    if (arrived() >= most)
+        throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it may");
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     ++received_;
     const auto offset = event.identity.offset_us + (link_ ? link_->peer_clock().offset_us() : 0);
     event.identity.offset_us = std::clamp(offset, -max_json_integer, max_json_integer);  // both are a peer's word
-    age_us_ = event.age().count();
+    age_us_ = std::clamp<std::int64_t>(event.age().count(), -max_json_integer, max_json_integer);
     event.input = spec_.input;
     note_share(event);
     give_receipt(event, {host_.door(), weak_from_this(), generation_, arrived()});
@@ -151,6 +155,7 @@ void Intake::tell(std::int64_t ask, std::int64_t worked)
     asked_ = ask;
     told_done_ = done_;
     told_worked_ = worked;
+    most_told_ = std::max(most_told_, worked);
     link_->connection().send(protocol::make_packet(
         PacketType::request, protocol::to_text({epoch_, ask, done_, worked, std::exchange(back_, {})}), channel_));
 }

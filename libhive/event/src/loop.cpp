@@ -204,12 +204,20 @@ void Loop::interrupt()
     asio::post(context_, [] {});
 }
 
-void Loop::run(const Task& task) noexcept { task(); }
+void Loop::run(const Task& task) noexcept
+try {
+    task();
+} catch (const std::exception& error) {
+    on_thrown(error.what());
+}
 
 bool Loop::run_one() noexcept
-{
+try {
     served_ = true;
     return context_.run_one() > 0;
+} catch (const std::exception& error) {
+    on_thrown(error.what());
+    return true;
 }
 
 /// What was posted up to now, in the order of the calls.

@@ -21,7 +21,12 @@ const std::size_t reserved = defended("reserved-places") ? 32 : 0;
 
 }  // namespace
 
-Module::Module(Options options) : options_(std::move(options)) {}
+Module::Module(Options options) : options_(std::move(options))
+{
+    loop_.on_thrown = [this](const std::string& what) {
+        log_about(LogLevel::error, "", "the network side threw: " + what);
+    };
+}
 
 Module::~Module() { end(); }
 

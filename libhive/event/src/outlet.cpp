@@ -75,6 +75,9 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
     if (registration.stateful && !registration.options.group.empty())
         throw Error(Errc::refused,
                     registration.receiver + " keeps state between events, so it must see every one: it cannot share");
+    const auto& name = link.peer().name;
+    if (registration.receiver != name && !registration.receiver.starts_with(name + "."))
+        throw Error(Errc::not_permitted, name + " may not receive as " + in_quotes(registration.receiver));
     (void)choice(link, registration);
     require_newest(link, registration);
     require_few_encodings(link, registration);

@@ -177,7 +177,7 @@ void Subscription::give(Consumers::iterator to, std::int64_t number, Clock::time
 {
     auto& [id, consumer] = *to;
     Job& job = open_.at(number);
-    ++job.attempt;
+    job.attempt = std::min(job.attempt + 1, max_attempt);
     ++job.holders;
     if (!consumer.works())
         consumer.head_since = now;

@@ -47,6 +47,8 @@ Reason Subscription::why() const
     const bool exhausted =
         std::ranges::any_of(open_, [](const auto& row) { return row.second.failures >= max_failures; });
     const bool suspect = std::ranges::any_of(consumers_, [](const auto& row) { return row.second.suspect; });
+    if (std::ranges::all_of(consumers_, [](const auto& row) { return row.second.credit.full(); }))
+        return Reason::not_acknowledged;
     return shared() && (exhausted || suspect) ? Reason::lease_running : Reason::not_asked;
 }
 
@@ -55,7 +57,9 @@ Reason Subscription::why(ReceiverId consumer) const
     const auto found = consumers_.find(consumer);
     if (found == consumers_.end() || found->second.credit.missing() > 0)
         return Reason::none;
-    return found->second.suspect ? Reason::lease_running : Reason::not_asked;
+    return found->second.suspect         ? Reason::lease_running
+           : found->second.credit.full() ? Reason::not_acknowledged
+                                         : Reason::not_asked;
 }
 
 }  // namespace hive::event

@@ -17,20 +17,21 @@ namespace hive {
 /// Why nothing moves at an output, an edge or an input. `none`: it moves, or there is nothing to move.
 enum class Reason {
     none,
-    no_receiver,    ///< output: nobody receives it
-    not_asked,      ///< the receiver has not asked for another event
-    lane_full,      ///< the connection has not yet taken what was given to it
-    held,           ///< lossless events wait for the first receiver
-    group_awaited,  ///< a group lost its last member with work to do
-    place_kept,     ///< the receiver was cut off; what is its own waits for it
-    lease_running,  ///< every attempt at an event was given out, and somebody may still be working on the last
-    halted,         ///< the drone has halted
-    backlog,        ///< lossless results wait at an output of the drone, so its inputs ask for nothing
-    dialing,        ///< the sender is not connected (yet, or again)
-    refused,        ///< the sender refused the registration
-    no_input,       ///< the drone has inputs that nothing is connected to
-    source_ended,   ///< the source has come to its end
-    watched,        ///< output: only notifications are received, and nobody asks for bodies
+    no_receiver,       ///< output: nobody receives it
+    not_asked,         ///< the receiver has not asked for another event
+    lane_full,         ///< the connection has not yet taken what was given to it
+    held,              ///< lossless events wait for the first receiver
+    group_awaited,     ///< a group lost its last member with work to do
+    not_acknowledged,  ///< it has worked on what it was sent, and acknowledges none of it
+    place_kept,        ///< the receiver was cut off; what is its own waits for it
+    lease_running,     ///< every attempt at an event was given out, and somebody may still be working on the last
+    halted,            ///< the drone has halted
+    backlog,           ///< lossless results wait at an output of the drone, so its inputs ask for nothing
+    dialing,           ///< the sender is not connected (yet, or again)
+    refused,           ///< the sender refused the registration
+    no_input,          ///< the drone has inputs that nothing is connected to
+    source_ended,      ///< the source has come to its end
+    watched,           ///< output: only notifications are received, and nobody asks for bodies
 };
 
 /// What became of an event that came to an edge; each has exactly one.

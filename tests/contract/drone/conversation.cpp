@@ -141,6 +141,11 @@ TEST_CASE("drone: what cannot be registered is refused with the code of the spec
           == "invalid_argument");
     CHECK(raw::error_of(peer.ask(raw::register_, registration("exceptions", 2), 0)) == "invalid_argument");
     CHECK(raw::error_of(peer.ask(raw::register_, registration("exceptionz", 2), 2)) == "not_found");
+    Json of_another = registration("exceptions", 2);
+    for (const char* receiver : {"face.image", "rawer", "raw-1.test"}) {
+        of_another["receiver"] = receiver;
+        CHECK(raw::error_of(peer.ask(raw::register_, of_another, 2)) == "not_permitted");
+    }
     if (!outputs.empty()) {
         const std::string output = outputs[0].at("name");
         CHECK(raw::error_of(peer.ask(raw::register_, registration(output, 2), 1)) == "invalid_argument");

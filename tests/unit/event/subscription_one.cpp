@@ -183,6 +183,25 @@ TEST_CASE("one consumer: of a lossless stream 64 are in hand at most, and the ne
     CHECK(balanced(one.ledger()));
 }
 
+TEST_CASE("one consumer: who works on everything and acknowledges nothing gets 256 events more than its window")
+{
+    for (const bool streams : {false, true}) {
+        OneConsumer one(streams ? streaming() : window(3));
+        const auto most = (streams ? Credit::most_streamed : 3) + Credit::most_under_way;
+        for (std::int64_t i = 1; i <= most + 10; ++i) {
+            one.offer(i, true);
+            one.ask({.asked = i + 3, .worked = i, .done = 0});
+        }
+        CHECK(std::ssize(one.told) == most);
+        CHECK(one.subscription.waiting() == 10);
+        CHECK_FALSE(one.subscription.asks());
+        CHECK(one.subscription.why() == Reason::not_acknowledged);
+        CHECK(one.ask({.asked = most + 20, .worked = most, .done = 2}) == Sequences{most + 1, most + 2});
+        CHECK(one.ledger().of(Fate::acknowledged) == 2);
+        CHECK(balanced(one.ledger()));
+    }
+}
+
 TEST_CASE("one consumer: an event of a source on demand is never replaced by a newer one")
 {
     OneConsumer one(window(1));

@@ -23,6 +23,9 @@ public:
     static constexpr std::size_t most_lane_events = 64;
     /// Lossless events that a stream may have in hand; a synchronized receiver has its window.
     static constexpr std::int64_t most_streamed = 64;
+    /// Beyond its window, or that: what it has worked on and does not acknowledge yet, since its results are on their
+    /// way.
+    static constexpr std::int64_t most_under_way = 256;
 
     explicit Credit(const ConnectionOptions& options) : streaming_(options.transfer == Transfer::streaming)
     {
@@ -38,8 +41,10 @@ public:
 
     [[nodiscard]] bool open(bool lossless) const;
     [[nodiscard]] bool lane_free(std::size_t bytes) const;
-    /// Deliveries that it asked for and did not get.
-    [[nodiscard]] std::int64_t missing() const { return progress_.asked - sent_; }
+    /// Deliveries that it asked for and may have.
+    [[nodiscard]] std::int64_t missing() const;
+    /// Must it acknowledge something before it gets more?
+    [[nodiscard]] bool full() const { return sent_ - progress_.done >= window() + most_under_way; }
     [[nodiscard]] bool streaming() const { return streaming_; }
     /// Of what is in hand, from the oldest on, how many were worked on.
     [[nodiscard]] std::int64_t worked_in_hand() const { return progress_.worked - progress_.done; }
@@ -47,6 +52,8 @@ public:
     [[nodiscard]] std::int64_t done() const { return progress_.done; }
 
 private:
+    [[nodiscard]] std::int64_t window() const { return streaming_ ? most_streamed : window_; }
+
     bool streaming_;
     std::int64_t window_ = 1, sent_ = 0;
     Progress progress_;

@@ -144,6 +144,7 @@ private:
     std::deque<Delivery> in_hand_;  ///< those behind done_
     std::vector<std::int64_t> back_;
     std::int64_t asked_ = 0, told_done_ = 0, told_worked_ = 0;
+    std::int64_t most_told_ = 0;  ///< of what was worked on, at this place, in whatever registration
     bool lossless_ = false;       ///< the last event was
     bool of_member_ = false;      ///< the last event was the work of a group that the sender is a member of
     bool sender_leaves_ = false;  ///< it said that it is being stopped

@@ -39,8 +39,10 @@ public:
     void end();
     [[nodiscard]] asio::io_context& context() noexcept { return context_; }
 
-    // --- any thread; tasks run in the order of these calls, and what a task of post or perform throws ends the process
-    // ---
+    /// Told of what a handler, or a task of post or perform, has thrown; set before start(). It throws nothing.
+    std::function<void(const std::string& what)> on_thrown = [](const std::string&) { std::terminate(); };
+
+    // --- any thread; tasks run in the order of these calls ---
 
     /// Leaves a task to whoever has or takes the turn next.
     void post(Task task);
@@ -67,7 +69,7 @@ private:
     bool wanted();
     void arm(std::chrono::nanoseconds after);
     void disarm();
-    static void run(const Task& task) noexcept;
+    void run(const Task& task) noexcept;
     bool run_one() noexcept;
     void run_posted();
     void run_ready();

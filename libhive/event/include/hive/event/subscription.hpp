@@ -47,6 +47,7 @@ namespace hive::event {
 class Subscription {
 public:
     static constexpr int max_failures = 3;
+    static constexpr int max_attempt = 1 << 20;  ///< that is told: readers take no larger one
     static constexpr auto kept_for = std::chrono::seconds(30);
     static constexpr std::size_t max_queued_events = 1024;     ///< of a stream, when they are small
     static constexpr std::size_t max_queued_bytes = 1u << 20;  ///< of a stream, beyond two events
