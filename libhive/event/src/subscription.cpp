@@ -27,16 +27,30 @@ bool Subscription::comes_back(const Job& job) const { return job.event && (share
 
 bool Subscription::streams() const { return !shared() && present() && consumers_.begin()->second.credit.streaming(); }
 
-/// How many of the events here must.
-std::int64_t Subscription::must_arrive() const
+/// Calls it with each event here that must arrive.
+void Subscription::for_lossless(const std::function<void(const EmissionPtr&)>& call) const
 {
-    const auto must = [this](const EmissionPtr& event) { return event && must_arrive(event); };
-    return std::ranges::count_if(fresh_, must)
-           + std::ranges::count_if(open_, [&](const auto& row) { return must(row.second.event); });
+    const auto look = [&](const EmissionPtr& event) {
+        if (event && must_arrive(event))
+            call(event);
+    };
+    for (const auto& [number, job] : open_)
+        look(job.event);
+    std::ranges::for_each(fresh_, look);
+}
+
+bool Subscription::must_something_arrive() const
+{
+    bool any = false;
+    for_lossless([&](const EmissionPtr&) { any = true; });
+    return any;
 }
 
 /// Before the first event it is not known whether the source waits for its consumers.
-bool Subscription::worth_keeping() const { return !kind_.passive && (lossless_.value_or(true) || must_arrive() > 0); }
+bool Subscription::worth_keeping() const
+{
+    return !kind_.passive && (lossless_.value_or(true) || must_something_arrive());
+}
 
 // --- events that wait ---
 
@@ -56,11 +70,14 @@ EmissionPtr Subscription::take_fresh()
 
 void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
 {
+    const Identity& identity = event->event().identity;
+    if (missed_.count > 0 && identity.epoch > missed_.epoch && identity.source == missed_.source)
+        missed_.count = 0;
     lossless_ = must_arrive(event);
     if (!present() && !(awaited_ && *lossless_)) {
         if (awaited_ && !worth_keeping())
             stop_waiting();
-        miss(now);
+        miss(identity, now);
         return;  // it would be old when a consumer comes
     }
     ledger_.came();
@@ -75,13 +92,19 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
     while (streams() && drop_oldest(now));  // what was too large for the lane held up what is not
 }
 
-void Subscription::miss(Clock::time_point now)
+void Subscription::miss(const Identity& identity, Clock::time_point now)
 {
     if (!missing_as_ || (!*lossless_ && now >= live_missed_until_))
         return;
     ledger_.came();
     ledger_.went(*missing_as_);
-    missed_ += *lossless_ ? 1 : 0;
+    if (*lossless_)
+        count_missed(identity);
+}
+
+void Subscription::count_missed(const Identity& identity)
+{
+    missed_ = {.count = missed_.count + 1, .source = identity.source, .epoch = identity.epoch};
 }
 
 void Subscription::skip_newest_live()

@@ -16,7 +16,7 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
         away_ = Away{.was = std::move(consumers_.extract(consumers_.begin()).mapped()), .how = Fate::lost_connection};
     awaited_ = false;
     if (std::exchange(missing_as_, std::nullopt) && received)
-        missed_ -= std::clamp(*received, unsure_from_, unsure_to_) - unsure_from_;
+        missed_.count -= std::clamp(*received, unsure_from_, unsure_to_) - unsure_from_;
     if (away_)
         resume(consumer, received, decisions);
     else if (!shared())
@@ -131,7 +131,7 @@ void Subscription::stop_waiting()
         return;
     missing_as_ = away->how;
     live_missed_until_ = {};
-    missed_ += must_arrive();
+    for_lossless([this](const EmissionPtr& event) { count_missed(event->event().identity); });
     unsure_from_ = away->was.credit.done();
     unsure_to_ = away->was.credit.sent();
     clear(away->how);
@@ -206,7 +206,10 @@ void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions&
     }
     other.awaited_ = false;
     other.missing_as_.reset();
-    missed_ += std::exchange(other.missed_, 0);
+    if (other.missed_.count > 0) {
+        other.missed_.count += missed_.count;
+        missed_ = std::exchange(other.missed_, {});
+    }
     pump(now, decisions);
 }
 

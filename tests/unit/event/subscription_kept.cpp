@@ -155,6 +155,14 @@ TEST_CASE("kept: who was away for too long is told how many events that must arr
         one.offer(5, true);
         CHECK(one.subscription.missed() == 3);
     }
+    SUBCASE("its source has begun anew: that is of its earlier run")
+    {
+        one.resume(std::nullopt);
+        Event event = emission(1, true)->event();
+        ++event.identity.epoch;
+        one.offer(std::make_shared<const Emission>(event, true, std::nullopt));
+        CHECK(one.subscription.missed() == 0);
+    }
     CHECK_FALSE(one.subscription.missing());
     CHECK(balanced(one.ledger()));
 }

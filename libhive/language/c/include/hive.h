@@ -216,7 +216,7 @@ HIVE_API hive_code hive_drone_on_change(hive_drone* drone, hive_callback callbac
 /* Once, when the drone runs: the place to open devices. If it fails, the drone does not run. */
 HIVE_API hive_code hive_drone_on_start(hive_drone* drone, hive_callback callback, void* user);
 /* When everything that the inputs receive has come to its end and has been worked on, before the outputs end too.
-   `text` is what is said about it, empty for a regular end. Once more when something came after all. */
+   `text` says what is lacking, empty: nothing. Once more when something came after all. */
 HIVE_API hive_code hive_drone_on_end(hive_drone* drone, hive_end_callback callback, void* user);
 /* What a source does, again and again between callbacks; it says how long to wait before the next call. It is called
    earlier when the demand for an output changes, a parameter was set, or by hive_drone_wake(). */
@@ -287,8 +287,8 @@ HIVE_API hive_code hive_output_fail(hive_output* output, int64_t captured_us, bo
 /* Sends an event again as it once was, with its own identity. */
 HIVE_API hive_code hive_output_repeat(hive_output* output, const hive_event* event);
 /* The source has come to its end: nothing more will come, unless something is emitted all the same. Drones pass it on,
-   so that whoever collects at the other end knows that it has everything. `text`: what is to be said about it ("87 of
-   196 frames: the file is damaged"); null or "": its regular end. */
+   so that whoever collects at the other end knows that it has everything. `text`: what is lacking ("87 of
+   196 frames: the file is damaged"); null or "": nothing. */
 HIVE_API hive_code hive_output_end(hive_output* output, const char* text);
 /* What is captured from now on is of another source: it is numbered from 1. After an end that is so by itself. */
 HIVE_API hive_code hive_output_begin_source(hive_output* output);
@@ -394,8 +394,8 @@ HIVE_API hive_code hive_collector_counts(hive_collector* collector, char** json,
 /* This end of each connection, as a drone's status has it (SPEC.md, section 6.4): [{"input", "from" ("camera.image"),
    "connected", "received", "queued", "last_age_us", "error", "why", ...}]; what is 0, false or empty is left out. */
 HIVE_API hive_code hive_collector_inputs(hive_collector* collector, char** json, size_t* length);
-/* Has all that it receives come to its end, and was everything taken? Then *text, if not null, is what is said about
-   that, "" for a regular end. It is so no longer when something comes after all. */
+/* Has all that it receives come to its end, and was everything taken? Then *text, if not null, says what is
+   lacking, "" when nothing is. It is so no longer when something comes after all. */
 HIVE_API hive_code hive_collector_ended(hive_collector* collector, bool* ended, char** text);
 /* Ends receiving; the handle stays, for its counts no longer. Once more: nothing. */
 HIVE_API hive_code hive_collector_close(hive_collector* collector);

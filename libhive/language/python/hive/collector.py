@@ -82,8 +82,8 @@ class _Collecting:
 
     @property
     def ended(self) -> Optional[str]:
-        """When all that it receives has come to its end and everything was taken: what is said about that, "" for a
-        regular end.  None as long as something may come; so it is again when something comes after all."""
+        """When all that it receives has come to its end and everything was taken: what is lacking, "" when
+        nothing is.  None as long as something may come; so it is again when something comes after all."""
         over, text = ctypes.c_bool(), ctypes.c_void_p()
         lib.hive_collector_ended(self._handle, ctypes.byref(over), ctypes.byref(text))
         return _library.take_text(text) if over.value else None

@@ -256,8 +256,8 @@ class Drone(Callbacks):
 
     def on_end(self, function: Callback) -> Callback:
         """Decorates ``function(text)``, which is called when everything that the inputs receive has come to its end and
-        has been worked on, before the outputs end too.  ``text`` is what is said about it, "" for a regular end.  Once
-        more when something came after all."""
+        has been worked on, before the outputs end too.  ``text`` says what is lacking, "": nothing.  Once more
+        when something came after all."""
         call = self._guarded(lambda text: function(_library.text_of(text)))
         self._call(lib.hive_drone_on_end, _library.end_callback(lambda _, text: call(text)), None)
         return function

@@ -191,7 +191,7 @@ class Output:
         """The source has come to its end: nothing more will come, unless something is emitted all the same.  Drones
         pass it on, so that whoever collects at the other end knows that it has everything.
 
-        :param text: what is to be said about it: "87 of 196 frames: the file is damaged"; "": its regular end
+        :param text: what is lacking: "87 of 196 frames: the file is damaged"; "": nothing
         """
         lib.hive_output_end(self._handle, encoded(text))
 

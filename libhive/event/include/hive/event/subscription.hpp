@@ -37,6 +37,7 @@
 #include <hive/status.hpp>
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -122,8 +123,8 @@ public:
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
     /// Its consumer is away and may come all the same, but nobody waits for it: what must arrive is lost to it.
     [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
-    /// Events that were lost to its consumer for that reason.
-    [[nodiscard]] std::int64_t missed() const noexcept { return missed_; }
+    /// Events that were lost to its consumer for that reason, in the last run of their source.
+    [[nodiscard]] std::int64_t missed() const noexcept { return missed_.count; }
     /// Of a shared one: the jobs so far, and the last of those that are answered, as are all before.
     [[nodiscard]] Share standing() const;
 
@@ -160,19 +161,26 @@ private:
         Consumer was;
         Fate how;
     };
+    struct Missed {
+        std::int64_t count = 0;
+        std::string source;      ///< of the last one
+        std::int64_t epoch = 0;  ///< of that source
+    };
     using Consumers = std::map<ReceiverId, Consumer>;
 
     [[nodiscard]] bool must_arrive(const EmissionPtr& event) const { return event->lossless() && !kind_.passive; }
     [[nodiscard]] bool comes_back(const Job& job) const;
     [[nodiscard]] bool streams() const;
     [[nodiscard]] bool worth_keeping() const;
-    [[nodiscard]] std::int64_t must_arrive() const;
+    void for_lossless(const std::function<void(const EmissionPtr&)>& call) const;
+    [[nodiscard]] bool must_something_arrive() const;
     [[nodiscard]] Share share(std::int64_t number, const Job& job) const;
     [[nodiscard]] std::optional<Share> told(std::int64_t number, const Job& job) const;
     Job leave_with(std::int64_t number);
     [[nodiscard]] Clock::duration lease_of(const Consumer& consumer) const;
 
-    void miss(Clock::time_point now);
+    void miss(const Identity& identity, Clock::time_point now);
+    void count_missed(const Identity& identity);
     void wait(const EmissionPtr& event);
     EmissionPtr take_fresh();
     [[nodiscard]] bool overfull(Clock::time_point now) const;
@@ -215,7 +223,7 @@ private:
     std::optional<Away> away_;  ///< not shared, and awaited
     std::optional<Fate> missing_as_;
     Clock::time_point live_missed_until_{};
-    std::int64_t missed_ = 0;
+    Missed missed_;
     std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries that are missed unless it says that they came
 };
 
