@@ -10,9 +10,10 @@ using namespace hostile;
 
 namespace {
 
-Json registration(int epoch, const std::string& output = "image", const Json& options = Json::object())
+Json registration(int epoch, const std::string& output = "image", const Json& options = Json::object(),
+                  const std::string& receiver = "raw")
 {
-    return {{"epoch", epoch}, {"output", output}, {"receiver", "raw"}, {"options", options}};
+    return {{"epoch", epoch}, {"output", output}, {"receiver", receiver}, {"options", options}};
 }
 
 /// Runs `work` again and again in a thread of its own until this ends.
@@ -114,9 +115,10 @@ TEST_CASE("hostile crowd: peers that have something registered keep their places
     const Prey prey = Prey::camera();
     std::vector<raw::Peer> peers;
     for (int i = 0; i < 256; ++i) {
-        peers.push_back(prey.meet("peer-" + std::to_string(i)));
+        const auto name = "peer-" + std::to_string(i);
+        peers.push_back(prey.meet(name));
         const Json options{{"transfer", "stream"}};
-        REQUIRE(raw::error_of(peers.back().ask(raw::register_, registration(1, "exceptions", options), 1)) == "");
+        REQUIRE(raw::error_of(peers.back().ask(raw::register_, registration(1, "exceptions", options, name), 1)) == "");
         for (auto& other : peers)
             if (i % 20 == 0)
                 other.send(raw::packet(raw::ping, 0, ""), Milliseconds(10));
@@ -198,9 +200,8 @@ namespace {
 /// A registration with a receiver of its own: each has a row.
 Json named(int peer, int channel)
 {
-    Json fields = registration(1, "exceptions", {{"transfer", "stream"}});
-    fields["receiver"] = "r" + std::to_string(peer) + ".c" + std::to_string(channel);
-    return fields;
+    return registration(1, "exceptions", {{"transfer", "stream"}},
+                        "peer-" + std::to_string(peer) + ".c" + std::to_string(channel));
 }
 
 }  // namespace
@@ -213,9 +214,7 @@ TEST_CASE("hostile crowd: one peer may register 64 times; a status with too many
         peers.push_back(prey.meet("peer-" + std::to_string(i)));
         for (int channel = 1; channel <= 64; ++channel)
             REQUIRE(raw::error_of(peers.back().ask(raw::register_, named(i, channel), channel)) == "");
-        CHECK(
-            raw::error_of(peers.back().ask(raw::register_, registration(1, "exceptions", {{"transfer", "stream"}}), 65))
-            == "refused");
+        CHECK(raw::error_of(peers.back().ask(raw::register_, named(i, 65), 65)) == "refused");
         for (auto& peer : peers)
             peer.send(raw::packet(raw::ping, 0, ""));
     }
@@ -261,7 +260,7 @@ TEST_CASE("hostile crowd: the confirmation of a registration comes before its fi
 TEST_CASE("hostile crowd: one peer may not have everything encoded in many ways; those that it may cost others little")
 {
     const Prey prey = Prey::camera();
-    auto peer = prey.meet("greedy");
+    auto peer = prey.meet();
     std::map<std::string, int> outcomes;
     for (int i = 1; i <= 40; ++i) {
         const auto answer =
