@@ -193,3 +193,17 @@ TEST_CASE("sharing: without leases, events are lost while workers are killed, ha
     const auto results = workers.run(1000ms);
     CHECK(std::set(results.begin(), results.end()).size() < ChangingWorkers::events);
 }
+
+TEST_CASE("sharing: a member that is stopped while its results wait for a first receiver leaves the work to another")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=4"},
+                                    {"--expect", "w1.image,group=workers", "--expect", "w2.image,group=workers"});
+    const auto w1 = swarm.drone("sleeper", "w1"), w2 = swarm.drone("sleeper", "w2");
+    auto application = swarm.application();
+    application.connect({"source", "tick"}, {"w1", "image"}, member_of("workers"));
+    application.connect({"source", "tick"}, {"w2", "image"}, member_of("workers"));
+    REQUIRE(eventually([&] { return says(application, "w1", "held") && says(application, "w2", "held"); }));
+    swarm.hivectl_done({"stop", "w1"});
+    CHECK(sorted(take(*application.collect({{"w2", "result"}}), 4)) == one_to(4));
+}

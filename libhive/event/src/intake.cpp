@@ -18,8 +18,8 @@ constexpr auto short_break = 10s;  // so long after a loss it is tried more ofte
 constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, and six round trips more
 constexpr auto pause_after_refusal = 1s;   // the sender is there, and will say the same again
 constexpr auto patience_to_leave = 30s;    // for what is in hand when it is told to stop
-constexpr auto lost_for_good = 30s;        // who has not come back by then does not hold up the end of the others
-constexpr auto others_work = 2s;           // the same for one whose group does what it leaves undone
+constexpr auto lost_for_good = 30s;        // a sender that is lost for longer does not delay the end
+constexpr auto others_work = 2s;           // the same for a member of a group, whose work the others do
 
 /// A socket file is the name of its drone; a port may be another one's by now.
 std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
@@ -271,8 +271,8 @@ void Intake::leave_now()
     try_to_leave();
 }
 
-/// Work that somebody else would do again is ended first; what is merely being looked at is not waited for. Nor is what
-/// was worked on while its results wait here for whoever comes first: this drone has them.
+/// Lossless and shared work is finished first; other events are not waited for. Results that wait for their first
+/// receiver are kept, so their events are acknowledged at once.
 void Intake::try_to_leave()
 {
     if (connected_ && all_worked() && !in_hand_.empty() && host_.holds()) {

@@ -80,9 +80,9 @@ public:
     [[nodiscard]] bool all_worked() const noexcept { return worked_ == arrived(); }
     /// Does the sender know, or is it not there, that this one is gone?
     [[nodiscard]] bool has_left() const noexcept { return has_left_; }
-    /// Is the sender away, and need nobody wait for it (SPEC.md, section 5.6)?
+    /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
     [[nodiscard]] bool gone_for_good() const;
-    /// What is said of an end that did not wait for it.
+    /// What is lacking if the end did not wait for this sender; empty: nothing.
     [[nodiscard]] std::string lacks() const;
     /// `queued` is left to whoever knows the queue: until then it counts as in hand.
     [[nodiscard]] InputStatus status() const;

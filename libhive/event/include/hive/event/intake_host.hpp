@@ -26,7 +26,7 @@ public:
     virtual void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) = 0;
     /// Must inputs wait with asking, and why?
     [[nodiscard]] virtual Reason paused() const = 0;
-    /// Do results wait at an output for whoever comes first?
+    /// Do results wait here for their first receiver, which will come?
     [[nodiscard]] virtual bool holds() const = 0;
     /// The epoch of a new registration: later than that of any before it, of whichever input.
     virtual std::int64_t next_registration() = 0;

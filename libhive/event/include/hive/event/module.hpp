@@ -72,7 +72,7 @@ public:
     std::function<void()> on_subscribers = [] {};  ///< subscribers() may have changed, and nobody was told yet
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {
     };  ///< a shared event is given up; its identity has the last attempt
-    /// What this drone failed at, for those who hear of an end. @param newest  as for Outlet::Hooks
+    /// For the text of an end; see Outlet::Hooks.
     std::function<std::string(const Event* newest)> failures = [](const Event*) { return std::string(); };
     /// An encoder threw; the event goes as it is.
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
@@ -130,8 +130,9 @@ public:
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
+    /// Not at its end, when nobody will receive the results any more.
+    [[nodiscard]] bool holds() const override { return !ending_ && std::ranges::any_of(outlets_, &Outlet::holds); }
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
-    [[nodiscard]] bool holds() const override { return std::ranges::any_of(outlets_, &Outlet::holds); }
     [[nodiscard]] Reason paused() const override
     {
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
