@@ -32,7 +32,8 @@ bool Reorder::push(Event event, TimePoint now)
     }
     end_earlier_runs(key_of(*share), event.identity, now);
     Line& line = lines_[key_of(*share)];
-    line.sources[event.identity.source] = event.identity.epoch;
+    if (line.sources.size() < max_sources || line.sources.contains(event.identity.source))
+        line.sources[event.identity.source] = event.identity.epoch;
     line.lossless = event.identity.lossless;
     line.finished = finished_ = false;
     line.closed = std::max(line.closed, share->closed);
@@ -92,7 +93,7 @@ void Reorder::skip(const Identity& identity, TimePoint now)
     Line& line = lines_[key_of(*share)];
     if (share->turn < line.expected || line.waiting.contains(share->turn))
         return;
-    line.failed.insert(share->turn);
+    line.skipped.insert(share->turn);
     advance(line, now);
 }
 
@@ -116,7 +117,7 @@ void Reorder::advance(Line& line, TimePoint now)
 {
     const auto before = line.expected;
     for (bool moved = line.first != 0; moved;) {
-        moved = line.failed.contains(line.expected);
+        moved = line.failed.contains(line.expected) || line.skipped.erase(line.expected) > 0;
         if (moved)
             ++line.expected;
         // A turn already handed out may have further results: they follow as they come.
@@ -129,8 +130,9 @@ void Reorder::advance(Line& line, TimePoint now)
     }
     if (line.expected != before)
         line.stuck_since = now;
-    while (line.failed.size() > remembered_turns)
-        line.failed.erase(line.failed.begin());
+    for (auto* turns : {&line.failed, &line.skipped})
+        while (turns->size() > remembered_turns)
+            turns->erase(turns->begin());
 }
 
 /// A lossless result is acknowledged where it is received, and only then is its turn closed. So a closed turn that has

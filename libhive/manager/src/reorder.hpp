@@ -27,6 +27,7 @@ public:
     /// For a turn that was given out when this began to receive, and that no worker has in hand.
     static constexpr std::chrono::milliseconds join_patience{500};
     static constexpr std::size_t remembered_turns = 1000;  ///< that were given up
+    static constexpr std::size_t max_sources = 64;         ///< whose runs a line knows
 
     explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
 
@@ -74,7 +75,8 @@ private:
         bool finished = false;        ///< nothing more will come
         std::set<std::int64_t> open;  ///< of those up to joined: a worker has them in hand
         std::set<std::int64_t> failed;
-        std::set<std::int64_t> passed;  ///< given up
+        std::set<std::int64_t> skipped;  ///< no result is waited for, but one that comes is taken
+        std::set<std::int64_t> passed;   ///< given up
         std::multimap<std::int64_t, Event> waiting;
         TimePoint stuck_since{};
         std::map<std::string, std::int64_t> sources;  ///< and the run of each that the last event was of

@@ -174,6 +174,19 @@ TEST_CASE("reorder: results of an earlier run stand where their captures are amo
     CHECK(reorder.missing() == 0);
 }
 
+TEST_CASE("reorder: a turn of which one result was refused as a second answer may have another one")
+{
+    Reorder reorder(30s);
+    push(reorder, {1});
+    reorder.skip(identity(2), start);
+    push(reorder, {4}, {.part = 1});
+    reorder.skip(identity(4), start);
+    CHECK(push(reorder, {2}, {.part = 1}));
+    push(reorder, {3});
+    CHECK(drain(reorder) == Turns{1, 2, 3, 4});
+    CHECK(reorder.missing() == 0);
+}
+
 TEST_CASE("reorder: a reported failure takes the place of its result, early or late")
 {
     Reorder reorder(30s);
