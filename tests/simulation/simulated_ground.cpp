@@ -5,6 +5,7 @@
 #include <orders.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <iomanip>
 #include <iostream>
 
@@ -111,6 +112,8 @@ void SimulatedGround::start(const std::string& drone, bool remembers)
         options.parameters = first_parameters(topology_, drone, fed_);
     options.log = [this, drone](LogLevel, const std::string& text) {
         trace_.line(drone, text);
+        if (text.starts_with("the network side threw"))
+            std::abort();  // a crash prints its seed
         links_.logged(drone, text, world_.now());
     };
     Running& running = running_[drone] = {};

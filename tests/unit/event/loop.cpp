@@ -41,6 +41,23 @@ struct Running {
 
 }  // namespace
 
+TEST_CASE("loop: what a handler or a task throws is reported, and the next one runs")
+{
+    Loop loop;
+    std::vector<std::string> thrown;
+    loop.on_thrown = [&](const std::string& what) { thrown.push_back(what); };
+    bool ran = false;
+    asio::post(loop.context(), [] { throw std::runtime_error("handler"); });
+    loop.post([] { throw std::runtime_error("posted"); });
+    loop.post([&] { ran = true; });
+    loop.serve();
+    loop.perform([] { throw std::runtime_error("performed"); });
+    CHECK(ran);
+    CHECK(thrown == std::vector<std::string>{"handler", "posted", "performed"});
+    CHECK_FALSE(loop.has_turn());
+    CHECK_THROWS_AS(loop.call([] { throw std::runtime_error("called"); }), std::runtime_error);
+}
+
 TEST_CASE(
     "loop: a thread that finds the turn free runs a task at once, after what was posted, and is served what is ready")
 {

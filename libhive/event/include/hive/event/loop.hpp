@@ -9,8 +9,10 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -39,7 +41,8 @@ public:
     void end();
     [[nodiscard]] asio::io_context& context() noexcept { return context_; }
 
-    /// Told of what a handler, or a task of post or perform, has thrown; set before start(). It throws nothing.
+    /// Called with the text of a std::exception that a handler, or a task of post or perform, has thrown. Set before
+    /// start(); throws nothing.
     std::function<void(const std::string& what)> on_thrown = [](const std::string&) { std::terminate(); };
 
     // --- any thread; tasks run in the order of these calls ---
