@@ -97,8 +97,8 @@ Run declare(CommandLine& line, Session& session)
         .type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         .one_each();
     line.option("--expect", options->expected,
-                "produce nothing on demand, and let nothing pass that must arrive, before this one receives it; may be "
-                "repeated, and OUTPUT be left out where there is only one (hivectl disconnect ends the wait)")
+                "wait for this receiver before emitting lossless events; may be repeated. OUTPUT may be omitted if "
+                "there is only one. `hivectl disconnect` ends the wait")
         .type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         .one_each();
     line.flag("--halted", options->halted, "start it halted, so that everything can be connected first");

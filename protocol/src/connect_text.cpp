@@ -189,7 +189,7 @@ Expect expect_from_text(const std::string& text)
     constexpr std::string_view group = "group=";
     const auto option = text.substr(comma + 1);
     if (!option.starts_with(group))
-        throw mistake(in_quotes(option) + " is no option of it", advice);
+        throw mistake("unknown option " + in_quotes(option), advice);
     expect.group = require_name(option.substr(group.size()), "group");
     return expect;
 }

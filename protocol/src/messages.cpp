@@ -117,7 +117,7 @@ Request request_from_json(const Json& object)
 
 void End::add(const std::string& more)
 {
-    constexpr std::size_t longest = most_text - 24;  // it fits even when a broken character becomes longer
+    constexpr std::size_t longest = most_text - 24;  // a character that is cut in two may become longer
     if (more.empty() || ("; " + text + "; ").find("; " + more + "; ") != std::string::npos)
         return;
     text = (text + (text.empty() ? "" : "; ") + more).substr(0, longest);

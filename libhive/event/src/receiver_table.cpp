@@ -82,16 +82,13 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
     if (found == plain_.end() && newcomer.place == 0 && takes_bodies(newcomer))
         found = find([](const Plain& plain) { return plain.registered.newest == 0; });
     if (found == plain_.end())
-        found = find([&](const Plain& plain) {
-            return !in_use(plain) && (newcomer.unique || newcomer.guest || plain.place == newcomer.place);
-        });
+        found = find(
+            [&](const Plain& plain) { return !in_use(plain) && (newcomer.unique || plain.place == newcomer.place); });
     if (found != plain_.end())
         return *found;
-    const bool application = !newcomer.unique && !newcomer.guest;
     return plain_.emplace_back(Plain{.receiver = newcomer.receiver,
-                                     .subscription = Subscription({.application = application}),
-                                     .application = application,
-                                     .forgotten = !newcomer.unique});
+                                     .subscription = Subscription({.application = !newcomer.unique}),
+                                     .unique = newcomer.unique});
 }
 
 Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
@@ -220,7 +217,7 @@ void ReceiverTable::departed(const Seat& seat, Fate how)
     if (seat.plain) {
         unregister(seat.plain->registered);
         const Plain& plain = *seat.plain;
-        if (how == Fate::lost_left && plain.forgotten && plain.registered.now == 0 && !plain.subscription.awaited())
+        if (how == Fate::lost_left && !plain.unique && plain.registered.now == 0 && !plain.subscription.awaited())
             plain_.remove_if([&](const Plain& plain) { return &plain == seat.plain; });
         return;
     }
@@ -330,11 +327,9 @@ void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Cl
         group.lost.insert(subscriber.receiver);
         return group.subscription.expect(until);
     }
-    const bool application = subscriber.pid != 0;
-    Plain& plain = plain_.emplace_back(Plain{.receiver = subscriber.receiver,
-                                             .subscription = Subscription({.application = application}),
-                                             .application = application,
-                                             .forgotten = application});
+    const bool unique = subscriber.pid == 0;
+    Plain& plain = plain_.emplace_back(Plain{
+        .receiver = subscriber.receiver, .subscription = Subscription({.application = !unique}), .unique = unique});
     plain.place = epoch_ + static_cast<std::int64_t>(id);
     plain.subscription.expect(until);
 }

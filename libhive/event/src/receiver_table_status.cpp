@@ -97,7 +97,7 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
 
 std::int64_t ReceiverTable::row_of(const Plain& plain)
 {
-    return plain.application && plain.registered.now > 0 ? plain.place : 0;
+    return !plain.unique && plain.registered.now > 0 ? plain.place : 0;
 }
 
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const

@@ -38,8 +38,9 @@ public:
     places_or_errors(const std::vector<std::string>& drones) const;
     /// The error when there is none.
     [[nodiscard]] Error not_running(const std::string& drone) const;
-    /// The receiver is gone; its sender is to wait for it no longer.
+    /// Asks the receiver.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
+    /// Asks the sender to stop waiting for a receiver that is gone.
     void forget(const Endpoint& sender, const Endpoint& receiver);
     /// Where the receiver can reach the sender, the nearest first; an empty one: by its name in the receiver's home.
     std::vector<std::string> ways(const std::string& sender, const std::string& receiver);

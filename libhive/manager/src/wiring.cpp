@@ -90,7 +90,6 @@ std::vector<std::string> Application::Core::ways(const std::string& from, const 
     return ways;
 }
 
-/// Ends the wait of a sender for a receiver that is not there.
 void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)
 {
     const std::string name = drone_of(receiver.drone) + (receiver.port.empty() ? "" : "." + receiver.port);

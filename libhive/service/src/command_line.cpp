@@ -89,8 +89,8 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
         ->type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         ->allow_extra_args(false);
     app.add_option("--expect", words.expected,
-                   "produce nothing on demand, and let nothing pass that must arrive, before this one receives it; may "
-                   "be repeated. OUTPUT may be left out where there is only one. `hivectl disconnect` ends the wait")
+                   "wait for this receiver before emitting lossless events; may be repeated. OUTPUT may be omitted if "
+                   "there is only one. `hivectl disconnect` ends the wait")
         ->type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         ->allow_extra_args(false);
     declare_listening(app, settings);

@@ -60,7 +60,7 @@ void Reporter::report(const Error& error, const Event* cause)
         });
 }
 
-/// A live event that failed is one of many that its receivers did not get.
+/// Live events do not count: their receivers do not get all of them anyway.
 void Reporter::count(const Identity& of)
 {
     constexpr std::size_t most_sources = 64;

@@ -25,7 +25,7 @@ public:
     /// @param cause  the event that was worked on, or null
     void report(const Error& error, const Event* cause = nullptr);
 
-    /// Of lossless events. @param newest  what came of the same run of its source counts, at least; null: all do
+    /// "face failed at 3 events", counting lossless ones; empty: none. See event::Outlet::Hooks.
     [[nodiscard]] std::string failures(const Event* newest) const;
 
 private:

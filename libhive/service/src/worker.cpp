@@ -117,7 +117,7 @@ try {
     parts_.reporter.report(current_error());
 }
 
-/// What is discarded before it was begun has answered nothing, so second answers are refused here and not on arrival.
+/// Refuses second answers here and not on arrival, because an event that is discarded in the queue is no answer.
 void Worker::deliver(Event&& event)
 {
     if (!filters_[event.input].first(event))

@@ -38,7 +38,7 @@ public:
 std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string& host,
                                     const std::filesystem::path& home);
 
-/// The drone as it is to be started: it waits for those who are to receive from it, as far as their ports are known.
+/// Adds --expect for each planned receiver of this drone whose ports are known.
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
 
 /// The command line of the drone's program, but for its name.

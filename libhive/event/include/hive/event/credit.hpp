@@ -23,8 +23,7 @@ public:
     static constexpr std::size_t most_lane_events = 64;
     /// Lossless events that a stream may have in hand; a synchronized receiver has its window.
     static constexpr std::int64_t most_streamed = 64;
-    /// Beyond its window, or that: what it has worked on and does not acknowledge yet, since its results are on their
-    /// way.
+    /// Unacknowledged deliveries beyond the window (or beyond most_streamed), whose results may be on their way.
     static constexpr std::int64_t most_under_way = 256;
 
     explicit Credit(const ConnectionOptions& options) : streaming_(options.transfer == Transfer::streaming)

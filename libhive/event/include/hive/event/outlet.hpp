@@ -21,7 +21,7 @@ public:
     struct Hooks {
         std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
-        /// What this drone failed at in the run of its sources that this event is of; null: of any.
+        /// At how many events this drone failed, as text; failures in runs before that of `newest` do not count.
         std::function<std::string(const Event* newest)> failures;
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
@@ -55,7 +55,7 @@ public:
     void end(const std::string& text);
     /// Something may come again.
     void go_on();
-    /// This drone is being stopped: no end needs to wait for it.
+    /// Tells all receivers that this drone is being stopped, so that no end waits for it.
     void say_leaving();
     void release_held();
     /// An earlier run of this drone had this one. @param until  as for ReceiverTable

@@ -95,7 +95,7 @@ public:
     void expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until);
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
-    /// Events that must have arrived at this receiver, and were lost to it while it was away for too long.
+    /// Number of lossless events that this receiver missed while it was away; see Subscription::missed().
     [[nodiscard]] std::int64_t missed(Id id) const;
 
     /// Which registration does this newcomer follow, if any?
@@ -136,8 +136,7 @@ private:
         Subscription subscription;
         std::int64_t place = 0;
         Registered registered{};
-        bool application = false;  ///< there may be others of its name
-        bool forgotten = false;    ///< when it leaves: nobody knows whether the next one of its name is the same
+        bool unique = true;  ///< a drone's; false: the next receiver of this name may be another application
     };
     struct Member {
         Ledger ledger;

@@ -48,7 +48,7 @@ namespace hive::event {
 class Subscription {
 public:
     static constexpr int max_failures = 3;
-    static constexpr int max_attempt = 1 << 20;  ///< that is told: readers take no larger one
+    static constexpr int max_attempt = 1 << 20;  ///< the count stays there, because readers refuse larger ones
     static constexpr auto kept_for = std::chrono::seconds(30);
     static constexpr std::size_t max_queued_events = 1024;     ///< of a stream, when they are small
     static constexpr std::size_t max_queued_bytes = 1u << 20;  ///< of a stream, beyond two events
@@ -59,8 +59,7 @@ public:
         std::string shared_as = {};  ///< "camera.image#workers"; empty: one consumer, which gets all events
         std::int64_t epoch = 0;      ///< of the module
         bool passive = false;        ///< its source waits for no consumer of it
-        /// Its consumer is an application: when it was cut off, it counts for 30 s what it does not get, live events
-        /// too.
+        /// For 30 s after an application was cut off, the live events that it misses are counted as well.
         bool application = false;
         bool redelivers = true;  ///< false in tests that show what redelivery is for
     };
@@ -85,7 +84,7 @@ public:
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
     /// Takes over what waits in another subscription, which no consumer is to have.
     void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
-    /// Nobody waits any longer for a consumer to come back, nor misses what it does not get.
+    /// The source no longer waits for a consumer to come back, and what that consumer misses is no longer counted.
     void cancel(Decisions& decisions);
     /// Of a new one: an earlier run of this drone had a consumer, which will come again.
     /// @param until  empty: whenever that is
@@ -121,9 +120,9 @@ public:
     [[nodiscard]] Reason why() const;
     [[nodiscard]] Reason why(ReceiverId consumer) const;
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
-    /// Its consumer is away and may come all the same, but nobody waits for it: what must arrive is lost to it.
+    /// True while the consumer is away and may return, but the source does not wait: its lossless events are lost.
     [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
-    /// Events that were lost to its consumer for that reason, in the last run of their source.
+    /// Number of lossless events lost that way in the last run of their source.
     [[nodiscard]] std::int64_t missed() const noexcept { return missed_.count; }
     /// Of a shared one: the jobs so far, and the last of those that are answered, as are all before.
     [[nodiscard]] Share standing() const;
@@ -224,7 +223,7 @@ private:
     std::optional<Fate> missing_as_;
     Clock::time_point live_missed_until_{};
     Missed missed_;
-    std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries that are missed unless it says that they came
+    std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries counted as missed, unless the consumer has them
 };
 
 }  // namespace hive::event
