@@ -91,7 +91,8 @@ Run declare(CommandLine& line, Session& session)
         .excludes(notify)
         .excludes(first_frame);
     line.option("--lease", options->lease_s,
-                "how long one of them may work on an event before another gets it (default: learnt)")
+                "how long a member may work on an event before another gets it; the shortest of a group holds "
+                "(default: measured)")
         .type_name("SECONDS")
         .seconds();
     line.option("--encoding", options->encoding,

@@ -130,13 +130,17 @@ Json to_json(const End& end)
         json["text"] = end.text;
     if (end.leaves)
         json["leaves"] = true;
+    if (end.disconnected)
+        json["disconnected"] = true;
     return json;
 }
 
 End end_from_json(const Json& object)
 {
     const Fields fields(object, "end");
-    End end{.text = fields.text_or("text", ""), .leaves = fields.flag_or("leaves", false)};
+    End end{.text = fields.text_or("text", ""),
+            .leaves = fields.flag_or("leaves", false),
+            .disconnected = fields.flag_or("disconnected", false)};
     if (end.text.size() > End::most_text)
         throw Error(Errc::malformed, "end: \"text\" has at most " + std::to_string(End::most_text) + " bytes");
     return end;

@@ -44,8 +44,7 @@ constexpr std::array edge_numbers{std::pair{"waiting", &EdgeStatus::waiting}, st
 
 constexpr std::array output_numbers{std::pair{"produced", &OutputStatus::produced},
                                     std::pair{"unreceived", &OutputStatus::unreceived},
-                                    std::pair{"last_emitted_us", &OutputStatus::last_emitted_us},
-                                    std::pair{"edges_left_out", &OutputStatus::edges_left_out}};
+                                    std::pair{"last_emitted_us", &OutputStatus::last_emitted_us}};
 
 constexpr std::array input_counts{
     std::pair{"received", &InputStatus::received},   std::pair{"processed", &InputStatus::processed},
@@ -67,7 +66,8 @@ constexpr std::array status_numbers{std::pair{"pid", &Status::pid},
                                     std::pair{"uptime_us", &Status::uptime_us},
                                     std::pair{"busy_us", &Status::busy_us},
                                     std::pair{"busy_for_us", &Status::busy_for_us},
-                                    std::pair{"source_events", &Status::source_events}};
+                                    std::pair{"source_events", &Status::source_events},
+                                    std::pair{"rows_left_out", &Status::rows_left_out}};
 
 template <class Value, class Table>
 void write_numbers(Json& json, const Value& value, const Table& table)
@@ -158,19 +158,6 @@ OutputStatus output_from_json(const Json& object)
     output.edges = read_list<EdgeStatus>(fields, "edges", edge_from_json);
     output.why = read_why(fields);
     return output;
-}
-
-Json input_to_json(const InputStatus& input)
-{
-    Json json{{"input", input.input}, {"options", to_json(input.options)}};
-    write_text(json, "from", input.from);
-    if (input.connected)
-        json["connected"] = true;
-    write_numbers(json, input, input_counts);
-    write_numbers(json, input, input_numbers);
-    write_text(json, "error", input.error);
-    write_why(json, input.why);
-    return json;
 }
 
 InputStatus input_from_json(const Json& object)
@@ -281,8 +268,22 @@ Json to_json(const EdgeStatus& edge)
     return json;
 }
 
+Json to_json(const InputStatus& input)
+{
+    Json json{{"input", input.input}, {"options", to_json(input.options)}};
+    write_text(json, "from", input.from);
+    if (input.connected)
+        json["connected"] = true;
+    write_numbers(json, input, input_counts);
+    write_numbers(json, input, input_numbers);
+    write_text(json, "error", input.error);
+    write_why(json, input.why);
+    return json;
+}
+
 Json to_json(const Status& status)
 {
+    const auto row_to_json = [](const InputStatus& input) { return to_json(input); };
     Json json{
         {"name", status.name}, {"kind", status.kind}, {"state", token(status.state)}, {"policy", token(status.policy)}};
     write_numbers(json, status, status_numbers);
@@ -291,9 +292,9 @@ Json to_json(const Status& status)
     write_why(json, status.why);
     json["events"] = totals_to_json(status);
     write_list(json, "outputs", status.outputs, output_to_json);
-    write_list(json, "inputs", status.inputs, input_to_json);
+    write_list(json, "inputs", status.inputs, row_to_json);
     if (!status.left.empty())
-        write_list(json, "left", status.left, input_to_json);
+        write_list(json, "left", status.left, row_to_json);
     if (!status.matching.empty())
         write_list(json, "matching", status.matching, matching_to_json);
     if (status.last_exception)

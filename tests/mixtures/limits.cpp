@@ -6,6 +6,8 @@ namespace {
 
 /// Where somebody is asked or waited for. A round feeds several times as many.
 constexpr std::int64_t max_asked = 256;
+/// Not acknowledged by one receiver (Credit::most_under_way, beyond its window), and by the two of a group.
+constexpr std::int64_t max_unacknowledged = 256 + 64, members = 2;
 /// Live events of a stream, at either end (Subscription::max_queued_events, Mailbox::most_events).
 constexpr std::int64_t max_streamed_live = 1024;
 /// One is with the drone's code, and the end of another is being told.
@@ -53,7 +55,8 @@ Problems Sizes::look(const Statuses& statuses) const
             for (const auto& edge : output.edges) {
                 const auto most_events = queue(edge.options);
                 report.at_most(most_events, edge.waiting, "waiting of ", name, " -> ", edge.receiver);
-                report.at_most(most_events, edge.events.in_flight(), "in flight of ", name, " -> ", edge.receiver);
+                report.at_most(most_events + (edge.group ? members : 1) * max_unacknowledged, edge.events.in_flight(),
+                               "in flight of ", name, " -> ", edge.receiver);
             }
         }
         for (const auto& input : status.inputs) {

@@ -27,10 +27,23 @@ void Intake::note_end(std::optional<std::string> text)
     on_end_();
 }
 
+/// Its sender ended the registration, because an operator said so.
+void Intake::dropped()
+{
+    const auto text = spec_.sender + "." + spec_.output + " was disconnected from " + spec_.receiver + " at its sender";
+    link_->release_channel(channel_);
+    link_.reset();
+    disconnected();
+    problem_ = Error(Errc::refused, text);
+    note_end(text);
+}
+
 void Intake::on_packet(const protocol::Packet& packet)
 {
     if (packet.type == PacketType::end) {
         auto end = protocol::end_from_json(parse_json(packet.header_text()));
+        if (end.disconnected)
+            return dropped();
         sender_leaves_ = end.leaves;
         return end.leaves ? void() : note_end(std::move(end.text));
     }
@@ -195,10 +208,12 @@ InputStatus Intake::status() const
         status.in_hand -= count;
     if (connected_)
         status.why = host_.paused();
-    if (end_ && status.why == Reason::none)
+    if (refusal())
+        status.why = Reason::refused;
+    else if (end_ && status.why == Reason::none)
         status.why = Reason::source_ended;
     else if (!connected_)
-        status.why = refusal() ? Reason::refused : Reason::dialing;
+        status.why = Reason::dialing;
     return status;
 }
 

@@ -66,7 +66,30 @@ void Link::on_packet(const Packet& packet)
             return on_confirmation(parse_json(packet.header_text()));
         if (packet.type == PacketType::hello)
             throw Error(Errc::malformed, "a second hello");
-        events_.packet(*this, packet);
+        take(packet);
+    } catch (const Error& error) {
+        connection_->close(error);
+    }
+}
+
+/// What the peer asks of this module.
+void Link::take(const Packet& packet)
+{
+    constexpr std::size_t max_deferred = 128;
+    if (defers_ == 0)
+        return events_.packet(*this, packet);
+    if (deferred_.size() == max_deferred)
+        throw Error(Errc::too_large, "more than 128 packets wait");
+    deferred_.push_back(packet);
+}
+
+void Link::go_on()
+{
+    if (--defers_ > 0)
+        return;
+    try {
+        for (; open_ && !deferred_.empty(); deferred_.pop_front())
+            events_.packet(*this, deferred_.front());
     } catch (const Error& error) {
         connection_->close(error);
     }
@@ -106,6 +129,7 @@ void Link::on_closed(const Error& reason)
     open_ = false;
     const auto events = std::exchange(events_, {});
     channels_.clear();
+    deferred_.clear();
     for (auto& [id, pending] : std::exchange(pending_, {}))
         pending.on_outcome(reason.reworded(pending.what + ": " + reason.what()));
     if (events.closed)
@@ -130,14 +154,14 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
     connection_->send(protocol::make_packet(type, std::move(text), channel, std::move(body)));
 }
 
-/// The status of a drone tells the time as any answer does, is answered at once, and without edges it is short.
+/// The status of a drone tells the time as any answer does, is answered at once, and without rows it is short.
 void Link::ask_time()
 {
     const auto now = Clock::now();
     if (!open_ || local() || asking_time_ || now < peer_clock_.due())
         return;
     asking_time_ = true;
-    request(PacketType::status, {{"skip_edges", max_json_integer}}, {}, now + std::chrono::seconds(2),
+    request(PacketType::status, {{"skip", max_json_integer}}, {}, now + std::chrono::seconds(2),
             [this](const Outcome&) { asking_time_ = false; });
 }
 
@@ -189,5 +213,7 @@ std::uint16_t Link::claim_channel(ChannelSink sink)
 }
 
 void Link::release_channel(std::uint16_t channel) { channels_.erase(channel); }
+
+std::string without_port(const std::string& place) { return place.substr(0, place.rfind(':')); }
 
 }  // namespace hive::event

@@ -13,8 +13,8 @@ constexpr auto look_at_keys_every = std::chrono::milliseconds(1000);
 transport::Security Module::security()
 {
     return {.keys = options_.keys, .refused = [this](const std::string& who) {
-                if (const auto line = refusals_.pass(who, Clock::now()))
-                    log(LogLevel::warning, *line);
+                if (const auto left_out = refusals_.pass("", Clock::now()))
+                    log(LogLevel::warning, who + left_out_text(*left_out));
             }};
 }
 

@@ -34,7 +34,7 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
                          const auto keep = opened.shared_from_this();
                          const auto& place = opened.connection().peer();
                          log_about(LogLevel::debug, place, "opened link to " + opened.peer().name + " at " + place);
-                         end_earlier_run(keep);
+                         await_earlier_run(keep);
                          ready(keep, Error(Errc::failed, ""));
                      },
                  .packet = [this](Link& from, const protocol::Packet& packet) { on_packet(from, packet); },
@@ -152,15 +152,17 @@ void Module::request(const transport::Address& address, PacketType type, Json he
               });
 }
 
-/// A drone that is met again with a larger epoch was started again: what is left of its earlier run is dead. Names of
-/// applications are nobody's own, and what a viewer calls itself means nothing.
-void Module::end_earlier_run(const LinkPtr& link)
+/// A drone that says hello with a larger epoch than one of the same name has probably restarted. Its earlier connection
+/// ends by itself then, at the latest when it has been silent for too long, so what the new one asks waits for that. If
+/// the earlier one answers, they are two drones of one name, and none is taken for the other. Names of applications are
+/// nobody's own, and what a viewer calls itself means nothing.
+void Module::await_earlier_run(const LinkPtr& link)
 {
     const auto& peer = link->peer();
     if (peer.kind == "application")
         return;
-    std::vector<LinkPtr> earlier;
     const auto [begin, end] = of_drones_.equal_range(peer.name);
+    std::vector<LinkPtr> earlier;
     for (auto row = begin; row != end; ++row)
         if (const auto& other = row->second;
             other->open() && other->peer().kind == peer.kind && other->peer().epoch < peer.epoch)
@@ -168,7 +170,35 @@ void Module::end_earlier_run(const LinkPtr& link)
     of_drones_.emplace(peer.name, link);
     if (link->credentials().role != Role::viewer)
         for (const auto& other : earlier)
-            other->close(Error(Errc::connection_lost, peer.name + " was started again"));
+            await_end_or_answer(*other, link);
+}
+
+void Module::await_end_or_answer(Link& earlier, const LinkPtr& link)
+{
+    link->defer();
+    // What it sends but a pong shows as well that it lives; else it has been cut off by then.
+    const auto timer = std::make_shared<platform::Timer>(context(), Clock::now() + options_.timing.silence
+                                                                        + options_.timing.heartbeat);
+    const auto go_on = [this, timer, decided = std::make_shared<bool>(false), weak = std::weak_ptr(link),
+                        place = earlier.connection().peer()](bool lives) {
+        const auto to = weak.lock();
+        if (std::exchange(*decided, true))
+            return;
+        timer->cancel();
+        if (!to)
+            return;
+        if (lives)
+            log_about(LogLevel::warning, place,
+                      "two drones are called " + to->peer().name + ", one at " + place + " and one at "
+                          + to->connection().peer() + "; give one of them another name");
+        to->go_on();
+        arm();
+    };
+    timer->async_wait([go_on](std::error_code problem) {
+        if (!problem)
+            go_on(true);
+    });
+    earlier.connection().ping(go_on);
 }
 
 namespace {
@@ -190,10 +220,10 @@ std::string without_prefix(std::string_view text, std::string_view prefix)
 
 }  // namespace
 
-/// By its address alone: each connection has another port.
+/// No line keeps back one of another level.
 void Module::log_about(LogLevel level, const std::string& peer, const std::string& text)
 {
-    if (const auto left_out = lines_.ask(level, peer.substr(0, peer.rfind(':')), Clock::now()))
+    if (const auto left_out = lines_.pass(std::string(token(level)) + " " + without_port(peer), Clock::now()))
         log(level, text + left_out_text(*left_out));
 }
 

@@ -68,6 +68,9 @@ Outlet& Module::outlet(const std::string& name)
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)
 {
+    // Far more than the drones of one machine make when all of them are connected again.
+    if (!registrations_.pass(without_port(link.connection().peer()), Clock::now()))
+        throw Error(Errc::refused, "more than 4096 registrations within 10 s");
     const RequestFields request(packet, header);
     const auto id = request.id;
     try {

@@ -142,6 +142,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                       .options = registration.options,
                       .place = registration.place,
                       .taken = registration.taken,
+                      .run = link->peer().epoch,
                       .unique = is_unique(*link),
                       .guest = guest};
     if (const auto before = table_.standing(newcomer))
@@ -259,7 +260,13 @@ std::vector<Subscriber> Outlet::subscribers() const
 std::size_t Outlet::forget(const std::string& drone)
 {
     Decisions decisions;
-    const auto forgotten = table_.forget(drone, decisions);
+    const auto registered = table_.registered(drone);
+    for (const auto id : registered) {
+        const auto& place = places_.at(id);
+        send_end(place, {.text = {}, .disconnected = true});
+        table_.leave(detach(ids_.find({place.link.get(), place.channel})), lease_now(), decisions);
+    }
+    const auto forgotten = registered.size() + table_.forget(drone, decisions);
     execute(decisions);
     return forgotten;
 }

@@ -36,7 +36,8 @@ std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcome
 {
     // A receiver that only watches pushes no other from its place.
     const auto same = [&](const Seat& seat) {
-        return newcomer.unique || (takes_bodies(newcomer) && seat.plain && seat.plain->place == newcomer.place);
+        return newcomer.unique ? seat.run == newcomer.run
+                               : takes_bodies(newcomer) && seat.plain && seat.plain->place == newcomer.place;
     };
     for (const auto& [id, seat] : seats_)
         if (!seat.heir && seat.receiver == newcomer.receiver && same(seat))
@@ -64,8 +65,8 @@ std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcom
     return before;
 }
 
-/// Its place, or that of its name if nobody else has that name or it had it in an earlier run of this drone, or what is
-/// remembered of its name.
+/// Its place, or that of its name if it is a drone or had it in an earlier run of this drone, or what is remembered of
+/// its name. Two drones of one name that are there at once have a place each.
 ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
 {
     const auto find = [&](auto fits) {
@@ -78,7 +79,9 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
     if (!newcomer.guest && takes_bodies(newcomer))
         found = find([&](const Plain& plain) { return plain.place == newcomer.place && in_use(plain); });
     if (found == plain_.end() && newcomer.unique)
-        found = find(in_use);
+        found = find([&](const Plain& plain) {
+            return plain.subscription.awaited() || (plain.subscription.present() && plain.run == newcomer.run);
+        });
     if (found == plain_.end() && newcomer.place == 0 && takes_bodies(newcomer))
         found = find([](const Plain& plain) { return plain.registered.newest == 0; });
     if (found == plain_.end())
@@ -99,10 +102,12 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
     const auto taken = plain.place == newcomer.place ? newcomer.taken : std::nullopt;
     if (!goes_on)
         plain.place = epoch_ + static_cast<std::int64_t>(newcomer.id);
+    plain.run = newcomer.run;
     plain.registered.options = newcomer.options;
     plain.registered.newest = newcomer.epoch;
     ++plain.registered.now;
-    seats_[newcomer.id] = {.receiver = newcomer.receiver, .registration = newcomer.epoch, .plain = &plain};
+    seats_[newcomer.id] = {
+        .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .plain = &plain};
     subscription.set_passive(newcomer.guest || !takes_bodies(newcomer));
     const auto behind = subscription.attach(newcomer.id, newcomer.options, taken, nullptr, now, decisions);
     if (!goes_on && newcomer.options.first_frame && held_.empty() && newest_
@@ -127,7 +132,8 @@ Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Dec
     member.registered.options = newcomer.options;
     member.registered.newest = newcomer.epoch;
     ++member.registered.now;
-    seats_[newcomer.id] = {.receiver = newcomer.receiver, .registration = newcomer.epoch, .group = &group};
+    seats_[newcomer.id] = {
+        .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .group = &group};
     group.subscription.attach(newcomer.id, newcomer.options, {}, &member.ledger, now, decisions);
     return welcome;
 }
@@ -208,6 +214,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
             heir->second.subscription().adopt(std::move(subscription), now, decisions);
     }
     departed(seat, how);
+    forget_awaited();
     forget_gone();
     forget_empty_groups(decisions);
 }
@@ -231,6 +238,20 @@ void ReceiverTable::unregister(Registered& registered)
 {
     if (--registered.now == 0)
         registered.gone = ++order_;
+}
+
+/// Of the receivers that the source waits for, the one that was lost first, if there are too many.
+void ReceiverTable::forget_awaited()
+{
+    std::size_t awaited = 0;
+    Plain* first = nullptr;
+    for (Plain& plain : plain_)
+        if (plain.subscription.awaited()) {
+            ++awaited;
+            first = first && first->registered.gone < plain.registered.gone ? first : &plain;
+        }
+    if (awaited > max_awaited)
+        first->subscription.stop_waiting();
 }
 
 /// Of the receivers that are gone and that nobody waits for, the oldest go when there are too many.
@@ -338,6 +359,15 @@ std::int64_t ReceiverTable::missed(Id id) const
 {
     const auto found = seats_.find(id);
     return found == seats_.end() ? 0 : found->second.subscription().missed();
+}
+
+std::vector<ReceiverTable::Id> ReceiverTable::registered(const std::string& drone) const
+{
+    std::vector<Id> ids;
+    for (const auto& [id, seat] : seats_)
+        if (is_of(seat.receiver, drone))
+            ids.push_back(id);
+    return ids;
 }
 
 std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions)

@@ -95,9 +95,13 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
     return list;
 }
 
-std::int64_t ReceiverTable::row_of(const Plain& plain)
+/// 0: that of its name. Applications that are registered under one name have a row each, and so have two drones.
+std::int64_t ReceiverTable::row_of(const Plain& plain) const
 {
-    return !plain.unique && plain.registered.now > 0 ? plain.place : 0;
+    const auto is_twin = [&](const Plain& other) {
+        return other.receiver == plain.receiver && other.registered.now > 0 && other.run != plain.run;
+    };
+    return plain.registered.now > 0 && (!plain.unique || std::ranges::any_of(plain_, is_twin)) ? plain.place : 0;
 }
 
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const

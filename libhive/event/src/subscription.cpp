@@ -340,9 +340,15 @@ void Subscription::abandon(std::int64_t number, Decisions& decisions)
 
 // --- leases and ends ---
 
-Clock::duration Subscription::lease_of(const Consumer& consumer) const
+/// The shortest that a consumer asks for, so that none keeps work from the others for longer than they would; one that
+/// asks for none has the measured one.
+Clock::duration Subscription::lease() const
 {
-    return consumer.options.lease ? Clock::duration(*consumer.options.lease) : times_.lease();
+    auto shortest = Clock::duration::max();
+    for (const auto& [id, consumer] : consumers_)
+        shortest =
+            std::min(shortest, consumer.options.lease ? Clock::duration(*consumer.options.lease) : times_.lease());
+    return shortest;
 }
 
 void Subscription::tick(Clock::time_point now, Decisions& decisions)
@@ -351,8 +357,9 @@ void Subscription::tick(Clock::time_point now, Decisions& decisions)
         shared() ? cancel(decisions) : stop_waiting();
     if (!shared())
         return;
+    const auto lease = this->lease();
     for (auto& [id, consumer] : consumers_) {
-        if (consumer.suspect || !consumer.works() || now - consumer.head_since < lease_of(consumer))
+        if (consumer.suspect || !consumer.works() || now - consumer.head_since < lease)
             continue;
         consumer.suspect = true;
         for (auto i = consumer.hands.size(); i-- > consumer.head();)

@@ -202,7 +202,7 @@ bool Application::Core::answers(const Place& place)
 {
     if (is_here(place))
         return directory.home().alive(place.drone);
-    const auto reply = send(place, protocol::PacketType::status, {{"skip_edges", max_json_integer}}, {});
+    const auto reply = send(place, protocol::PacketType::status, {{"skip", max_json_integer}}, {});
     return !std::holds_alternative<Error>(wait_for(reply));
 }
 

@@ -1,4 +1,4 @@
-// What drones say of themselves. One with many receivers says it in pages, so it is asked until all is told.
+// What drones say of themselves. One with many connections says it in pages, so it is asked until all is told.
 #include "application_core.hpp"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace hive {
 namespace {
 
-/// Whoever adds receivers faster than they can be listed is not listed to the end.
+/// Connections that are added faster than they can be listed are not listed to the end.
 constexpr int most_pages = 64;
 
 /// Takes the next page into the answer. @return whether another one is to be asked for
@@ -15,12 +15,12 @@ try {
     if (page.error)
         throw *page.error;
     auto status = status_from_json(page.result);
-    const auto listed = edges_listed(status);
-    if (edges_listed(answer.status) == 0)
+    const auto listed = rows_listed(status);
+    if (rows_listed(answer.status) == 0)
         answer.status = std::move(status);
     else
         add_page(answer.status, std::move(status));
-    return listed > 0 && edges_left_out(answer.status) > 0;
+    return listed > 0 && answer.status.rows_left_out > 0;
 } catch (const Error& error) {
     answer.error = error;
     return false;
@@ -52,8 +52,8 @@ std::vector<StatusAnswer> Application::status(const std::vector<std::string>& dr
         std::vector<Json> headers;
         for (const auto* answer : unfinished) {
             names.push_back(answer->drone);
-            const auto listed = edges_listed(answer->status);
-            headers.push_back(listed > 0 ? Json{{"skip_edges", listed}} : Json::object());
+            const auto listed = rows_listed(answer->status);
+            headers.push_back(listed > 0 ? Json{{"skip", listed}} : Json::object());
         }
         const auto pages = core_->ask_all(names, protocol::PacketType::status, headers);
         std::vector<StatusAnswer*> more;

@@ -63,7 +63,7 @@ std::vector<std::string> Application::Core::ways(const std::string& from, const 
     const auto sender = place(from), receiver = place(to);
     if (is_here(sender) && is_here(receiver))
         return {""};
-    const auto answers = ask_all({from, to}, PacketType::status, Json{{"skip_edges", max_json_integer}});
+    const auto answers = ask_all({from, to}, PacketType::status, Json{{"skip", max_json_integer}});
     std::vector<std::vector<std::string>> places;
     for (const auto& answer : answers) {
         if (answer.error)
@@ -104,9 +104,9 @@ void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
         if (core_->directory.find(receiver.drone))
             return core_->disconnect(sender, receiver);
     } catch (const Error& error) {
-        // From here it seems to be gone, or it was never connected.
+        // From here it seems to be gone, it hangs, or it was never connected.
         const bool gone = error.code() == Errc::unreachable && !is_here(core_->place(receiver.drone));
-        if (!gone && error.code() != Errc::not_found)
+        if (!gone && error.code() != Errc::not_found && error.code() != Errc::timeout)
             throw;
         refused = error;
     }

@@ -47,7 +47,7 @@ void Reporter::report(const Error& error, const Event* cause)
                       .time_us = event::wall_us(),
                       .source = event.identity.source,
                       .sequence = event.identity.sequence});
-    if (const auto left_out = lines_.ask(LogLevel::error, cause ? cause->sender : "", event::Clock::now()))
+    if (const auto left_out = lines_.pass(cause ? cause->sender : "", event::Clock::now()))
         log(LogLevel::error, std::string("exception: ") + std::string(info(error.code()).token) + ": " + error.what()
                                  + event::left_out_text(*left_out));
     std::optional<Share> own;

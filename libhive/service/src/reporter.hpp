@@ -3,7 +3,7 @@
 
 #include "status_board.hpp"
 
-#include <hive/event/line_budget.hpp>
+#include <hive/event/rate_limits.hpp>
 #include <hive/event/module.hpp>
 
 namespace hive::service {
@@ -40,9 +40,9 @@ private:
     const Log sink_;
     event::Module* module_ = nullptr;
     event::Outlet* exceptions_ = nullptr;
-    event::LineBudget lines_;
-    std::map<std::string, Failures> failures_;  ///< by source; the network side
-    std::atomic<std::int64_t> given_ = 0;       ///< turns of exceptions of lossless events
+    event::RateLimits lines_{10, std::chrono::seconds(1)};  ///< of exceptions, by their sender
+    std::map<std::string, Failures> failures_;              ///< by source; the network side
+    std::atomic<std::int64_t> given_ = 0;                   ///< turns of exceptions of lossless events
 };
 
 }  // namespace hive::service

@@ -32,7 +32,7 @@ void Requests::add_handlers()
            [this](const Incoming& incoming) { incoming.answer(to_json(parts_.declaration.interface)); });
     handle(PacketType::status, [this](const Incoming& incoming) {
         incoming.answer(
-            to_json(status_.page(Fields(incoming.header, "status").integer_or("skip_edges", 0, max_json_integer, 0))));
+            to_json(status_.page(Fields(incoming.header, "status").integer_or("skip", 0, max_json_integer, 0))));
     });
     handle(PacketType::get, [this](const Incoming& incoming) { parameters_.on_get(incoming); });
     handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });

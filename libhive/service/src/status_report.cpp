@@ -26,22 +26,24 @@ MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& co
 
 }  // namespace
 
-/// Each receiver on another machine asks every 2 s for what the time is, and skips all edges: they are not even listed.
-Status StatusReport::page(std::int64_t skip_edges) const
+/// Each receiver on another machine asks every 2 s for what the time is, and skips all rows: they are not even made.
+Status StatusReport::page(std::int64_t skip) const
 {
-    return skip_edges == max_json_integer ? without_edges() : page_of(now(), skip_edges);
+    return skip == max_json_integer ? without_rows() : page_of(now(), skip);
 }
 
 Status StatusReport::now() const
 {
-    Status status = without_edges();
+    Status status = without_rows();
+    status.inputs = inputs();
+    status.left = module_.left();
     auto output = status.outputs.begin();
     for (const auto& outlet : module_.outlets())
         (output++)->edges = outlet.edges();
     return status;
 }
 
-Status StatusReport::without_edges() const
+Status StatusReport::without_rows() const
 {
     const auto board = board_.values();
     const auto busy_for = board.state == State::busy ? event::microseconds(Clock::now() - board.busy_since) : 0;
@@ -59,8 +61,8 @@ Status StatusReport::without_edges() const
                   .why = why(board),
                   .source_events = board.source_events,
                   .outputs = {},
-                  .inputs = inputs(),
-                  .left = module_.left(),
+                  .inputs = {},
+                  .left = {},
                   .matching = matching(board),
                   .last_exception = board.last_exception,
                   .places = listening_.places()};

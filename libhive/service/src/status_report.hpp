@@ -20,10 +20,10 @@ public:
     /// As SPEC.md, section 6.4, has it, with all edges.
     [[nodiscard]] Status now() const;
     /// With as many edges as fit one answer, from one on.
-    [[nodiscard]] Status page(std::int64_t skip_edges) const;
+    [[nodiscard]] Status page(std::int64_t skip) const;
 
 private:
-    [[nodiscard]] Status without_edges() const;
+    [[nodiscard]] Status without_rows() const;
     [[nodiscard]] std::vector<InputStatus> inputs() const;
     [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
     [[nodiscard]] Reason why(const StatusBoard::Values& board) const;

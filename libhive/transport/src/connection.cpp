@@ -47,6 +47,13 @@ public:
             asio::post(context_, [written = std::move(written)] { written(false); });
         return Carriage::inside;
     }
+    void ping(std::function<void(bool)> answered) override
+    {
+        if (const auto core = core_.lock())
+            core->ping(std::move(answered));
+        else
+            asio::post(context_, [answered = std::move(answered)] { answered(false); });
+    }
     [[nodiscard]] bool can_share() const override { return can_share_; }
     void share(std::shared_ptr<Pool> pool) override
     {

@@ -71,6 +71,26 @@ Carriage ConnectionCore::send(protocol::Packet packet, Connection::Written writt
     return carriage;
 }
 
+void ConnectionCore::ping(std::function<void(bool)> answered)
+{
+    if (ended_)
+        return asio::post(context_, [answered = std::move(answered)] { answered(false); });
+    constexpr std::size_t max_unanswered = 1024;
+    pings_.push_back(std::move(answered));
+    if (pings_.size() > max_unanswered)
+        return end(about_peer({Errc::malformed, "it answers no ping"}));
+    send(protocol::make_packet(protocol::PacketType::ping, {}), {});
+}
+
+void ConnectionCore::take_pong()
+{
+    if (pings_.empty())
+        return;  // it answers what nobody asked
+    const auto answered = std::move(pings_.front());
+    pings_.pop_front();
+    answered(true);
+}
+
 /// A body in shared memory is replaced by a reference to it. The offer of its segment is a control packet, so it
 /// arrives before.
 Carriage ConnectionCore::lend(protocol::Packet& packet)
@@ -101,13 +121,15 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
     stream_->close();
     timer_.cancel();
     admission_.reset();
-    asio::post(context_,
-               [self = shared_from_this(), told = std::exchange(handlers_, nullptr), unwritten = writer_.drop()] {
-                   for (const auto& written : unwritten)
-                       written(false);
-                   if (told && told->closed)
-                       told->closed(*self->ended_);
-               });
+    asio::post(context_, [self = shared_from_this(), told = std::exchange(handlers_, nullptr),
+                          unwritten = writer_.drop(), pings = std::exchange(pings_, {})] {
+        for (const auto& written : unwritten)
+            written(false);
+        if (told && told->closed)
+            told->closed(*self->ended_);
+        for (const auto& answered : pings)
+            answered(false);
+    });
 }
 
 void ConnectionCore::abandon()
@@ -188,7 +210,7 @@ void ConnectionCore::take(protocol::Packet&& packet)
         liveness_.hello_came();
     }
     if (packet.type == protocol::PacketType::pong)
-        return;
+        return take_pong();
     if (packet.type == protocol::PacketType::ping) {
         send(protocol::make_packet(protocol::PacketType::pong, {}), {});
         return;
@@ -306,7 +328,7 @@ void ConnectionCore::look()
 {
     const auto now = Clock::now();
     if (writer_.idle() && liveness_.ping_due(now))
-        send(protocol::make_packet(protocol::PacketType::ping, {}), {});
+        ping([](bool) {});
     // This end was held up (stopped, suspended, overloaded): what the peer sent meanwhile may still be unread.
     if (const auto late = now - timer_.expiry(); late > timing_.silence / 4)
         liveness_.excuse(late);

@@ -11,6 +11,8 @@
 
 #include <hive/platform/timer.hpp>
 
+#include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +29,7 @@ public:
     void start(Connection::Handlers handlers);
     void open(const protocol::Limits& limits);
     Carriage send(protocol::Packet packet, Connection::Written written);
+    void ping(std::function<void(bool)> answered);
     void share(std::shared_ptr<Pool> pool) { lending_.emplace(std::move(pool)); }
     [[nodiscard]] bool ended_by_peer() const { return ended_by_peer_; }
     [[nodiscard]] bool shares() const { return lending_.has_value() && !ended_; }
@@ -46,6 +49,7 @@ private:
     std::size_t deliver();
     std::optional<protocol::Packet> next_packet();
     void take(protocol::Packet&& packet);
+    void take_pong();
     /// What is said about shared memory. True when that was all.
     bool take_shared(protocol::Packet& packet);
     Carriage lend(protocol::Packet& packet);
@@ -69,6 +73,7 @@ private:
     std::unique_ptr<Borrowing> borrowing_;            ///< from the first segment of the peer on
     std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a call that is going on, which may end everything
     std::optional<Error> ended_;
+    std::deque<std::function<void(bool)>> pings_;  ///< that were not answered, the oldest first
     std::uint64_t most_body_ = 0;
     bool hello_came_ = false;
     bool opened_ = false;

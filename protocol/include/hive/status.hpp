@@ -93,7 +93,6 @@ struct OutputStatus {
     std::int64_t unreceived = 0;  ///< of those: nobody received the output
     std::int64_t last_emitted_us = 0;
     std::vector<EdgeStatus> edges{};
-    std::int64_t edges_left_out = 0;  ///< more than one answer holds
     Reason why{};
 };
 
@@ -150,20 +149,21 @@ struct Status {
     std::vector<InputStatus> left{};  ///< what connections that were ended had received: one row for each input
     std::vector<MatchingStatus> matching{};
     std::optional<ExceptionStatus> last_exception{};
+    std::int64_t rows_left_out = 0;     ///< of inputs, left and edges: more than one answer holds
     std::vector<std::string> places{};  ///< addresses where it is met: "unix:/...", "tcp://cam1:7700"
 };
 
 Json to_json(const EdgeStatus& edge);
+Json to_json(const InputStatus& input);
 Json to_json(const Status& status);
 /// Throws Errc::malformed.
 Status status_from_json(const Json& object);
 
-/// What one answer holds: the edges (counted over all outputs) from `skip_edges` on, as many as fit into a header;
-/// `edges_left_out` of an output says how many follow.
-Status page_of(Status status, std::int64_t skip_edges);
-std::int64_t edges_listed(const Status& status);
-std::int64_t edges_left_out(const Status& status);
-/// Appends the edges of the next page.
+/// What one answer holds: the rows (of inputs, left, and the edges of all outputs, in this order) from number `skip`
+/// on, as many as fit into a header; `rows_left_out` says how many follow.
+Status page_of(Status status, std::int64_t skip);
+std::int64_t rows_listed(const Status& status);
+/// Appends the rows of the next page.
 void add_page(Status& status, Status page);
 
 }  // namespace hive

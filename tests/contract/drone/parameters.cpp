@@ -309,7 +309,7 @@ TEST_CASE("drone: requests with a wrong field are malformed, and the connection 
                                             {raw::halt, {{"policy", "never"}}},
                                             {raw::forget, Json::object()},
                                             {raw::forget, {{"receiver", ""}}},
-                                            {raw::status, {{"skip_edges", -1}}},
+                                            {raw::status, {{"skip", -1}}},
                                             {raw::register_, Json::object()},
                                             {raw::register_, {{"epoch", -1}, {"output", "x"}, {"receiver", "r"}}}};
     for (const int type : {raw::register_, raw::deregister, raw::connect, raw::disconnect, raw::set, raw::get,

@@ -27,6 +27,7 @@ enum Type : int {
     event = 20,
     notification = 21,
     exception = 22,
+    end = 24,
     connect = 30,
     disconnect = 31,
     set = 32,

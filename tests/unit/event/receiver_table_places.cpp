@@ -112,6 +112,39 @@ TEST_CASE("displaced: a restarted drone gets again what its old connection had i
     CHECK(world.table.asked());
 }
 
+TEST_CASE("displaced: another drone of the same name has a place, a row and counts of its own, and takes up none")
+{
+    World world;
+    world.add({.id = 1, .receiver = "face.image", .options = window(2), .run = 10, .unique = true});
+    CHECK(world.offer(1, true) == Got{{1, {1}}});
+    CHECK(world.add({.id = 2, .receiver = "face.image", .options = window(2), .run = 20, .unique = true}).empty());
+    CHECK_FALSE(world.welcome.ends);
+    CHECK(world.offer(2, true) == Got{{1, {2}}, {2, {2}}});
+    REQUIRE(world.rows().size() == 2);
+    CHECK(world.rows()[0].events.total() + world.rows()[1].events.total() == 3);
+    world.lose(1, Fate::lost_killed);
+    CHECK(world.add({.id = 3, .receiver = "face.image", .options = window(2), .run = 30, .unique = true})
+          == Got{{3, {1, 2}}});
+    CHECK(world.offer(3, true) == Got{{2, {3}}});
+}
+
+TEST_CASE("kept place: of more than 256, the one that was lost first is waited for no longer")
+{
+    World world;
+    for (ReceiverId id = 1; id <= 300; ++id) {
+        world.add(
+            {.id = id, .receiver = "face-" + std::to_string(id) + ".image", .options = window(1), .unique = true});
+        world.lose(id, Fate::lost_cut_off);
+    }
+    world.offer(1, true);
+    world.add({.id = 301, .receiver = "face-1.image", .options = window(1), .unique = true});
+    CHECK(world.row("face-1.image").events.in_flight() == 0);
+    CHECK(world.add({.id = 302, .receiver = "face-300.image", .options = window(1), .unique = true})
+          == Got{{302, {1}}});
+    CHECK(world.forget("face-45") == 1);
+    CHECK(world.forget("face-44") == 0);
+}
+
 TEST_CASE("kept place: nobody pushes another from its place, nor by merely watching")
 {
     World world;

@@ -142,6 +142,27 @@ TEST_CASE("shared: numbers handed back that a member was never sent, or has done
     CHECK(workers.all_balanced());
 }
 
+TEST_CASE(
+    "shared: the shortest lease that a member asks for holds for all, or the measured one if a member asks for none")
+{
+    auto greedy = sharing();
+    greedy.lease = 24h;
+    Workers workers(0);
+    workers.join(1, "greedy", greedy);
+    CHECK(workers.offer(1) == Got{{1, {1}}});
+    CHECK(workers.pass(1h).empty());
+    workers.join(2, "face");
+    CHECK(workers.pass(1s) == Got{{2, {1}}});  // 30 s, and the job is an hour old
+    auto modest = greedy;
+    modest.lease = 5s;
+    Workers others(0);
+    others.join(1, "greedy", greedy);
+    others.join(2, "modest", modest);
+    CHECK(others.offer(1) == Got{{1, {1}}});
+    CHECK(others.pass(4s).empty());
+    CHECK(others.pass(1s) == Got{{2, {1}}});
+}
+
 TEST_CASE("shared: members join and leave while it runs, and leases of others stay where they are")
 {
     Workers workers(1);

@@ -19,9 +19,10 @@ public:
     }
 
     Got join(ReceiverId id) { return join(id, "face-" + std::to_string(id)); }
-    Got join(ReceiverId id, const std::string& name)
+    Got join(ReceiverId id, const std::string& name) { return join(id, name, options_); }
+    Got join(ReceiverId id, const std::string& name, const ConnectionOptions& options)
     {
-        return got([&](Decisions& to) { subscription.attach(id, options_, {}, &ledgers[name], now, to); });
+        return got([&](Decisions& to) { subscription.attach(id, options, {}, &ledgers[name], now, to); });
     }
     Got offer(std::int64_t sequence, bool lossless = true)
     {

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+
 using namespace hive;
 
 namespace {
@@ -16,9 +18,18 @@ EdgeStatus edge(const std::string& receiver)
     return edge;
 }
 
-Status with_edges(int first, int second)
+InputStatus input(int number)
+{
+    return {.input = "image", .from = "camera.image" + std::to_string(number), .received = 1, .processed = 1};
+}
+
+Status with_rows(int inputs, int left, int first, int second)
 {
     Status status{.name = "camera", .kind = "camera"};
+    for (int i = 0; i < inputs; ++i)
+        status.inputs.push_back(input(i));
+    for (int i = 0; i < left; ++i)
+        status.left.push_back(input(i));
     for (const auto& [name, count] : {std::pair{"image", first}, {"small", second}}) {
         OutputStatus output{.name = name, .type = "image/jpeg"};
         for (int i = 0; i < count; ++i)
@@ -30,29 +41,36 @@ Status with_edges(int first, int second)
 
 }  // namespace
 
-TEST_CASE("status pages: all edges are told, each once, in answers that fit into a header")
+TEST_CASE("status pages: all rows are told, each once, in answers that fit into a header")
 {
-    for (const auto& [first, second] : {std::pair{0, 0}, {3, 2}, {128, 0}, {100, 100}, {300, 17}}) {
+    for (const auto& [inputs, left, first, second] : {std::array{0, 0, 0, 0},
+                                                      {0, 0, 3, 2},
+                                                      {0, 0, 128, 0},
+                                                      {1, 2, 125, 0},
+                                                      {0, 0, 100, 100},
+                                                      {200, 3, 300, 17},
+                                                      {130, 130, 0, 0}}) {
+        CAPTURE(inputs);
         CAPTURE(first);
-        const auto whole = with_edges(first, second);
+        const auto whole = with_rows(inputs, left, first, second);
         auto read = page_of(whole, 0);
         int pages = 1;
-        for (; edges_left_out(read) > 0; ++pages) {
+        for (; read.rows_left_out > 0; ++pages) {
             REQUIRE(pages < 20);
-            auto page = page_of(whole, edges_listed(read));
-            REQUIRE(edges_listed(page) > 0);
-            CHECK(edges_listed(page) <= 128);
+            auto page = page_of(whole, rows_listed(read));
+            REQUIRE(rows_listed(page) > 0);
+            CHECK(rows_listed(page) <= 128);
             CHECK(to_text(to_json(page)).size() < 60'000);
             add_page(read, std::move(page));
         }
         CHECK(to_json(read) == to_json(whole));
-        CHECK((pages == 1) == (first + second <= 128));
+        CHECK((pages == 1) == (inputs + left + first + second <= 128));
     }
 }
 
-TEST_CASE("status pages: one that begins after the last edge has none")
+TEST_CASE("status pages: one that begins after the last row has none")
 {
-    const auto page = page_of(with_edges(3, 2), 5);
-    CHECK(edges_listed(page) == 0);
-    CHECK(edges_left_out(page) == 0);
+    const auto page = page_of(with_rows(1, 0, 3, 2), 6);
+    CHECK(rows_listed(page) == 0);
+    CHECK(page.rows_left_out == 0);
 }

@@ -56,8 +56,9 @@ Request request_from_text(std::string_view text);
 /// An output has ended: nothing more will come (SPEC.md, section 5.6).
 struct End {
     static constexpr std::size_t most_text = 1024;
-    std::string text;     ///< what is lacking; empty: nothing, the regular end of its source
-    bool leaves = false;  ///< instead: its drone is being stopped, and need not be waited for
+    std::string text;           ///< what is lacking; empty: nothing, the regular end of its source
+    bool leaves = false;        ///< instead: its drone is being stopped, and need not be waited for
+    bool disconnected = false;  ///< instead: an operator ended this registration, and it does not come back by itself
 
     /// Each text once, cut where it is too long.
     void add(const std::string& more);

@@ -104,6 +104,7 @@ private:
     void retry();
     void on_packet(const protocol::Packet& packet);
     void disconnected();
+    void dropped();
     void note_end(std::optional<std::string> text);
     void note_share(Event& event);
     void begin_numbering(std::int64_t place, std::int64_t taken);

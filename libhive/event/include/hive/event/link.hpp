@@ -7,6 +7,7 @@
 #include <hive/transport/connection.hpp>
 
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -96,6 +97,9 @@ public:
     std::uint16_t claim_channel(ChannelSink sink);
     void release_channel(std::uint16_t channel);
     void close(const Error& reason) { connection_->close(reason); }
+    /// What the peer asks waits until each defer() is followed by a go_on().
+    void defer() { ++defers_; }
+    void go_on();
     /// Is nothing under way, in either direction, and nothing received here?
     [[nodiscard]] bool idle() const noexcept
     {
@@ -116,6 +120,7 @@ private:
         std::int64_t asked_wall_us;
     };
     void on_packet(const protocol::Packet& packet);
+    void take(const protocol::Packet& packet);
     void on_hello(const protocol::Packet& packet);
     void on_confirmation(const Json& header);
     void on_closed(const Error& reason);
@@ -133,6 +138,8 @@ private:
     bool asking_time_ = false;
     bool open_ = false;
     Clock::time_point used_{};
+    int defers_ = 0;
+    std::deque<protocol::Packet> deferred_;
     std::int64_t next_id_ = 0;
     std::uint16_t next_channel_ = 0;
     std::map<std::int64_t, Pending> pending_;
@@ -140,5 +147,8 @@ private:
 };
 
 using LinkPtr = std::shared_ptr<Link>;
+
+/// Where a connection comes from, the same for each of a peer: "pid 4711", "192.0.2.7".
+std::string without_port(const std::string& place);
 
 }  // namespace hive::event

@@ -5,12 +5,11 @@
 #include <hive/event/encoder_thread.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
-#include <hive/event/line_budget.hpp>
 #include <hive/event/link.hpp>
-#include <hive/event/log_limit.hpp>
 #include <hive/event/loop.hpp>
 #include <hive/event/mailbox.hpp>
 #include <hive/event/outlet.hpp>
+#include <hive/event/rate_limits.hpp>
 #include <hive/log_level.hpp>
 #include <hive/platform/signals.hpp>
 #include <hive/platform/timer.hpp>
@@ -125,7 +124,7 @@ public:
     /// Whom the sources of this module wait for; those that are expected to come are among them.
     [[nodiscard]] std::vector<Subscriber> subscribers() const;
     void expect(const std::vector<Subscriber>& subscribers, std::optional<Clock::time_point> until);
-    /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
+    /// As Outlet::forget. @param output  empty: every one
     std::size_t forget(const std::string& drone, const std::string& output);
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
@@ -150,7 +149,8 @@ private:
     };
     void gone(const std::shared_ptr<Intake>& intake) override;
     void release_held();
-    void end_earlier_run(const LinkPtr& link);
+    void await_earlier_run(const LinkPtr& link);
+    void await_end_or_answer(Link& earlier, const LinkPtr& link);
     void let_one_go();
     void dial_next();
     void dial(const transport::Address& address, const std::string& key, Clock::time_point deadline);
@@ -193,10 +193,12 @@ private:
     platform::Timer keys_timer_{context()};
     bool watching_keys_ = false;
     std::string keys_trouble_;  ///< what was last said of the file
-    LogLimit refusals_{10, std::chrono::seconds(10)};
+    RateLimits refusals_{10, std::chrono::seconds(10)};
+    RateLimits arrivals_{512, std::chrono::seconds(1)};
+    RateLimits registrations_{4096, std::chrono::seconds(10)};
     std::optional<platform::Signals> signals_;
     bool armed_ = false, ending_ = false, handed_over_ = false;
-    LineBudget lines_;
+    RateLimits lines_{10, std::chrono::seconds(1)};
     std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by who is there
     std::atomic<bool> halted_ = false;
     bool backlogged_ = false;

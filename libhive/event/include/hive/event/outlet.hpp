@@ -60,7 +60,8 @@ public:
     void release_held();
     /// An earlier run of this drone had this one. @param until  as for ReceiverTable
     void expect(const Subscriber& subscriber, std::optional<Clock::time_point> until);
-    /// @return  how many places and groups waited for this drone
+    /// Ends the registrations of this drone, or of one input of it, and waits no longer for it to come back.
+    /// @return  how many registrations, places and groups that were
     std::size_t forget(const std::string& drone);
     void tick();
 

@@ -21,7 +21,8 @@ struct Newcomer {
     ConnectionOptions options = {};
     std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
     std::optional<std::int64_t> taken = {};  ///< at that place
-    bool unique = false;                     ///< nobody else has this name: what stands or is kept under it is its own
+    std::int64_t run = 0;                    ///< the epoch of its module: another run of a drone has another
+    bool unique = false;                     ///< a drone's: what is kept under its name is its own
     bool guest = false;                      ///< it looks on, and nobody waits for it
     /// If it stands elsewhere: that registration deals with what it has in hand before it ends.
     bool drains = false;
@@ -52,6 +53,7 @@ public:
 
     static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and what waits in them
     static constexpr std::size_t max_gone = 64;          ///< receivers that left or were lost: their counts are kept
+    static constexpr std::size_t max_awaited = 256;      ///< of them, that the source waits for
 
     struct Row {
         Id id;  ///< 0: a group, or a receiver that is not registered now
@@ -93,6 +95,8 @@ public:
     /// An earlier run of this drone had this one.
     /// @param until  wait so long for it; empty: until it is there
     void expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until);
+    /// The registrations of this drone, or of one input of it.
+    [[nodiscard]] std::vector<Id> registered(const std::string& drone) const;
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
     /// Number of lossless events that this receiver missed while it was away; see Subscription::missed().
@@ -135,6 +139,7 @@ private:
         std::string receiver;
         Subscription subscription;
         std::int64_t place = 0;
+        std::int64_t run = 0;  ///< of the module of its last consumer
         Registered registered{};
         bool unique = true;  ///< a drone's; false: the next receiver of this name may be another application
     };
@@ -150,6 +155,7 @@ private:
     };
     struct Seat {  ///< a registration
         std::string receiver;
+        std::int64_t run = 0;
         std::int64_t registration = 0;
         Plain* plain = nullptr;
         Group* group = nullptr;    ///< one of the two
@@ -158,7 +164,7 @@ private:
         [[nodiscard]] Subscription& subscription() const { return plain ? plain->subscription : group->subscription; }
     };
 
-    [[nodiscard]] static std::int64_t row_of(const Plain& plain);
+    [[nodiscard]] std::int64_t row_of(const Plain& plain) const;
     Plain& plain_for(const Newcomer& newcomer);
     Group& group_named(const std::string& name);
     Welcome seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
@@ -172,6 +178,7 @@ private:
     void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;
+    void forget_awaited();
     void forget_gone();
     void forget_empty_groups(Decisions& decisions);
 

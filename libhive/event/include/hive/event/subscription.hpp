@@ -86,6 +86,8 @@ public:
     void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
     /// The source no longer waits for a consumer to come back, and what that consumer misses is no longer counted.
     void cancel(Decisions& decisions);
+    /// Its consumer was away for too long: what waits is lost, and what it misses from now on is counted.
+    void stop_waiting();
     /// Of a new one: an earlier run of this drone had a consumer, which will come again.
     /// @param until  empty: whenever that is
     void expect(std::optional<Clock::time_point> until);
@@ -176,7 +178,7 @@ private:
     [[nodiscard]] Share share(std::int64_t number, const Job& job) const;
     [[nodiscard]] std::optional<Share> told(std::int64_t number, const Job& job) const;
     Job leave_with(std::int64_t number);
-    [[nodiscard]] Clock::duration lease_of(const Consumer& consumer) const;
+    [[nodiscard]] Clock::duration lease() const;
 
     void miss(const Identity& identity, Clock::time_point now);
     void count_missed(const Identity& identity);
@@ -196,7 +198,6 @@ private:
     void take_back(Away& away, std::int64_t count);
     void abandon_exhausted(Decisions& decisions);
     void last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
-    void stop_waiting();
     void skip_newest_live();
     void end_live(Fate how);
     [[nodiscard]] EmissionPtr next() const;
