@@ -89,6 +89,7 @@ std::string_view sentence(Reason reason) noexcept
     case Reason::refused: return "the sender refused the connection";
     case Reason::no_input: return "nothing is connected to its inputs";
     case Reason::source_ended: return "the source has come to its end";
+    case Reason::set_prepared: return "an application prepared a set and has not committed or aborted it yet";
     case Reason::watched: return "only watchers receive it, and on demand it waits for a receiver of bodies";
     }
     return {};

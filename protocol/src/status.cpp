@@ -24,6 +24,7 @@ constexpr std::array reasons{
     std::pair{Reason::refused, "refused"},
     std::pair{Reason::no_input, "no_input"},
     std::pair{Reason::source_ended, "source_ended"},
+    std::pair{Reason::set_prepared, "set_prepared"},
     std::pair{Reason::watched, "watched"},
 };
 

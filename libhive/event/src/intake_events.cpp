@@ -38,6 +38,15 @@ void Intake::dropped()
     note_end(text);
 }
 
+/// A sender speaks for itself alone: its events are those of its output.
+void Intake::require_own(const Event& event) const
+{
+    const auto& peer = link_->peer();
+    if (event.sender != peer.name || event.kind != peer.kind || event.output != spec_.output)
+        throw Error(Errc::malformed, peer.name + " sent an event of " + in_quotes(event.sender + "." + event.output)
+                                         + " (" + event.kind + ") on the channel of its " + spec_.output);
+}
+
 void Intake::on_packet(const protocol::Packet& packet)
 {
     if (packet.type == PacketType::end) {
@@ -49,6 +58,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     }
     note_end(std::nullopt);
     Event event = event_from_packet(packet);
+    require_own(event);
     const auto most = spec_.options.transfer == Transfer::synchronized ? asked_
                       : event.identity.lossless                        ? most_told_ + Credit::most_streamed
                                                                        : max_json_integer;

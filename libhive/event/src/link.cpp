@@ -184,6 +184,10 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
     } catch (const Error& error) {
         return answer(id, error);
     }
+    // A peer that asks faster than it reads keeps its connection: the short answer fits.
+    constexpr std::size_t short_answer = 1024;
+    if (text.size() > short_answer && !connection_->has_room(text.size() + 32 * short_answer))
+        return answer(id, Error(Errc::refused, "answers to earlier requests wait to be read"));
     connection_->send(protocol::make_packet(PacketType::confirmation, std::move(text)));
 }
 

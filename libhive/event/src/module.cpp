@@ -148,7 +148,7 @@ transport::Address Module::listen(const transport::Address& address)
         [this](std::shared_ptr<transport::Connection> connection) {
             if (const auto& place = connection->peer(); !arrivals_.pass(without_port(place), Clock::now()))
                 return log_about(LogLevel::warning, place,
-                                 "refused " + place + ": more than 512 connections within 1 s");
+                                 "refused " + place + ": more than 1024 connections within 1 s");
             const bool local = connection->credentials().role == Role::owner;
             if (local && !has_local_place())
                 return turn_away(*connection);

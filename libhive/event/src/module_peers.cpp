@@ -166,6 +166,7 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
                              .body = packet.body,
                              .asked = asked,
                              .answer = answer,
+                             .connection = &link,
                              .connected = [weak = link.weak_from_this()] {
                                  const auto asker = weak.lock();
                                  return asker && asker->open();

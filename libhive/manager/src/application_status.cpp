@@ -6,7 +6,8 @@
 namespace hive {
 namespace {
 
-/// Connections that are added faster than they can be listed are not listed to the end.
+/// Connections that are added faster than they can be listed are not listed to the end, nor is a drone that takes
+/// longer than the time for one answer to list them.
 constexpr int most_pages = 64;
 
 /// Takes the next page into the answer. @return whether another one is to be asked for
@@ -47,7 +48,8 @@ std::vector<StatusAnswer> Application::status(const std::vector<std::string>& dr
     }
     std::vector<StatusAnswer*> unfinished;
     std::ranges::transform(answers, std::back_inserter(unfinished), [](StatusAnswer& answer) { return &answer; });
-    for (int page = 0; page < most_pages && !unfinished.empty(); ++page) {
+    const auto until = core_->deadline();
+    for (int page = 0; page < most_pages && !unfinished.empty() && (page == 0 || event::Clock::now() < until); ++page) {
         std::vector<std::string> names;
         std::vector<Json> headers;
         for (const auto* answer : unfinished) {

@@ -3,6 +3,8 @@
 
 #include "application_core.hpp"
 
+#include <hive/protocol/requests.hpp>
+
 #include <algorithm>
 
 namespace hive {
@@ -90,8 +92,8 @@ void JointSet::ask_to_prepare(const PartPtr& part, const event::LinkPtr& link)
 {
     part->link = link;
     link->held = true;
-    const Json header{
-        {"parameters", terms_.parameters}, {"prepare", token_}, {"deadline_ms", deadline_ms_before(terms_.deadline)}};
+    const auto deadline_ms = std::min(deadline_ms_before(terms_.deadline), protocol::Set::max_prepare_ms);
+    const Json header{{"parameters", terms_.parameters}, {"prepare", token_}, {"deadline_ms", deadline_ms}};
     link->request(PacketType::set, header, {}, terms_.deadline, [part](const event::Outcome& outcome) {
         if (!part->over)
             part->prepared = outcome;

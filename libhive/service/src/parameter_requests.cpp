@@ -12,9 +12,11 @@ using event::Incoming;
 
 namespace {
 
-constexpr std::chrono::milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
+using std::chrono::milliseconds;
+
+constexpr milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
 /// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
-constexpr std::chrono::milliseconds last_look(200);
+constexpr milliseconds last_look(200);
 
 /// What the answer says when the drone's code threw: it understood, and said no.
 Error refusal(const Error& error)
@@ -65,10 +67,12 @@ void ParameterRequests::on_set(const Incoming& incoming)
     if (set.abort)
         return on_abort(incoming, *set.abort);
     require_allowed(incoming, set.parameters);
+    const auto longest = set.prepare ? milliseconds(protocol::Set::max_prepare_ms) : most_patience;
     Proposal::Terms terms{.values = parts_.parameters.checked(set.parameters),
-                          .deadline = std::min(incoming.asked->deadline(), Clock::now() + most_patience),
+                          .deadline = std::min(incoming.asked->deadline(), Clock::now() + longest),
                           .token = set.prepare,
                           .asker = incoming.peer,
+                          .connection = incoming.connection,
                           .connected = incoming.connected,
                           .answer = incoming.answer};
     if (set.check_only)
@@ -99,9 +103,9 @@ void ParameterRequests::require_free()
     give_up(held_, Error(Errc::connection_lost, "the asker is gone"));
 }
 
-ProposalPtr ParameterRequests::held(std::int64_t token) const
+ProposalPtr ParameterRequests::held(const Incoming& incoming, std::int64_t token) const
 {
-    if (held_ && held_->has(token) && held_->undecided())
+    if (held_ && held_->has(token, incoming.connection) && held_->undecided())
         return held_;
     throw Error(Errc::not_found, parts_.module.self().name
                                      + " holds no set of this token: it was aborted, or its time is over; the old "
@@ -110,7 +114,7 @@ ProposalPtr ParameterRequests::held(std::int64_t token) const
 
 void ParameterRequests::on_commit(const Incoming& incoming, std::int64_t token)
 {
-    const auto proposal = held(token);
+    const auto proposal = held(incoming, token);
     if (!proposal->prepared())
         throw Error(Errc::refused, parts_.module.self().name + " has not prepared this set yet");
     proposal->commit(incoming.answer);
@@ -118,7 +122,7 @@ void ParameterRequests::on_commit(const Incoming& incoming, std::int64_t token)
 
 void ParameterRequests::on_abort(const Incoming& incoming, std::int64_t token)
 {
-    give_up(held(token), Error(Errc::refused, "aborted by " + incoming.peer));
+    give_up(held(incoming, token), Error(Errc::refused, "aborted by " + incoming.peer));
     incoming.answer(Json::object());
 }
 
@@ -162,8 +166,11 @@ void ParameterRequests::carry_out(Worker& worker, const ProposalPtr& proposal)
         return;
     if (const auto problem = worker.try_out(proposal->values()))
         return parts_.module.call([&] { give_up(proposal, refusal(*problem)); });
-    if (proposal->by_asker())
+    if (proposal->by_asker()) {
+        parts_.board.prepared(true);
         hold(worker, *proposal);
+        parts_.board.prepared(false);
+    }
     bool kept = false;
     parts_.module.call([&] { kept = settle(worker, proposal); });
     if (!kept)

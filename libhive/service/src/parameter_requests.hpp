@@ -15,7 +15,7 @@ public:
     /// What it uses, which outlives it.
     struct Parts {
         const ParameterSet& parameters;
-        const StatusBoard& board;
+        StatusBoard& board;
         event::Module& module;
         Inbox& inbox;
         StateFile& state_file;
@@ -34,7 +34,7 @@ private:
     void on_abort(const event::Incoming& incoming, std::int64_t token);
     void propose(Proposal::Terms terms);
     void require_free();
-    [[nodiscard]] ProposalPtr held(std::int64_t token) const;
+    [[nodiscard]] ProposalPtr held(const event::Incoming& incoming, std::int64_t token) const;
     void give_up(const ProposalPtr& proposal, const Error& reason);
     void on_deadline(const ProposalPtr& proposal);
     void forget(const ProposalPtr& proposal);

@@ -25,6 +25,7 @@ public:
         event::Clock::time_point deadline;
         std::optional<std::int64_t> token;  ///< of a prepare, which its asker decides; a plain set decides itself
         std::string asker;
+        const void* connection;           ///< only this one decides a prepare
         std::function<bool()> connected;  ///< is the asker still there?
         Answer answer;
     };
@@ -35,7 +36,10 @@ public:
     [[nodiscard]] const std::string& asker() const noexcept { return terms_.asker; }
     [[nodiscard]] event::Clock::time_point deadline() const noexcept { return terms_.deadline; }
     [[nodiscard]] bool by_asker() const noexcept { return terms_.token.has_value(); }
-    [[nodiscard]] bool has(std::int64_t token) const noexcept { return terms_.token == token; }
+    [[nodiscard]] bool has(std::int64_t token, const void* connection) const noexcept
+    {
+        return terms_.token == token && terms_.connection == connection;
+    }
 
     /// Nobody has decided yet.
     [[nodiscard]] bool undecided() const noexcept { return state_ == State::waiting || state_ == State::prepared; }

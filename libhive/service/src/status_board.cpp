@@ -64,6 +64,12 @@ void StatusBoard::end_work()
     values_.callback.clear();
 }
 
+void StatusBoard::prepared(bool yes)
+{
+    const std::lock_guard lock(mutex_);
+    values_.prepared = yes;
+}
+
 void StatusBoard::matched(std::size_t matching, MatchCounts counts)
 {
     const std::lock_guard lock(mutex_);

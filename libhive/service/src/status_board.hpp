@@ -23,7 +23,8 @@ public:
         ExceptionPolicy policy{};
         std::int64_t busy_us = 0;
         event::Clock::time_point busy_since{};
-        Reason why{};  ///< beside the condition
+        Reason why{};           ///< beside the condition
+        bool prepared = false;  ///< a set waits for its asker's decision, and the user thread with it
         std::int64_t source_events = 0;
         std::optional<ExceptionStatus> last_exception;
         std::vector<MatchCounts> matched;  ///< one for each matching, in the order of their declaration
@@ -48,6 +49,7 @@ public:
     // --- the work ---
     void begin_work(const std::string& callback);
     void end_work();
+    void prepared(bool yes);
     void matched(std::size_t matching, MatchCounts counts);
 
     // --- what is told ---

@@ -73,6 +73,8 @@ Status StatusReport::without_rows() const
 
 Reason StatusReport::why(const StatusBoard::Values& board) const
 {
+    if (board.prepared)
+        return Reason::set_prepared;
     if (module_.paused() != Reason::none)
         return module_.paused();
     if (!declaration_.interface.inputs.empty() && module_.intakes().empty())

@@ -11,6 +11,8 @@ using event::Outcome;
 
 namespace {
 
+constexpr std::size_t max_connections = 1024;
+
 bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
 {
     return one.sender == other.sender && one.output == other.output && one.input == other.input;
@@ -172,6 +174,8 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
             on_outcome(outcome);
         });
     const auto earlier = earlier_ones(spec);
+    if (earlier.empty() && module_.intakes().size() >= max_connections)
+        throw Error(Errc::refused, module_.self().name + " has " + std::to_string(max_connections) + " connections");
     for (const auto& intake : earlier)
         intake->hold();
     const std::weak_ptr<Intake> weak = add_intake(std::move(spec));

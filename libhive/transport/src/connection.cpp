@@ -47,6 +47,11 @@ public:
             asio::post(context_, [written = std::move(written)] { written(false); });
         return Carriage::inside;
     }
+    [[nodiscard]] bool has_room(std::size_t control_bytes) const override
+    {
+        const auto core = core_.lock();
+        return !core || core->has_room(control_bytes);
+    }
     void ping(std::function<void(bool)> answered) override
     {
         if (const auto core = core_.lock())

@@ -29,6 +29,10 @@ public:
     void start(Connection::Handlers handlers);
     void open(const protocol::Limits& limits);
     Carriage send(protocol::Packet packet, Connection::Written written);
+    [[nodiscard]] bool has_room(std::size_t control_bytes) const
+    {
+        return writer_.control_bytes() + control_bytes <= timing_.control_bytes;
+    }
     void ping(std::function<void(bool)> answered);
     void share(std::shared_ptr<Pool> pool) { lending_.emplace(std::move(pool)); }
     [[nodiscard]] bool ended_by_peer() const { return ended_by_peer_; }

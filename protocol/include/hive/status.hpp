@@ -31,6 +31,7 @@ enum class Reason {
     refused,           ///< the sender refused the registration
     no_input,          ///< the drone has inputs that nothing is connected to
     source_ended,      ///< the source has come to its end
+    set_prepared,      ///< the drone has prepared a set for an application, which has not decided yet
     watched,           ///< output: only notifications are received, and nobody asks for bodies
 };
 

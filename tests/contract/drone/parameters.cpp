@@ -198,7 +198,10 @@ TEST_CASE("drone: a prepared set is tried and told to nobody until it is committ
     CHECK(get_all(drone.other) == drone.before);
     CHECK(raw::error_of(drone.other.ask(raw::describe)) == "");
     CHECK(raw::error_of(drone.other.ask(raw::status)) == "");
+    CHECK(drone.other.ask(raw::status).at("result").at("why") == "set_prepared");
     CHECK(raw::error_of(drone.asker.ask(raw::set, {{"commit", 8}})) == "not_found");
+    for (const char* decision : {"commit", "abort"})
+        CHECK(raw::error_of(drone.other.ask(raw::set, {{decision, 7}})) == "not_found");
     const Json committed = drone.asker.ask(raw::set, {{"commit", 7}});
     CHECK(raw::text_of(committed) == "");
     CHECK(committed.at("result").at("parameters") == drone.wanted);

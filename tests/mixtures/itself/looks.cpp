@@ -133,7 +133,7 @@ TEST_CASE("bounded: queues and rows that have grown are a problem")
     CHECK(is_of(after([](Statuses& all) { image_input(all).queued = 257; }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { image_input(all).in_hand = 3; }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { tick_edge(all).waiting = 257; }), "bounded"));
-    CHECK(is_of(after([](Statuses& all) { tick_edge(all).events.came(300); }), "bounded"));
+    CHECK(is_of(after([](Statuses& all) { tick_edge(all).events.came(600); }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { all["a1"].inputs.resize(3); }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { all["a1"].left.resize(2); }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { all["a1"].places.resize(2); }), "bounded"));

@@ -31,6 +31,7 @@ struct Asker {
                          .deadline = {},
                          .token = token,
                          .asker = "asker",
+                         .connection = nullptr,
                          .connected = [this] { return connected; },
                          .answer = answer()});
     }
@@ -68,8 +69,8 @@ TEST_CASE("proposal: prepare and commit are two questions with an answer each")
 {
     Asker asker, again;
     auto set = asker.proposal(7);
-    CHECK(set.has(7));
-    CHECK_FALSE(set.has(8));
+    CHECK(set.has(7, nullptr));
+    CHECK_FALSE(set.has(8, nullptr));
     set.prepare({{"tried", true}});
     CHECK(set.prepared());
     CHECK(set.wanted());

@@ -20,6 +20,7 @@ Connect connect_from_json(const Json& object);
 
 /// Asks a drone for new values of some parameters.
 struct Set {
+    static constexpr std::int64_t max_prepare_ms = 30'000;  ///< a longer deadline of a prepare counts as this one
     Json parameters = Json::object();
     bool check_only = false;                   ///< the answer is wanted, not the change
     std::optional<std::int64_t> prepare = {};  ///< hold them until the set of this token is committed or aborted

@@ -104,6 +104,7 @@ private:
     void retry();
     void on_packet(const protocol::Packet& packet);
     void disconnected();
+    void require_own(const Event& event) const;
     void dropped();
     void note_end(std::optional<std::string> text);
     void note_share(Event& event);

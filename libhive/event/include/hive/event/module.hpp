@@ -38,7 +38,8 @@ struct Incoming {
     Body body;
     std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
     std::function<void(Outcome)> answer;
-    std::function<bool()> connected;  ///< network side: does the connection last on which the answer goes?
+    const void* connection = nullptr;  ///< that on which it came: another has another value, while both last
+    std::function<bool()> connected;   ///< network side: does that connection last?
 };
 
 /// Holds a task for later; it is not run any more when this is gone.
@@ -194,7 +195,7 @@ private:
     bool watching_keys_ = false;
     std::string keys_trouble_;  ///< what was last said of the file
     RateLimits refusals_{10, std::chrono::seconds(10)};
-    RateLimits arrivals_{512, std::chrono::seconds(1)};
+    RateLimits arrivals_{1024, std::chrono::seconds(1)};
     RateLimits registrations_{4096, std::chrono::seconds(10)};
     std::optional<platform::Signals> signals_;
     bool armed_ = false, ending_ = false, handed_over_ = false;

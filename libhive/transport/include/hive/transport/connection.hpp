@@ -59,6 +59,8 @@ public:
     /// Queues a packet; never blocks, never calls back from inside. Bodies are not copied: the packet holds them until
     /// they are written. After the end it is dropped (written is called with false).
     virtual Carriage send(protocol::Packet packet, Written written = {}) = 0;
+    /// Is there room for a control packet of this size? One more than fits ends the connection.
+    [[nodiscard]] virtual bool has_room(std::size_t control_bytes) const = 0;
     /// Sends a ping. `answered` is called once: true when its pong is here, false when the connection ended before.
     virtual void ping(std::function<void(bool)> answered) = 0;
     /// Can memory be shared with this peer, if it wants to?
