@@ -1,8 +1,8 @@
 // The track drone receives boxes, and publishes tracks with lasting numbers.
 #include "boxes.hpp"
-#include "order.hpp"
 
 #include <hive/drone.hpp>
+#include <frame_order.hpp>
 #include <media_fields.hpp>
 
 namespace {
@@ -10,7 +10,7 @@ namespace {
 void track_drone(hive::Drone& drone)
 {
     track::Tracker tracker;
-    track::Order order;
+    frame_order::Order order;
     std::string boxes;
     double fps = 0, used_fps = 0;
     drone.parameter("boxes", boxes, hive::anything(),
@@ -44,7 +44,7 @@ void track_drone(hive::Drone& drone)
                 tracker.restart();
             tracker.width = track::number_in(event.header, "width");
             tracker.height = track::number_in(event.header, "height");
-            hive::Json header{{"tracks", track::to_json(tracker.next(track::time_of(event, fps), found))}};
+            hive::Json header{{"tracks", track::to_json(tracker.next(frame_order::time_of(event, fps), found))}};
             for (const char* size : {"width", "height"})
                 if (event.header.contains(size))
                     header[size] = event.header[size];

@@ -55,6 +55,7 @@ const std::vector<Page> pages{
     {"replay", recording, {}},
     {"track", "", {}},
     {"view", "", {{"8080", "$port1"}}},
+    {"zones", "", {}},
     {"write",
      "hivectl start camera; hivectl save camera clip.mp4 -n 20; hivectl stop camera\n"
      "hivectl start camera --as other; hivectl start face; hivectl connect other face\n",
@@ -154,3 +155,4 @@ TEST_CASE("pages: the commands on the page of replay work as they stand there") 
 TEST_CASE("pages: the commands on the page of track work as they stand there") { run_page("track"); }
 TEST_CASE("pages: the commands on the page of view work as they stand there") { run_page("view"); }
 TEST_CASE("pages: the commands on the page of write work as they stand there") { run_page("write"); }
+TEST_CASE("pages: the commands on the page of zones work as they stand there") { run_page("zones"); }

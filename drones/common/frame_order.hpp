@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace track {
+namespace frame_order {
 
 class Order {
 public:
@@ -44,4 +44,4 @@ inline double time_of(const hive::Event& event, double fps)
     return (of_a_file ? told->get<double>() : static_cast<double>(event.identity.monotonic_us)) / 1e6;
 }
 
-}  // namespace track
+}  // namespace frame_order

@@ -1,10 +1,10 @@
 // One source, in order, with times.
-#include "../../../drones/track/order.hpp"
+#include <frame_order.hpp>
 
 #include <doctest/doctest.h>
 
+using frame_order::Order;
 using hive::Identity;
-using track::Order;
 
 namespace {
 
@@ -46,11 +46,11 @@ TEST_CASE(
     hive::Event event;
     event.identity = picture("camera", 1, 45);
     event.identity.monotonic_us = 2'500'000;
-    CHECK(track::time_of(event, 0) == doctest::Approx(2.5));
-    CHECK(track::time_of(event, 30) == doctest::Approx(1.5));
+    CHECK(frame_order::time_of(event, 0) == doctest::Approx(2.5));
+    CHECK(frame_order::time_of(event, 30) == doctest::Approx(1.5));
     event.header = {{"media_time_us", 4'400'000}};
-    CHECK(track::time_of(event, 0) == doctest::Approx(4.4));
-    CHECK(track::time_of(event, 30) == doctest::Approx(1.5));
+    CHECK(frame_order::time_of(event, 0) == doctest::Approx(4.4));
+    CHECK(frame_order::time_of(event, 30) == doctest::Approx(1.5));
     event.header = {{"media_time_us", "noon"}};
-    CHECK(track::time_of(event, 0) == doctest::Approx(2.5));
+    CHECK(frame_order::time_of(event, 0) == doctest::Approx(2.5));
 }
