@@ -9,8 +9,10 @@ namespace annotate {
 
 class Drawing {
 public:
-    int thickness = 2;   ///< of lines, px, 1 to 20
-    bool labels = true;  ///< write what the marks are
+    enum class Uncertain { dashed, hidden, solid };
+    int thickness = 0;                        ///< of lines, px, up to 20; 0: as the image's size demands
+    bool labels = true;                       ///< write what the marks are
+    Uncertain uncertain = Uncertain::dashed;  ///< how the boxes of uncertain marks are drawn
 
     /// @param picture  8 bit, BGR or grey; not changed
     /// @param result   becomes a BGR picture of the same size; another one than `picture`
@@ -19,9 +21,10 @@ public:
     static cv::Scalar colour_of(const std::string& id);
 
 private:
+    [[nodiscard]] int width_for(const cv::Mat& picture) const;
     void draw(cv::Mat& picture, const Mark& mark) const;
     void draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colour) const;
-    static void write(cv::Mat& picture, const Mark& mark, const cv::Scalar& colour);
+    void draw(cv::Mat& picture, const Region& region) const;
 };
 
 }  // namespace annotate

@@ -18,6 +18,12 @@ void check_picture(const hive::Event& event)
     static_cast<void>(hive::vision::size_of(event.body, event.type, {}, event.header));
 }
 
+annotate::Drawing::Uncertain uncertain_of(const std::string& text)
+{
+    using enum annotate::Drawing::Uncertain;
+    return text == "dashed" ? dashed : text == "hidden" ? hidden : solid;
+}
+
 hive::Json header_of(const hive::Event& image, const hive::Event& marks, const hive::vision::PlainForm& form)
 {
     hive::Json header = form.header;
@@ -32,12 +38,16 @@ void annotate_drone(hive::Drone& drone)
     annotate::Drawing drawing;
     std::string match = "exact";
     int tolerance = 50;
+    std::string uncertain = "dashed";
     drone.parameter("match", match, hive::one_of({"exact", "nearest"}),
                     "exact: marks of the same picture; nearest: each set of marks on the one picture nearest in time");
     drone.parameter("tolerance", tolerance, hive::between(0, 10'000).in("ms"),
                     "with match=nearest: how far the captures may be apart");
-    drone.parameter("thickness", drawing.thickness, hive::between(1, 20).in("px"), "width of the lines");
+    drone.parameter("thickness", drawing.thickness, hive::between(0, 20).in("px"),
+                    "width of the lines; 0: by the size of the image");
     drone.parameter("labels", drawing.labels, hive::anything(), "write labels beside the marks");
+    drone.parameter("uncertain", uncertain, hive::one_of({"dashed", "hidden", "solid"}),
+                    "how tracks are drawn that are not confirmed or not seen now");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
                                                 "the picture with its marks drawn onto it", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
@@ -59,6 +69,7 @@ void annotate_drone(hive::Drone& drone)
                          });
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core
     drone.on_change([&] {
+        drawing.uncertain = uncertain_of(uncertain);
         matching.rule(match == "exact" ? hive::Match::exact()
                                        : hive::Match::within(std::chrono::milliseconds(tolerance)));
     });

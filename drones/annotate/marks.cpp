@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -86,6 +87,37 @@ std::string label_of(const json& object, const std::string& id)
     return printable(label);
 }
 
+bool is_uncertain(const json& object)
+{
+    const auto confirmed = object.find("confirmed");
+    return number(object, "missing").value_or(0) > 0
+           || (confirmed != object.end() && confirmed->is_boolean() && !confirmed->get<bool>());
+}
+
+std::string label_of_region(const json& object)
+{
+    std::string label = text(object, "name");
+    for (const auto& [key, word] : {std::pair{"occupancy", " "}, {"in", " in "}, {"out", " out "}})
+        if (const auto count = text(object, key); !count.empty())
+            label += word + count;
+    return printable(label);
+}
+
+bool is_share(const cv::Point2d& point) { return point.x >= 0 && point.x <= 1 && point.y >= 0 && point.y <= 1; }
+
+void add_regions(const json& header, const char* field, bool closed, std::vector<Region>& regions)
+{
+    const auto array = header.find(field);
+    if (array == header.end() || !array->is_array())
+        return;
+    for (const auto& object : *array) {
+        const auto points = object.is_object() ? object.find("points") : object.end();
+        const auto found = points != object.end() ? shape("points", *points) : std::nullopt;
+        if (found && found->points.size() >= (closed ? 3 : 2) && std::ranges::all_of(found->points, is_share))
+            regions.push_back({found->points, label_of_region(object), closed});
+    }
+}
+
 std::optional<Mark> mark(const json& object)
 {
     if (!object.is_object())
@@ -96,6 +128,7 @@ std::optional<Mark> mark(const json& object)
         return std::nullopt;
     const auto id = text(object, "id");
     Mark mark{{*x, *y, *width, *height}, id, label_of(object, id), {}};
+    mark.uncertain = is_uncertain(object);
     for (const auto& [name, value] : object.items())
         if (auto found = shape(name, value))
             mark.shapes.push_back(std::move(*found));
@@ -116,6 +149,8 @@ Marks marks_in(const json& header)
         if (auto found = mark(value))
             marks.all.push_back(std::move(*found));
     };
+    add_regions(header, "zones", true, marks.regions);
+    add_regions(header, "lines", false, marks.regions);
     for (const auto& field : header)
         if (field.is_array())
             for (const auto& value : field)

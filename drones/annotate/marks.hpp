@@ -22,10 +22,19 @@ struct Mark {
     std::string id = {};     ///< of a track, the same from picture to picture; empty: none
     std::string label = {};  ///< what to write beside it: "person #3 87 %"; printable ASCII, 48 characters at most
     std::vector<Shape> shapes = {};
+    bool uncertain = false;  ///< a track that is not confirmed, or whose box is predicted
+};
+
+/// A zone or a line of the zones drone.
+struct Region {
+    std::vector<cv::Point2d> points;  ///< 0 to 1 of width and height of the image
+    std::string label = {};           ///< "door 2", "till in 3 out 1"
+    bool closed = true;               ///< a polygon; else a line, with an arrow to its right
 };
 
 struct Marks {
     std::vector<Mark> all = {};
+    std::vector<Region> regions = {};
     cv::Size2d seen = {};  ///< of the picture they were found in, px; empty: not told
 };
 
@@ -34,6 +43,8 @@ struct Marks {
 /// - class, kind, gesture, pose, label (texts or whole numbers), id, score (0 to 1), speed (px/s): they make the label;
 /// - any array of points, each [x, y] or {"x", "y"}: trail is drawn as a line, hull and contour as an outline, others
 /// as dots. What is anything else, or over a million, is left out.
+/// - missing (above 0) or confirmed (false): then it is uncertain.
+/// Regions are the objects in `zones` and `lines` with an array `points` of at least 3 or 2 points from 0 to 1.
 Marks marks_in(const nlohmann::json& header);
 
 }  // namespace annotate

@@ -160,6 +160,59 @@ TEST_CASE("drawing: a track keeps its colour, and twenty tracks have at least ei
     CHECK(bytes(Drawing::colour_of("")) == green);
 }
 
+TEST_CASE("drawing: tracks that follow one another have colours far apart")
+{
+    for (int id = 1; id <= 50; ++id)
+        for (int next = id + 1; next <= id + 4; ++next) {
+            const auto one = Drawing::colour_of(std::to_string(id)), other = Drawing::colour_of(std::to_string(next));
+            CHECK(cv::norm(one - other) > 60);
+        }
+}
+
+TEST_CASE("drawing: lines are wider in larger images")
+{
+    const Marks marks{.all = {{.box = {100, 50, 80, 60}}}};
+    CHECK(at(drawn(marks), 103, 80) == black);
+    CHECK(at(drawn(marks, {}, cv::Mat(2160, 3840, CV_8UC3, cv::Scalar::all(0))), 103, 80) == green);
+}
+
+TEST_CASE("drawing: letters are larger in larger images, up to 4K")
+{
+    const auto lit_above = [](cv::Size size) {
+        const cv::Mat picture(size, CV_8UC3, cv::Scalar::all(0));
+        const Mark mark{.box = {100, size.height / 2.0, 50, 50}, .label = "person"};
+        return lit(drawn({.all = {mark}}, {}, picture), {100, 0, size.width - 100, size.height / 2 - 10});
+    };
+    CHECK(lit_above({1920, 1080}) > 3 * lit_above({960, 540}));
+    CHECK(lit_above({3840, 2160}) > 3 * lit_above({1920, 1080}));
+}
+
+TEST_CASE("drawing: an uncertain mark is dashed, left out or solid")
+{
+    const cv::Rect side(100, 50, 80, 1);
+    Mark mark{.box = {100, 50, 80, 60}, .uncertain = true};
+    const auto with = [&](Drawing::Uncertain uncertain) {
+        Drawing drawing;
+        drawing.uncertain = uncertain;
+        return lit(drawn({.all = {mark}}, drawing), side);
+    };
+    CHECK(with(Drawing::Uncertain::solid) == 80);
+    CHECK(with(Drawing::Uncertain::dashed) > 30);
+    CHECK(with(Drawing::Uncertain::dashed) < 60);
+    CHECK(with(Drawing::Uncertain::hidden) == 0);
+}
+
+TEST_CASE("drawing: zones are outlines, lines have an arrow to their right")
+{
+    const auto picture = drawn({.regions = {{{{0.1, 0.5}, {0.4, 0.5}, {0.4, 0.9}, {0.1, 0.9}}, "", true},
+                                            {{{0.5, 0.3}, {0.9, 0.3}}, "", false}}});
+    CHECK(at(picture, 75, 100) == cv::Vec3b(235, 235, 235));
+    CHECK(at(picture, 75, 140) == black);
+    CHECK(at(picture, 200, 60) == cv::Vec3b(0, 220, 255));
+    CHECK(lit(picture, {190, 62, 40, 10}) > 5);
+    CHECK(lit(picture, {190, 40, 40, 18}) == 0);
+}
+
 TEST_CASE("drawing: what lies outside, or is turned inside out, harms nothing")
 {
     const double far = 1e6;

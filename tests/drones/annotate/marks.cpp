@@ -98,6 +98,29 @@ TEST_CASE("marks: what has no place, or an impossible one, is no mark")
     CHECK(marks_in({{"width", -1}, {"height", 480}}).seen.empty());
 }
 
+TEST_CASE("marks: tracks that are missing or not confirmed are uncertain")
+{
+    CHECK(marks_in(with({{"missing", 2}})).all.at(0).uncertain);
+    CHECK(marks_in(with({{"confirmed", false}})).all.at(0).uncertain);
+    CHECK_FALSE(marks_in(with({{"missing", 0}, {"confirmed", true}})).all.at(0).uncertain);
+    CHECK_FALSE(marks_in(with(json::object())).all.at(0).uncertain);
+}
+
+TEST_CASE("marks: zones and lines are regions with their counts; what is no region is left out")
+{
+    const json corners{{0, 0}, {0.5, 0}, {0.5, 1}};
+    const auto marks = marks_in({{"zones", {{{"name", "door"}, {"points", corners}, {"occupancy", 2}}}},
+                                 {"lines", {{{"name", "till"}, {"points", {{0, 0}, {1, 1}}}, {"in", 3}, {"out", 1}}}}});
+    REQUIRE(marks.regions.size() == 2);
+    CHECK(marks.regions[0].label == "door 2");
+    CHECK(marks.regions[0].closed);
+    CHECK(marks.regions[1].label == "till in 3 out 1");
+    CHECK_FALSE(marks.regions[1].closed);
+    for (const json& points :
+         {json(3), json::array(), json{{0, 0}, {1, 1}}, json{{0, 0}, {320, 0}, {1, 1}}, json{1, 2, 3}})
+        CHECK(marks_in({{"zones", {{{"name", "a"}, {"points", points}}, 7}}, {"lines", "x"}}).regions.empty());
+}
+
 TEST_CASE("marks: the example on the drone's page is read as the page says")
 {
     const auto marks = marks_in(example().at("marks"));
