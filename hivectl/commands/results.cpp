@@ -1,11 +1,11 @@
 // hivectl results: prints what drones find, one JSON object per line.
 #include "../command_line.hpp"
-#include "../event_row.hpp"
 #include "../exit_code.hpp"
 #include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../progress.hpp"
+#include "../result_format.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
 #include "../table.hpp"
@@ -22,6 +22,7 @@ struct Options {
     std::int64_t count = 0;  // 0: without end
     bool ordered = false, notify = false, sync = false, stay = false;
     int window = 0;  // 0: not said
+    std::string as = "json", folder;
 };
 
 hive::CollectOptions collecting(const Options& options)
@@ -84,6 +85,7 @@ int run(const Options& options, Session& session)
 {
     auto& application = session.application();
     Outcome outcome("results");
+    ResultFormat format(options.as, options.folder);
     const auto outputs = outputs_named(application, options.names, "application/json", outcome);
     if (outputs.empty())
         return outcome.exit_code();
@@ -101,8 +103,9 @@ int run(const Options& options, Session& session)
                                      lossless = lossless || (event && event->identity.lossless);
                                      if (event && event->identity.lossless)
                                          progress.note(event->identity);
-                                     return event ? std::optional(event_row(*event).json() + "\n") : std::nullopt;
+                                     return event ? std::optional(format.text(*event)) : std::nullopt;
                                  });
+    format.finish();
     const auto counts = collector->counts();
     const auto lost = losses_now(application, collector->inputs());
     summarize(counts, lost);
@@ -119,6 +122,10 @@ Run declare(CommandLine& line, Session& session)
     line.option("-n", options->count, "end after this many")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
+    line.option("--as", options->as, "json (default), csv, coco or yolo: boxes for other tools")
+        .type_name("FORM")
+        .one_of({"json", "csv", "coco", "yolo"});
+    line.option("-o,--output", options->folder, "with --as coco or yolo: new folder for the files").type_name("FOLDER");
     line.flag("--ordered", options->ordered,
               "print results in the order of capture, however many drones share the work");
     line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
@@ -141,15 +148,21 @@ Verb verb()
             .group = "look",
             .usage = "NAME[.OUTPUT]... [-n N] [options]",
             .summary = "Prints what drones find, one JSON object per line",
-            .details = "Ends when every source has come to its end and everything has been printed. Each line has "
-                       "source, epoch and seq of the capture that the result belongs to, the sender and "
-                       "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
-                       "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
-                       "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
-                       "missing that were promised: with --ordered, or when the source produces on demand. An event at "
-                       "which a drone failed has an exception instead: hivectl exceptions shows them.",
+            .details =
+                "Ends when every source has come to its end and everything has been printed. Each line has "
+                "source, epoch and seq of the capture that the result belongs to, the sender and "
+                "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
+                "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
+                "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
+                "missing that were promised: with --ordered, or when the source produces on demand. An event at "
+                "which a drone failed has an exception instead: hivectl exceptions shows them. "
+                "With --as csv each box is a line; coco writes dataset.json and results.json, yolo classes.txt and "
+                "labels/NAME.txt. An image is named after its file, or else after the video or source and the number "
+                "of the capture; its size is the width and height in the header. A result without boxes, and for "
+                "coco and yolo one without that size, is refused.",
             .examples = "hivectl results face -n 5\n"
-                        "hivectl results 'face-*' --ordered | jq .header",
+                        "hivectl results 'face-*' --ordered | jq .header\n"
+                        "hivectl results detect -n 100 --as coco -o street",
             .timeout = "give up after this long without a result (default: never)",
             .operands = {Operand::sender},
             .declare = declare};

@@ -1,0 +1,70 @@
+// hivectl results --as: files that other tools read, of a real face drone.
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+using namespace hive::test;
+using hive::Json;
+
+namespace {
+
+std::string written_in(const std::filesystem::path& path)
+{
+    std::stringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+}
+
+bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("results --as: csv is printed, coco and yolo fill a folder, and their boxes agree")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"noise=0", "fps=10"}), face = swarm.drone("face", "face");
+    swarm.hivectl_done({"connect", "camera", "face"});
+    const auto csv = swarm.hivectl_done({"results", "face.faces", "-n", "3", "--as", "csv"});
+    CHECK(csv.starts_with("image,width,height,source,"));
+    CHECK(std::ranges::count(csv, '\n') == 4);
+    CHECK(says(csv, ",face,faces,face,"));
+    const auto coco = swarm.home() / "coco", yolo = swarm.home() / "yolo";
+    CHECK(says(swarm.hivectl_done({"results", "face.faces", "-n", "3", "--as", "coco", "-o", coco.string()}),
+               "3 images, 3 boxes, 1 categories"));
+    const Json dataset = Json::parse(written_in(coco / "dataset.json")),
+               results = Json::parse(written_in(coco / "results.json"));
+    CHECK(dataset.at("images").size() == 3);
+    CHECK(results.size() == dataset.at("annotations").size());
+    CHECK(results.at(0).at("bbox") == dataset.at("annotations").at(0).at("bbox"));
+    swarm.hivectl_done({"results", "face.faces", "-n", "3", "--as", "yolo", "-o", yolo.string()});
+    CHECK(written_in(yolo / "classes.txt") == "face\n");
+    int files = 0;
+    for (const auto& file : std::filesystem::directory_iterator(yolo / "labels")) {
+        ++files;
+        CHECK(written_in(file.path()).starts_with("0 0."));
+    }
+    CHECK(files == 3);
+}
+
+TEST_CASE("results --as: a folder in use, a missing folder and results without boxes are refused with the cause")
+{
+    const Swarm swarm;
+    const auto ticker = swarm.drone("ticker", "ticker", {"fps=50"});
+    const auto folder = (swarm.home() / "used").string();
+    std::filesystem::create_directory(folder);
+    std::ofstream(folder + "/note") << "mine";
+    const auto used = swarm.hivectl({"results", "ticker.tick", "--as", "coco", "-o", folder});
+    CHECK(used.exit_code == 5);
+    CHECK(says(used.err, "is not an empty folder"));
+    const auto no_folder = swarm.hivectl({"results", "ticker.tick", "--as", "yolo"});
+    CHECK(no_folder.exit_code == 2);
+    CHECK(says(no_folder.err, "-o FOLDER"));
+    CHECK(swarm.hivectl({"results", "ticker.tick", "-o", folder}).exit_code == 2);
+    const auto no_boxes = swarm.hivectl({"results", "ticker.tick", "-n", "1", "--as", "csv"});
+    CHECK(no_boxes.exit_code == 5);
+    CHECK(says(no_boxes.err, "has no boxes"));
+}
