@@ -162,7 +162,7 @@ Verb verb()
                 "coco and yolo one without that size, is refused.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header\n"
-                        "hivectl results detect -n 100 --as coco -o street",
+                        "hivectl results face -n 5 --as coco -o faces",
             .timeout = "give up after this long without a result (default: never)",
             .operands = {Operand::sender},
             .declare = declare};
