@@ -1,18 +1,12 @@
-// Why nothing moves, in plain words.
+// Why nothing moves, in the words of the library.
 #pragma once
 
-#include <hive/status.hpp>
-
-#include <string>
-#include <string_view>
+#include <hive/stall.hpp>
 
 namespace hivectl {
 
-/// "it waits for a receiver that was cut off, or has not come yet"; empty for Reason::none.
-std::string_view sentence(hive::Reason reason) noexcept;
+using hive::sentence;
 
-/// Why the drone, its outputs or its inputs stand still: "image: it waits for a receiver that was cut off, or has not
-/// come yet (s1.image)". Empty when all moves. What lasts less than a second is no standstill.
-std::string standstill(const hive::Status& status);
+inline std::string standstill(const hive::Status& status) { return hive::stall_text(status); }
 
 }  // namespace hivectl

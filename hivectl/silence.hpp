@@ -1,18 +1,14 @@
 // Why nothing comes from some outputs.
 #pragma once
 
-#include <hive/application.hpp>
+#include <hive/stall_search.hpp>
 
 #include <string>
 #include <vector>
 
 namespace hivectl {
 
-/// What stands still behind some outputs.
-struct Standstill {
-    std::string text;   ///< what the drones say of themselves: "camera: image: waits for face.image to ask"
-    bool held = false;  ///< lossless results wait for a receiver of bodies
-};
+using Standstill = hive::Stall;
 
 /// Asks the drones of the outputs, then those that they receive from, and so on up to the sources.
 Standstill standstill_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs);

@@ -1,12 +1,10 @@
 // One sentence for each reason, and the receivers or senders that it is about.
-#include "reasons.hpp"
+#include <hive/stall.hpp>
 
 #include <algorithm>
 
-namespace hivectl {
+namespace hive {
 namespace {
-
-using hive::Reason;
 
 constexpr std::int64_t a_second = 1'000'000;
 constexpr std::size_t most_named = 3;
@@ -18,7 +16,7 @@ void append(std::string& text, const std::string& part)
 }
 
 /// "s1.image, s2.image and 4 more": the edges that stand still for the reason of their output.
-std::string receivers(const hive::OutputStatus& output)
+std::string receivers(const OutputStatus& output)
 {
     std::string text;
     std::size_t count = 0;
@@ -30,7 +28,7 @@ std::string receivers(const hive::OutputStatus& output)
     return text;
 }
 
-std::string sentence_about(const hive::OutputStatus& output)
+std::string sentence_about(const OutputStatus& output)
 {
     const auto names = receivers(output);
     if (output.why == Reason::not_asked && !names.empty())
@@ -38,7 +36,7 @@ std::string sentence_about(const hive::OutputStatus& output)
     return output.name + ": " + std::string(sentence(output.why)) + (names.empty() ? "" : " (" + names + ")");
 }
 
-std::string sentence_about(const hive::InputStatus& input)
+std::string sentence_about(const InputStatus& input)
 {
     const bool told = input.why == Reason::refused && !input.error.empty();
     return input.input + " from " + input.from + ": " + std::string(sentence(input.why))
@@ -46,23 +44,23 @@ std::string sentence_about(const hive::InputStatus& input)
 }
 
 /// By the drone's own clock, which began at its epoch.
-bool quiet(const hive::Status& status, const hive::OutputStatus& output)
+bool quiet(const Status& status, const OutputStatus& output)
 {
     return status.epoch + status.uptime_us - std::max(status.epoch, output.last_emitted_us) >= a_second;
 }
 
 /// Exceptions are for whoever is interested, and a drone that works on what it receives may well have outputs that
 /// nobody needs.
-bool may_be_left_alone(const hive::Status& status, const hive::OutputStatus& output)
+bool may_be_left_alone(const Status& status, const OutputStatus& output)
 {
-    const auto left_alone = [](const hive::OutputStatus& other) {
+    const auto left_alone = [](const OutputStatus& other) {
         return other.name == "exceptions" || other.why == Reason::no_receiver || other.why == Reason::watched;
     };
     return output.name == "exceptions"
            || (left_alone(output) && (!status.inputs.empty() || !std::ranges::all_of(status.outputs, left_alone)));
 }
 
-std::string of_drone(const hive::Status& status)
+std::string of_drone(const Status& status)
 {
     // Its state says that it has halted, and its condition which source has ended.
     const bool told = status.why == Reason::halted || (status.why == Reason::source_ended && !status.condition.empty());
@@ -95,7 +93,7 @@ std::string_view sentence(Reason reason) noexcept
     return {};
 }
 
-std::string standstill(const hive::Status& status)
+std::string stall_text(const Status& status)
 {
     std::string text = of_drone(status);
     for (const auto& output : status.outputs)
@@ -108,4 +106,4 @@ std::string standstill(const hive::Status& status)
     return text;
 }
 
-}  // namespace hivectl
+}  // namespace hive

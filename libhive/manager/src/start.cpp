@@ -1,0 +1,122 @@
+// One engine and one drone: the loop polls the engine until the drone is placed, then the drone until it is ready.
+#include "engines/engine.hpp"
+
+#include <hive/name.hpp>
+#include <hive/program.hpp>
+#include <hive/start.hpp>
+
+#include <algorithm>
+#include <thread>
+
+namespace hive {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// A place on another machine that does not answer is out of date.
+void require_free(Application& application, const SwarmDrone& drone)
+{
+    if (!std::ranges::binary_search(application.drones(), drone.name))
+        return;
+    const auto place = application.place(drone.name);
+    if (place.host != Place::here && application.status(std::vector{drone.name}).at(0).error)
+        return;
+    throw Error(Errc::name_taken, drone.name + " is running already",
+                "stop it, or choose another name: " + drone.name + "-2");
+}
+
+/// Drops the drone again unless it is ready in the end.
+class Start {
+public:
+    Start(Application& application, const StartOptions& options)
+        : application_(application), options_(options), engine_(engine_for(application, options))
+    {
+        engine_->begin({options.drone});
+    }
+    ~Start()
+    {
+        if (!ready_)
+            try {
+                engine_->stop({options_.drone.name});
+            } catch (const Error&) {
+                // The error that brought us here is thrown.
+            }
+    }
+    Start(const Start&) = delete;
+    Start& operator=(const Start&) = delete;
+
+    Place await();
+
+private:
+    static std::unique_ptr<Engine> engine_for(Application& application, const StartOptions& options)
+    {
+        return options.ssh.empty() ? make_local_engine(application.home())
+                                   : make_ssh_engine(Json(options.ssh), application.home());
+    }
+    void poll_engine();
+    [[nodiscard]] bool answers();
+    void require_time(Clock::time_point end) const;
+
+    Application& application_;
+    const StartOptions& options_;
+    std::unique_ptr<Engine> engine_;
+    std::optional<Place> place_;
+    bool ready_ = false;
+};
+
+void Start::poll_engine()
+{
+    for (auto& report : engine_->poll()) {
+        if (report.error)
+            throw *report.error;
+        if (report.place.host != Place::here)
+            application_.replace_places({report.place});
+        place_ = report.place;
+    }
+}
+
+bool Start::answers()
+{
+    const auto answer = application_.status(std::vector{options_.drone.name + "@" + place_->host}).at(0);
+    if (answer.error)
+        engine_->look_again(options_.drone.name);
+    return !answer.error && answer.status.state != State::starting;
+}
+
+void Start::require_time(Clock::time_point end) const
+{
+    if (options_.cancelled && options_.cancelled())
+        throw Error(Errc::stopped, "cancelled while " + options_.drone.name + " was starting");
+    if (Clock::now() >= end)
+        throw Error(Errc::timeout, options_.drone.name + " was not ready in time and was stopped", "allow more time");
+}
+
+Place Start::await()
+{
+    const auto end = Clock::now() + options_.limit;
+    for (;;) {
+        poll_engine();
+        ready_ = place_ && answers();
+        if (ready_)
+            return *place_;
+        require_time(end);
+        std::this_thread::sleep_for(10ms);
+    }
+}
+
+}  // namespace
+
+Place start(Application& application, StartOptions options)
+{
+    auto& drone = options.drone;
+    if (drone.name.empty())
+        drone.name = usual_name(drone.kind);
+    require_name(drone.name, "drone");
+    if (!is_python_file(drone.kind))
+        require_name(drone.kind, "kind");
+    require_free(application, drone);
+    return Start(application, options).await();
+}
+
+}  // namespace hive
