@@ -240,6 +240,51 @@ TEST_CASE("c: an event that is held stops a source whose window is one; done let
     hive_release(body);
 }
 
+TEST_CASE("c: ages, hops and counters are read without JSON")
+{
+    Pair pair(3);
+    hive_collector* collector = nullptr;
+    REQUIRE(hive_application_connect(pair.application, "source", "worker", nullptr, nullptr) == HIVE_OK);
+    REQUIRE(hive_application_collect(pair.application, R"(["worker.result"])", nullptr, &collector) == HIVE_OK);
+    auto* event = next(collector);
+    std::int64_t value = -1, wait_us = -1, work_us = -1;
+    CHECK(hive_event_number(event, "sequence", &value) == HIVE_OK);
+    CHECK(value >= 1);
+    CHECK(hive_event_number(event, "age_us", &value) == HIVE_OK);
+    CHECK(value > 0);
+    CHECK(hive_event_number(event, "captured_us", &value) == HIVE_OK);
+    CHECK(value > 1'700'000'000'000'000);
+    CHECK(hive_event_number(event, "colour", &value) == HIVE_INVALID_ARGUMENT);
+    const char* drone = nullptr;
+    REQUIRE(hive_event_hop(event, 0, &drone, &wait_us, &work_us) == HIVE_OK);
+    CHECK(drone == std::string("worker"));
+    CHECK(wait_us >= 0);
+    CHECK(work_us >= 0);
+    CHECK(hive_event_hop(event, 1, &drone, &wait_us, &work_us) == HIVE_NOT_FOUND);
+    CHECK(hive_collector_count(collector, "received", &value) == HIVE_OK);
+    CHECK(value >= 1);
+    CHECK(hive_collector_count(collector, "colour", &value) == HIVE_INVALID_ARGUMENT);
+    hive_release(event);
+    hive_release(collector);
+}
+
+TEST_CASE("c: a loan is at most the body of an event")
+{
+    const Home home;
+    auto* drone = new_drone("probe");
+    hive_output* output = nullptr;
+    hive_loan* loan = nullptr;
+    REQUIRE(hive_drone_output(drone, "out", "a/b", "", &output) == HIVE_OK);
+    for (const std::size_t size : {(std::size_t{64} << 20) + 1, SIZE_MAX, SIZE_MAX - 4095}) {
+        CHECK(hive_output_loan(output, size, &loan) == HIVE_TOO_LARGE);
+        CHECK(loan == nullptr);
+    }
+    REQUIRE(hive_output_loan(output, std::size_t{64} << 20, &loan) == HIVE_OK);
+    hive_release(loan);
+    hive_release(output);
+    hive_release(drone);
+}
+
 TEST_CASE("c: events are brought together, and an application gets the sets")
 {
     const Home home;
@@ -292,6 +337,11 @@ TEST_CASE("c: events are brought together, and an application gets the sets")
         }
         hive_event* event = nullptr;
         CHECK(hive_collector_next(collector, 0, &event) == HIVE_INVALID_ARGUMENT);
+        std::int64_t count = 0;
+        CHECK(hive_collector_count(collector, "sets", &count) == HIVE_OK);
+        CHECK(count == 5);
+        CHECK(hive_collector_count(collector, "received", &count) == HIVE_OK);
+        CHECK(count == 10);
         Text here;
         REQUIRE(hive_collector_inputs(collector, here.place(), nullptr) == HIVE_OK);
         REQUIRE(here.json().size() == 2);

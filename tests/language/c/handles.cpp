@@ -24,6 +24,7 @@ struct Places {
     bool flag = false;
     int integer = 0;
     double number = 0;
+    std::int64_t count = 0;
     hive_body* body = nullptr;
     hive_output* output = nullptr;
     hive_matching* matching = nullptr;
@@ -53,6 +54,8 @@ void no_leveled_log(void*, const char*, const char*) {}
 std::map<std::string, Call> calls_of_events(Places& p)
 {
     return {ON(hive_event, hive_event_info, &p.text, &p.size),
+            ON(hive_event, hive_event_number, "age_us", &p.count),
+            ON(hive_event, hive_event_hop, 0, &p.constant, &p.count, &p.count),
             ON(hive_event, hive_event_header, &p.constant, &p.size),
             ON(hive_event, hive_event_bytes, &p.bytes, &p.size),
             ON(hive_event, hive_event_body, &p.body),
@@ -79,6 +82,7 @@ std::map<std::string, Call> calls_of_events(Places& p)
             ON(hive_collector, hive_collector_next, 0, &p.event),
             ON(hive_collector, hive_collector_next_set, 0, &p.event, 1, &p.size),
             ON(hive_collector, hive_collector_counts, &p.text, &p.size),
+            ON(hive_collector, hive_collector_count, "received", &p.count),
             ON(hive_collector, hive_collector_inputs, &p.text, &p.size),
             ON(hive_collector, hive_collector_ended, &p.flag, &p.text),
             ON(hive_collector, hive_collector_close)};
@@ -151,6 +155,8 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_halt, "x"),
             ON(hive_application, hive_application_resume, "x"),
             ON(hive_application, hive_application_stop, "x"),
+            ON(hive_application, hive_application_start, "x", nullptr, &p.text),
+            ON(hive_application, hive_application_stall, R"(["x"])", &p.text, &p.size),
             ON(hive_application, hive_application_exception_policy, "x", "skip"),
             ON(hive_application, hive_application_replace, "x", nullptr, no_log, nullptr, &p.text),
             ON(hive_application, hive_swarm_open, "{}", R"({"form_only": true})", &p.swarm),

@@ -134,6 +134,15 @@ TEST_CASE("c: a declaration that cannot be is refused, and none comes after the 
     }
     CHECK(hive_drone_integer(drone, "radius", &radius, R"({"most": 50})", "") == HIVE_REFUSED);
     CHECK(hive_drone_integer(drone, "radius", nullptr, nullptr, "") == HIVE_INVALID_ARGUMENT);
+    hive_output* twice = nullptr;
+    REQUIRE(hive_drone_integer(drone, "width", &radius, nullptr, "") == HIVE_OK);
+    CHECK(hive_drone_integer(drone, "width", &radius, nullptr, "") == HIVE_INVALID_ARGUMENT);
+    CHECK(error() == "parameter width is declared twice");
+    REQUIRE(hive_drone_output(drone, "out", "a/b", "", &twice) == HIVE_OK);
+    hive_release(twice);
+    CHECK(hive_drone_output(drone, "out", "a/b", "", &twice) == HIVE_INVALID_ARGUMENT);
+    CHECK(hive_drone_output(drone, "raw", "raw", "", &twice) == HIVE_INVALID_ARGUMENT);
+    CHECK(error() == "output raw: \"raw\" is not a media type");
     CHECK(hive_drone_start(drone) == HIVE_OK);
     CHECK(hive_drone_start(drone) == HIVE_INVALID_ARGUMENT);
     CHECK(hive_drone_run(drone) == HIVE_INVALID_ARGUMENT);

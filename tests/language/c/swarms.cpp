@@ -236,6 +236,36 @@ TEST_CASE("c: a swarm is written for what is to run it")
     CHECK(hive_swarm_export(file.handle, "shell", R"({"iamge": "x"})", text.place(), nullptr) == HIVE_INVALID_ARGUMENT);
 }
 
+TEST_CASE("c: a drone is started and stopped, one that does not start says why, and so does one that gives nothing")
+{
+    const Lab lab;
+    Text text;
+    const auto start = [&](const char* kind, const Json& options) {
+        return hive_application_start(lab.application, kind, options.dump().c_str(), text.place());
+    };
+    const auto ready_ms = patient(long_patience).count();
+    REQUIRE_MESSAGE(start("ticker", {{"name", "source"}, {"parameters", {{"pace", "demand"}}}, {"ready_ms", ready_ms}})
+                        == HIVE_OK,
+                    error());
+    CHECK(text.json().at("drone") == "source");
+    CHECK(text.json().at("host") == "local");
+    CHECK(lab.get("source", "pace") == "demand");
+    CHECK(start("ticker", {{"name", "source"}}) == HIVE_NAME_TAKEN);
+    CHECK(start("no-such-kind", Json::object()) == HIVE_NOT_FOUND);
+    CHECK(start("sleeper", {{"parameters", {{"work_ms", -1}}}}) == HIVE_FAILED);
+    CHECK_MESSAGE(error().find("work_ms") != std::string::npos, error());
+    CHECK(start("sleeper", {{"knid", "x"}}) == HIVE_INVALID_ARGUMENT);
+    REQUIRE(start("sleeper", {{"name", "worker"}, {"ready_ms", ready_ms}}) == HIVE_OK);
+    REQUIRE(hive_application_connect(lab.application, "source", "worker", nullptr, nullptr) == HIVE_OK);
+    REQUIRE(hive_application_halt(lab.application, "source") == HIVE_OK);
+    REQUIRE(hive_application_stall(lab.application, R"(["worker.result"])", text.place(), nullptr) == HIVE_OK);
+    CHECK_MESSAGE(text.json().at("text").get<std::string>().find("source: halted") != std::string::npos, text.text());
+    CHECK(hive_application_stall(lab.application, nullptr, text.place(), nullptr) == HIVE_INVALID_ARGUMENT);
+    for (const char* drone : {"source", "worker"})
+        CHECK(hive_application_stop(lab.application, drone) == HIVE_OK);
+    CHECK(eventually([&] { return hive_application_stop(lab.application, "source") != HIVE_OK && lab.is_empty(); }));
+}
+
 TEST_CASE("c: a new process takes over from a drone, and when it does not get ready its last words are heard")
 {
     const Lab lab;

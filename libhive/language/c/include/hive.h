@@ -32,7 +32,7 @@ extern "C" {
 
 /* Grows when something is added, never for less: what is here stays as it is as long as the library is libhive-c.so.0.
  */
-#define HIVE_ABI_VERSION 4
+#define HIVE_ABI_VERSION 5
 
 /* --- errors --- */
 
@@ -104,6 +104,12 @@ HIVE_API void hive_free(void* text);
    "output", "input", "type", "size" (null: not known), "age_us"; "shares", "hops": [{"drone", "wait_us", "work_us"}]}.
    Times are microseconds; 0 is unknown. */
 HIVE_API hive_code hive_event_info(const hive_event* event, char** json, size_t* length);
+/* One number of these, without JSON: "epoch", "sequence", "captured_us", "monotonic_us", "part", "size", "age_us". */
+HIVE_API hive_code hive_event_number(const hive_event* event, const char* field, int64_t* value);
+/* The hop at an index, from 0, of the drones that the event has passed, and the time that it waited and was worked on
+   there; `drone` is valid while the handle is. HIVE_NOT_FOUND behind the last one. */
+HIVE_API hive_code hive_event_hop(const hive_event* event, size_t index, const char** drone, int64_t* wait_us,
+                                  int64_t* work_us);
 /* What the author of the sender put in, a JSON object; valid while the handle is. */
 HIVE_API hive_code hive_event_header(const hive_event* event, const char** json, size_t* length);
 /* The body; valid while the handle is. Empty in a notification. */
@@ -256,7 +262,8 @@ HIVE_API hive_code hive_drone_status(hive_drone* drone, char** json, size_t* len
 HIVE_API hive_code hive_output_wanted(const hive_output* output, bool* wanted);
 HIVE_API hive_code hive_output_received(const hive_output* output, bool* received);
 HIVE_API hive_code hive_output_asked(const hive_output* output, bool* asked);
-/* A buffer that receivers on this machine read without a copy; never waits. From any thread. */
+/* A buffer of at most 64 MiB, the body of an event, that receivers on this machine read without a copy; never waits.
+   More is HIVE_TOO_LARGE. From any thread. */
 HIVE_API hive_code hive_output_loan(const hive_output* output, size_t size, hive_loan** loan);
 /* Sends an event; never waits for a receiver. Inside a callback it inherits identity and time of the input, elsewhere
    it begins a new identity. `header`: a JSON object of `length` bytes, null for {}. `type`: null for the output's
@@ -370,6 +377,18 @@ HIVE_API hive_code hive_application_exceptions(hive_application* application, co
 /* Sends one event into "drone.input". */
 HIVE_API hive_code hive_application_put(hive_application* application, const char* input, const char* header,
                                         size_t length, const void* bytes, size_t size, const char* type);
+/* Starts a drone in the background and returns when it is ready; it keeps running when this program exits. `kind`: the
+   program hive-KIND in $HIVE_DRONE_PATH or $PATH, or a Python file. Options: "name" (default: the kind), "ssh" (another
+   machine, as ssh knows it), "parameters" {name: value}, "on_exception" "skip" or "halt", "halted", "listen" (an
+   address), "insecure", "key", "log_level", "ready_ms" (default 10000). *place, if not null: as of
+   hive_application_place(). HIVE_NAME_TAKEN when a drone has the name; HIVE_FAILED with the last lines of its log when
+   it exits instead. */
+HIVE_API hive_code hive_application_start(hive_application* application, const char* kind, const char* options,
+                                          char** place);
+/* Why nothing comes from ["face.faces", ...]: {"text": what their drones report, and the drones that these receive
+   from, up to the sources; "" when all moves, "held": lossless events wait for a receiver of bodies}. */
+HIVE_API hive_code hive_application_stall(hive_application* application, const char* outputs, char** json,
+                                          size_t* length);
 HIVE_API hive_code hive_application_halt(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_resume(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_stop(hive_application* application, const char* drone);
@@ -391,6 +410,9 @@ HIVE_API hive_code hive_collector_next_set(hive_collector* collector, int64_t ti
 /* {"received", "duplicates", "missing", "missing_turns", "failed", "dropped"}, and of sets "sets": {"sets", "waiting",
    "unmatched", "duplicates", "missing"}. */
 HIVE_API hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* length);
+/* One of these without JSON: "received", "duplicates", "missing", "failed", "dropped", or of sets "sets", "waiting",
+   "unmatched". */
+HIVE_API hive_code hive_collector_count(hive_collector* collector, const char* counter, int64_t* value);
 /* This end of each connection, as a drone's status has it (SPEC.md, section 6.4): [{"input", "from" ("camera.image"),
    "connected", "received", "queued", "last_age_us", "error", "why", ...}]; what is 0, false or empty is left out. */
 HIVE_API hive_code hive_collector_inputs(hive_collector* collector, char** json, size_t* length);

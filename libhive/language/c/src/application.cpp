@@ -1,7 +1,10 @@
 // The calls of an application.
 #include "application_object.hpp"
+#include "own_timeout.hpp"
 #include "texts.hpp"
 #include "waiting.hpp"
+
+#include <hive/process.hpp>
 
 #include <algorithm>
 
@@ -37,23 +40,6 @@ const char* changed_text(SetResult::Changed changed)
 {
     return changed == SetResult::Changed::all ? "all" : changed == SetResult::Changed::none ? "none" : "unclear";
 }
-
-/// Another timeout for as long as this lives, also where a call is cancelled.
-class OwnTimeout {
-public:
-    OwnTimeout(Application& application, std::chrono::milliseconds own, std::chrono::milliseconds before)
-        : application_(application), before_(before)
-    {
-        application_.timeout(own);
-    }
-    ~OwnTimeout() { application_.timeout(before_); }
-    OwnTimeout(const OwnTimeout&) = delete;
-    OwnTimeout& operator=(const OwnTimeout&) = delete;
-
-private:
-    Application& application_;
-    std::chrono::milliseconds before_;
-};
 
 /// The state of a drone in words: its own, or "gone", or "silent".
 std::string state_of(Application& application, const std::string& name)
@@ -256,7 +242,10 @@ hive_code hive_application_resume(hive_application* application, const char* dro
 
 hive_code hive_application_stop(hive_application* application, const char* drone)
 {
-    return with_application(application, [&](Application& open) { open.stop(text_of(drone, "the drone")); });
+    return with_application(application, [&](Application& open) {
+        reap_background_processes();  // those that this process had started and stopped before
+        open.stop(text_of(drone, "the drone"));
+    });
 }
 
 hive_code hive_application_exception_policy(hive_application* application, const char* drone, const char* policy)

@@ -67,6 +67,24 @@ Json counts_json(const CollectCounts& counts)
             {"missing_turns", counts.missing_turns}, {"failed", counts.failed},         {"dropped", counts.dropped}};
 }
 
+/// Of sets also "sets".
+Json all_counts(CollectorObject& collector)
+{
+    Json counts;
+    collector.application->with(collector, [&] {
+        counts = counts_json(collector.sets ? collector.sets->received() : collector.events->counts());
+        if (!collector.sets)
+            return;
+        const auto sets = collector.sets->counts();
+        counts["sets"] = {{"sets", sets.sets},
+                          {"waiting", sets.waiting},
+                          {"unmatched", sets.unmatched},
+                          {"duplicates", sets.duplicates},
+                          {"missing", sets.missing}};
+    });
+    return counts;
+}
+
 }  // namespace
 
 hive_code hive_application_collect(hive_application* application, const char* outputs, const char* options,
@@ -139,21 +157,21 @@ hive_code hive_collector_next_set(hive_collector* collector, int64_t timeout_ms,
 
 hive_code hive_collector_counts(hive_collector* collector, char** json, size_t* length)
 {
+    return guarded([&] { give_json(all_counts(*get<CollectorObject>(collector)), json, length); });
+}
+
+hive_code hive_collector_count(hive_collector* collector, const char* counter, int64_t* value)
+{
     return guarded([&] {
-        const auto object = get<CollectorObject>(collector);
-        Json counts;
-        object->application->with(*object, [&] {
-            counts = counts_json(object->sets ? object->sets->received() : object->events->counts());
-            if (!object->sets)
-                return;
-            const auto sets = object->sets->counts();
-            counts["sets"] = {{"sets", sets.sets},
-                              {"waiting", sets.waiting},
-                              {"unmatched", sets.unmatched},
-                              {"duplicates", sets.duplicates},
-                              {"missing", sets.missing}};
-        });
-        give_json(counts, json, length);
+        required(value, "the place for the value");
+        const auto name = text_of(counter, "the counter");
+        auto counts = all_counts(*get<CollectorObject>(collector));
+        if (counts.contains("sets"))
+            counts.update(Json(counts["sets"]));  // their "sets" is the number
+        const auto found = counts.find(name);
+        if (found == counts.end() || !found->is_number_integer())
+            throw Error(Errc::invalid_argument, "a collector has no counter " + in_quotes(name));
+        *value = found->get<int64_t>();
     });
 }
 

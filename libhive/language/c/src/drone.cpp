@@ -1,4 +1,5 @@
 // A drone: made, declared, run.
+#include "declared.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
 
@@ -71,6 +72,15 @@ std::vector<MatchedInput> matched_inputs(const char* text, DroneObject& drone, h
             };
     }
     return inputs;
+}
+
+/// Each is checked against those before it, too.
+void require_inputs(Interface declared, const std::vector<MatchedInput>& inputs)
+{
+    for (const auto& input : inputs) {
+        require_input(declared, input.name, input.type);
+        declared.inputs.push_back({input.name, input.type, input.help});
+    }
 }
 
 /// With a drone that somebody holds, from any thread.
@@ -152,8 +162,10 @@ hive_code hive_drone_output(hive_drone* drone, const char* name, const char* typ
     return guarded([&] {
         required(output, "the place for the output");
         const auto object = get<DroneObject>(drone);
-        const auto made = object->declaring()->drone().output(text_of(name, "the name"), text_of(type, "the type"),
-                                                              text_or_empty(help));
+        const auto open = object->declaring();
+        const auto named = text_of(name, "the name"), types = text_of(type, "the type");
+        require_output(open->interface(), named, types);
+        const auto made = open->drone().output(named, types, text_or_empty(help));
         *output = give(std::make_shared<OutputObject>(object, made));
     });
 }
@@ -168,8 +180,10 @@ hive_code hive_drone_on_event(hive_drone* drone, const char* input, const char* 
             const Lent lent(event);
             raw->call([&] { return callback(user, *lent.data()); });
         };
-        object->declaring()->drone().on_event(text_of(input, "the input"), text_of(type, "the type"), call,
-                                              text_or_empty(help));
+        const auto open = object->declaring();
+        const auto named = text_of(input, "the input"), types = text_of(type, "the type");
+        require_input(open->interface(), named, types);
+        open->drone().on_event(named, types, call, text_or_empty(help));
     });
 }
 
@@ -183,8 +197,10 @@ hive_code hive_drone_on_matched(hive_drone* drone, const char* inputs, const cha
             const Lent lent(events);
             raw->call([&] { return callback(user, lent.data(), lent.size()); });
         };
-        const auto made = object->declaring()->drone().on_matched(matched_inputs(inputs, *object, check, user),
-                                                                  match_of(match), call);
+        const auto open = object->declaring();
+        auto wanted = matched_inputs(inputs, *object, check, user);
+        require_inputs(open->interface(), wanted);
+        const auto made = open->drone().on_matched(std::move(wanted), match_of(match), call);
         if (matching)
             *matching = give(std::make_shared<MatchingObject>(object, made));
     });

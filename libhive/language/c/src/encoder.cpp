@@ -1,4 +1,5 @@
 // What an output declares so that each connection gets its events as it wants them; the caller's code encodes.
+#include "declared.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
 
@@ -135,6 +136,8 @@ hive_code hive_drone_encoded_output(hive_drone* drone, const char* name, const c
         const auto object = get<DroneObject>(drone);
         const auto open = object->declaring();
         const auto known = encodings_of(encodings);
+        const auto named = text_of(name, "the name"), types = text_of(type, "the type");
+        require_output(open->interface(), named, types);
         Encoder encoder{.encodings = {},
                         .type = [known](const std::string& text) { return type_of(known, text); },
                         .encode =
@@ -145,8 +148,7 @@ hive_code hive_drone_encoded_output(hive_drone* drone, const char* name, const c
                             }};
         for (const auto& encoding : known)
             encoder.encodings.push_back(encoding.word);
-        const auto made = open->drone().output(text_of(name, "the name"), text_of(type, "the type"),
-                                               text_or_empty(help), std::move(encoder));
+        const auto made = open->drone().output(named, types, text_or_empty(help), std::move(encoder));
         *output = give(std::make_shared<OutputObject>(object, made));
     });
 }

@@ -110,6 +110,21 @@ using namespace hive::c;
 
 namespace {
 
+std::int64_t number_of(const Event& event, std::string_view field)
+{
+    const auto& identity = event.identity;
+    for (const auto& [name, value] : {std::pair<std::string_view, std::int64_t>{"epoch", identity.epoch},
+                                      {"sequence", identity.sequence},
+                                      {"captured_us", identity.captured_us},
+                                      {"monotonic_us", identity.monotonic_us},
+                                      {"part", identity.part},
+                                      {"size", static_cast<std::int64_t>(event.size)},
+                                      {"age_us", event.age().count()}})
+        if (name == field)
+            return value;
+    throw Error(Errc::invalid_argument, "an event has no number " + in_quotes(field));
+}
+
 template <class Bytes>
 void give_bytes(const Bytes& from, const void** bytes, size_t* size)
 {
@@ -122,6 +137,27 @@ void give_bytes(const Bytes& from, const void** bytes, size_t* size)
 hive_code hive_event_info(const hive_event* event, char** json, size_t* length)
 {
     return guarded([&] { give_json(info_of(get<EventObject>(event)->event()), json, length); });
+}
+
+hive_code hive_event_number(const hive_event* event, const char* field, int64_t* value)
+{
+    return guarded([&] {
+        required(value, "the place for the value");
+        *value = number_of(get<EventObject>(event)->event(), text_of(field, "the field"));
+    });
+}
+
+hive_code hive_event_hop(const hive_event* event, size_t index, const char** drone, int64_t* wait_us, int64_t* work_us)
+{
+    return guarded([&] {
+        const auto object = get<EventObject>(event);
+        const auto& hops = object->event().identity.hops;
+        if (index >= hops.size())
+            throw Error(Errc::not_found, "the event has passed " + std::to_string(hops.size()) + " drones");
+        *required(drone, "the place for the drone") = hops[index].drone.c_str();
+        *required(wait_us, "the place for the time of waiting") = hops[index].wait_us;
+        *required(work_us, "the place for the time of work") = hops[index].work_us;
+    });
 }
 
 hive_code hive_event_header(const hive_event* event, const char** json, size_t* length)

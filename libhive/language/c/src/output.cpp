@@ -7,6 +7,8 @@ using namespace hive::c;
 
 namespace {
 
+constexpr std::size_t max_loan = 64 << 20;  ///< the body of an event (SPEC.md, section 3)
+
 /// An output, and what keeps it alive during the call.
 struct OpenOutput {
     std::shared_ptr<OutputObject> object;
@@ -72,6 +74,7 @@ hive_code hive_output_loan(const hive_output* output, size_t size, hive_loan** l
 {
     return guarded([&] {
         required(loan, "the place for the loan");
+        require_at_most("a loan", size, max_loan, "emit less at once");
         *loan = give(std::make_shared<LoanObject>(opened(output)->loan(size)));
     });
 }

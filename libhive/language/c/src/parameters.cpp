@@ -1,4 +1,5 @@
 // The parameters of a drone.
+#include "declared.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
 
@@ -25,8 +26,9 @@ void bind_to(hive_drone* drone, const char* name, Value* variable, const char* c
     const auto object = get<DroneObject>(drone);
     Variable kept{.name = text_of(name, "the name")};
     kept.*place = required(variable, "the variable");
-    object->declaring()->drone().parameter(kept.name, *variable, constraint_of({constraint, constraint_fields}),
-                                           text_or_empty(help));
+    const auto open = object->declaring();
+    require_parameter(open->interface(), kept.name);
+    open->drone().parameter(kept.name, *variable, constraint_of({constraint, constraint_fields}), text_or_empty(help));
     object->add(std::move(kept));
 }
 
@@ -78,6 +80,7 @@ hive_code hive_drone_parameter(hive_drone* drone, const char* json)
         const Json value = json_of(json, "the declaration").value("default", Json());
         require_int(value);
         const std::string name = require_name(options.text("name"), "parameter");
+        require_parameter(open->interface(), name);
         const Constraint constraint = constraint_of(options);
         Variable variable = own_variable(*object, options.text("type"), value);
         variable.name = name;

@@ -13,14 +13,14 @@ from typing import Any, Generator, Optional
 from ._errors import Error
 
 SONAME = "libhive-c.so.0"
-_ABI = 4
+_ABI = 5
 
 
 def _load() -> ctypes.CDLL:
     """$HIVE_LIBRARY; beside this package (a wheel), in the lib folder of a build, or of the prefix into which both were
     installed; or where the system has libraries."""
     here = os.path.dirname(os.path.abspath(__file__))
-    folders = ([], ["..", "..", "lib"], ["..", "..", ".."])
+    folders: tuple[list[str], ...] = ([], ["..", "..", "lib"], ["..", "..", ".."])
     places = [os.path.normpath(os.path.join(here, *folder, SONAME)) for folder in folders]
     told = os.environ.get("HIVE_LIBRARY")
     found = [told] if told else [place for place in places if os.path.exists(place)]
@@ -47,6 +47,9 @@ progress_callback = ctypes.CFUNCTYPE(
     ctypes.c_int32, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t, ctypes.c_char_p
 )
 told_callback = end_callback
+no_callback: Any = ctypes.cast(0, callback)
+no_event_callback: Any = ctypes.cast(0, event_callback)
+no_progress_callback: Any = ctypes.cast(0, progress_callback)
 log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
 leveled_log_callback = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_char_p)
 
@@ -64,6 +67,7 @@ _TYPES: dict[str, Any] = {
     "I": ctypes.POINTER(ctypes.c_int),
     "B": ctypes.POINTER(ctypes.c_bool),
     "D": ctypes.POINTER(ctypes.c_double),
+    "Q": ctypes.POINTER(ctypes.c_int64),
     "A": ctypes.POINTER(ctypes.c_char_p),
     "f": callback,
     "F": event_callback,
@@ -79,7 +83,7 @@ _TYPES: dict[str, Any] = {
 _SIGNATURES = """
 error_code - c|error_text - s|error_advice - s|fail cs c|code_token c s|code_sentence c s|code_advice c s
 code_exit_code c i|version - s|abi_version - i|protocol_version - i|default_home P|retain h|release h|handle_count - n
-free h -|event_info hPN|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
+free h -|event_info hPN|event_number hsQ|event_hop hnAQQ|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
 body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP|drone_new sssP|drone_from_arguments sssiAPI
 drone_on_log hLh|drone_on_leveled_log hVh|drone_name hP|drone_given hsPB|drone_parameter hs|drone_integer hsIss|drone_number hsDss
 drone_flag hsBss|drone_text hsAss|drone_values hPN|drone_assign hs|drone_output hsssP|drone_encoded_output hssssChP
@@ -96,10 +100,10 @@ application_forget_place hs|application_wait hssl|application_connect hsssP|appl
 application_set hssP|application_set_all hssfhP|application_get hssP|application_get_all hssP|application_collect hssP
 application_collect_matched hsssP|application_exceptions hsP|application_put hssnhns|application_halt hs
 application_resume hs|application_stop hs|application_exception_policy hss|on_wait fh|collector_next hlP
-collector_next_set hlPnN|collector_counts hPN|collector_inputs hPN|collector_ended hBP|collector_close h
+collector_next_set hlPnN|collector_counts hPN|collector_count hsQ|collector_inputs hPN|collector_ended hBP|collector_close h
 swarm_check ssPN|swarm_schema PN|swarm_open hssP|swarm_close h|swarm_export hssPN|swarm_differences hPN
 swarm_up hlWhPN|swarm_down hlWhPN|swarm_stay hEh|swarm_remembered hPN|swarm_running hssPN
-application_replace hssLhP
+application_replace hssLhP|application_start hssP|application_stall hsPN
 """
 
 
@@ -192,7 +196,9 @@ def encoded(text: Optional[str]) -> Optional[bytes]:
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays, paths and the like, as JSON has them."""
+    """NumPy's numbers and arrays, parameters, paths and the like, as JSON has them."""
+    if type(value).__module__ == "hive.parameter":
+        return value.value
     for convert in ("tolist", "__fspath__"):
         if hasattr(value, convert):
             return getattr(value, convert)()
@@ -224,6 +230,23 @@ def ask(function: Any, *arguments: Any) -> Any:
     return json.loads(take_text(place, length.value) or "null")
 
 
+def ask_object(function: Any, *arguments: Any) -> dict[str, Any]:
+    """The same for a JSON object."""
+    answer: dict[str, Any] = ask(function, *arguments)
+    return answer
+
+
+def ask_list(function: Any, *arguments: Any) -> list[Any]:
+    """The same for a JSON array."""
+    answer: list[Any] = ask(function, *arguments)
+    return answer
+
+
+def ask_json(function: Any, *arguments: Any) -> Any:
+    """Calls a function that ends with (char** json), and reads the JSON."""
+    return json.loads(ask_text(function, *arguments) or "null")
+
+
 def ask_text(function: Any, *arguments: Any) -> Optional[str]:
     """Calls a function that ends with (char** text)."""
     place = ctypes.c_void_p()
@@ -245,12 +268,52 @@ def ask_flag(function: Any, *arguments: Any) -> bool:
 
 
 def release(handle: Optional[ctypes.c_void_p]) -> None:
-    """Gives a handle back; for __del__, so it raises nothing."""
-    if handle and _library is not None:
+    """Gives a handle back; for __del__, so it raises nothing.  One of the process before a fork is left alone."""
+    if handle and _library is not None and not is_inherited(handle):
         try:
             _library.hive_release(handle)
         except Error:
             pass
+
+
+_first_own = 0  # handles count upwards: those below were made before this process was forked
+
+
+def _count_handles() -> None:
+    global _next_handle
+    place = ctypes.c_void_p()
+    _library.hive_body_new(None, 0, ctypes.byref(place))
+    _next_handle = place.value or 0
+    _library.hive_release(place)
+
+
+def _own_nothing() -> None:
+    global _first_own
+    _first_own = _next_handle
+    _living.clear()
+
+
+def is_inherited(handle: ctypes.c_void_p) -> bool:
+    return (handle.value or 0) < _first_own
+
+
+class Owner:
+    """What has a handle, which is of no use in a process that was forked from the one that made it: the threads behind
+    it are not there."""
+
+    _kept: Optional[ctypes.c_void_p] = None
+
+    @property
+    def _handle(self) -> Optional[ctypes.c_void_p]:
+        kept = self._kept
+        if _first_own and kept is not None and is_inherited(kept):
+            name = f"this hive.{type(self).__name__}"
+            raise Error("invalid_argument", f"{name} was made before the process forked", "make a new one in the child")
+        return kept
+
+    @_handle.setter
+    def _handle(self, handle: Optional[ctypes.c_void_p]) -> None:
+        self._kept = handle
 
 
 def _codes() -> dict[str, int]:
@@ -289,6 +352,11 @@ _living: weakref.WeakSet[Any] = weakref.WeakSet()
 def ends_at_exit(thing: Any) -> None:
     """Has threads of the library end before the process does."""
     _living.add(thing)
+
+
+_next_handle = 0
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_count_handles, after_in_child=_own_nothing)
 
 
 @atexit.register
