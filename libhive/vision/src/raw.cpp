@@ -4,6 +4,8 @@
 #include <hive/error.hpp>
 #include <hive/vision/loans.hpp>
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 #include <array>
 
@@ -15,20 +17,21 @@ constexpr std::int64_t longest_row = std::int64_t{1} << 31;
 constexpr std::int64_t most_bytes = 64 << 20;  ///< of a body (SPEC.md, section 3)
 constexpr int quality_of_large_pictures = 90;
 
-/// What a pixel is: OpenCV's type and the word for it.
+/// OpenCV's type of a pixel, and its word.
 struct PixelFormat {
     const char* word;
     int type;
 };
-constexpr std::array formats{PixelFormat{"bgr8", CV_8UC3}, PixelFormat{"gray8", CV_8UC1},
-                             PixelFormat{"gray16", CV_16UC1}};
+constexpr std::array formats{
+    PixelFormat{"bgr8", CV_8UC3},     PixelFormat{"gray8", CV_8UC1},   PixelFormat{"gray16", CV_16UC1},
+    PixelFormat{"bgra8", CV_8UC4},    PixelFormat{"bgr16", CV_16UC3},  PixelFormat{"bgra16", CV_16UC4},
+    PixelFormat{"gray32f", CV_32FC1}, PixelFormat{"bgr32f", CV_32FC3}, PixelFormat{"bgra32f", CV_32FC4}};
 
 const PixelFormat& format_of(int type)
 {
     const auto found = std::ranges::find(formats, type, &PixelFormat::type);
     if (found == formats.end())
-        throw Error(Errc::invalid_argument,
-                    "image/raw takes pictures of 8 bits and 1 or 3 channels, or of 16 bits and 1");
+        throw Error(Errc::invalid_argument, "image/raw takes 1, 3 or 4 channels of 8 bits, 16 bits or 32 bit floats");
     return *found;
 }
 
@@ -36,9 +39,21 @@ const PixelFormat& format_named(const std::string& word)
 {
     const auto found = std::ranges::find(formats, word, [](const PixelFormat& each) { return std::string(each.word); });
     if (found == formats.end())
-        throw Error(Errc::malformed,
-                    "image/raw: pixel_format is " + in_quotes(word) + ", and none of bgr8, gray8, gray16");
+        throw Error(Errc::malformed, "image/raw: pixel_format is " + in_quotes(word)
+                                         + ", not gray, bgr or bgra with 8, 16 or 32f behind it");
     return *found;
+}
+
+/// Most code works on 8 bits and would misread other pixels.
+void require_usable(const PixelFormat& format, const DecodeLimits& limits)
+{
+    const bool usable = CV_MAT_DEPTH(format.type) == CV_8U || (format.type == CV_16UC1 && limits.sixteen_bits);
+    if (!usable)
+        throw Error(Errc::unsupported,
+                    std::string("this drone works on pictures of 8 bits, and this one is ") + format.word
+                        + (CV_MAT_DEPTH(format.type) == CV_16U
+                               ? "; let its sender emit the upper 8 bits of each value"
+                               : "; let its sender scale the values to 0 to 255 and emit them as 8 bits"));
 }
 
 struct Layout {
@@ -50,8 +65,7 @@ Layout layout(const Body& body, const Json& header, const DecodeLimits& limits)
 {
     const Fields fields(header, "image/raw");
     const PixelFormat& format = format_named(fields.text("pixel_format"));
-    if (format.type == CV_16UC1 && !limits.sixteen_bits)
-        throw Error(Errc::unsupported, "this drone works on pictures of 8 bits, and this one is gray16");
+    require_usable(format, limits);
     const std::int64_t pixel = CV_ELEM_SIZE(format.type);
     const std::int64_t width = fields.integer("width", 1, longest_side);
     const std::int64_t height = fields.integer("height", 1, longest_side);
@@ -80,7 +94,12 @@ cv::Mat raw_view(const Body& body, const Json& header, const DecodeLimits& limit
     const Layout raw = layout(body, header, limits);
     auto* pixels =
         const_cast<unsigned char*>(body.data());  // cv::Mat knows no const pixels; the promise is in the header
-    return {raw.height, raw.width, raw.type, pixels, static_cast<std::size_t>(raw.stride)};
+    const cv::Mat view(raw.height, raw.width, raw.type, pixels, static_cast<std::size_t>(raw.stride));
+    if (raw.type != CV_8UC4)
+        return view;
+    cv::Mat opaque;
+    cv::cvtColor(view, opaque, cv::COLOR_BGRA2BGR);
+    return opaque;
 }
 
 cv::Size raw_size(const Body& body, const Json& header, const DecodeLimits& limits)

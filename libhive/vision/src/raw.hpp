@@ -5,7 +5,8 @@
 
 namespace hive::vision {
 
-/// Read-only pixels over `body`; valid while the body lives. Throws Errc::malformed or Errc::too_large.
+/// Read-only pixels over `body`, valid while the body lives; of bgra8 a copy without alpha. Throws Errc::malformed or
+/// Errc::too_large.
 cv::Mat raw_view(const Body& body, const Json& header, const DecodeLimits& limits);
 
 /// The size that the header declares, after the same checks.

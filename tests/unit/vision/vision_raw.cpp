@@ -123,6 +123,35 @@ TEST_CASE("raw: a picture of 16 bits is for those who ask for it, and refused wi
     }
 }
 
+TEST_CASE("raw: alpha is left out, and what is not of 8 bits is refused with what its sender can do")
+{
+    const cv::Mat with_alpha(3, 4, CV_8UC4, cv::Scalar(1, 2, 3, 4));
+    const auto header = vision::raw_header(with_alpha);
+    CHECK(header.at("pixel_format") == "bgra8");
+    const auto body = vision::encode_raw(with_alpha);
+    CHECK(media::same(vision::decode(body, "image/raw", {}, header), cv::Mat(3, 4, CV_8UC3, cv::Scalar(1, 2, 3))));
+    CHECK(vision::size_of(body, "image/raw", {}, header) == cv::Size(4, 3));
+    for (const auto& [type, word] : {std::pair{CV_16UC3, "bgr16"},
+                                     {CV_16UC4, "bgra16"},
+                                     {CV_32FC1, "gray32f"},
+                                     {CV_32FC3, "bgr32f"},
+                                     {CV_32FC4, "bgra32f"}}) {
+        CAPTURE(word);
+        const cv::Mat picture(3, 4, type, cv::Scalar::all(1));
+        const auto described = vision::raw_header(picture);
+        CHECK(described.at("pixel_format") == word);
+        try {
+            vision::decode(vision::encode_raw(picture), "image/raw", {.sixteen_bits = true}, described);
+            FAIL_CHECK("taken for 8 bits");
+        } catch (const hive::Error& error) {
+            CHECK(error.code() == Errc::unsupported);
+            CHECK(std::string(error.what()).find(word) != std::string::npos);
+            CHECK(std::string(error.what()).find("; let its sender ") != std::string::npos);
+        }
+    }
+    CHECK_THROWS_AS(vision::raw_header(cv::Mat(3, 4, CV_64FC1)), hive::Error);
+}
+
 TEST_CASE("raw: PNG keeps 16 bits, JPEG the upper eight")
 {
     const cv::Mat picture(30, 40, CV_16UC1, cv::Scalar(40'000));

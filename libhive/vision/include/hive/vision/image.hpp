@@ -16,8 +16,8 @@ struct DecodeLimits {
     int scans = 100;  ///< of one JPEG
     /// Pixels times scans of one JPEG: what decoding a progressive picture costs. 16 scans of the largest picture.
     std::int64_t pixel_scans = 640'000'000;
-    /// Are image/raw pictures of gray16 taken? Most code of vision works on 8 bits and would take them for something
-    /// else, so that they are refused (Errc::unsupported) unless somebody asks for them.
+    /// Are image/raw pictures of gray16 taken? Most code of vision works on 8 bits and would misread them, so that they
+    /// are refused (Errc::unsupported) unless asked for. Colour of 16 bits and 32 bit floats are refused always.
     bool sixteen_bits = false;
 };
 
@@ -26,7 +26,8 @@ inline constexpr const char* image_types = "image/jpeg,image/png,image/raw";
 
 /// The picture in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what
 /// cv::imdecode gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8",
-/// "gray8" or "gray16", and optionally "stride", the bytes from one row to the next). The caller owns the pixels. Only
+/// "gray8", "gray16" or "bgra8", which becomes bgr8, and optionally "stride", the bytes from one row to the next). The
+/// caller owns the pixels. Only
 /// the declared type is tried. A picture that is cut short or damaged is refused, never returned in part.
 /// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes: CMYK,
 ///                arithmetic, lossless, 12 bit)
