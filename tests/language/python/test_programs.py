@@ -106,7 +106,7 @@ class Programs(World):
             "import nothing_of_this_name": "ModuleNotFoundError: No module named 'nothing_of_this_name'",
             "import sys; sys.exit('no camera here')": "no camera here",
             "import hive; hive.Drone('thing')": "ended with exit code 0 before it was ready",
-            "import hive; hive.Drone('thing').on_event('../x', 'a/b')(print)": "hive._errors.Error",
+            "import hive; hive.Drone('thing').on_event('../x', 'a/b')(print)": "hive.Error",
         }
         for body, reason in reasons.items():
             with self.subTest(reason):

@@ -35,10 +35,11 @@ Ctrl-C ends it.  NumPy is needed for pictures alone, OpenCV nowhere.
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING, Any as _Any
 
+from . import _tracebacks
 from ._errors import Error, SetError
 from ._library import default_home, protocol_version, version as __version__
 from .application import Application
-from .collector import Collector, MatchedCollector
+from .collector import Collector, Counts, MatchedCollector, Results
 from .drone import Drone
 from .encoding import Encoding, pictures
 from .event import Event, Hop, Share
@@ -51,6 +52,7 @@ if _TYPE_CHECKING:
 __all__ = [
     "Application",
     "Collector",
+    "Counts",
     "Drone",
     "Encoding",
     "Error",
@@ -62,6 +64,7 @@ __all__ = [
     "Mistake",
     "Output",
     "Parameter",
+    "Results",
     "SetError",
     "Share",
     "Swarm",
@@ -71,6 +74,8 @@ __all__ = [
     "pictures",
     "protocol_version",
 ]
+
+_tracebacks.install()
 
 
 def __getattr__(name: str) -> _Any:

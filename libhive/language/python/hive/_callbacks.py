@@ -4,25 +4,34 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import os
 import weakref
 from typing import Any, Callable, Optional
 
 from . import _library
 from ._errors import Error
-from ._library import as_json, ask, ask_handle, code_of, encoded, lib, release
+from ._library import Owner, as_json, ask, ask_handle, code_of, encoded, lib, release
 from .encoding import Encoding
+from ._tracebacks import ends_in_package, without_package
 from .event import Event
 from .parameter import Parameter
 
 
-def _own(trace: Any) -> Any:
-    """A traceback from where it enters the code of the drone's author."""
-    here = os.path.dirname(os.path.abspath(__file__))
-    own = trace
-    while own is not None and own.tb_frame.f_code.co_filename.startswith(here):
-        own = own.tb_next
-    return own or trace
+_FUNCTION: Any = getattr(ctypes, "_CFuncPtr")  # what every callback of C is
+_GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200  # of co_flags, as the module inspect has them
+
+
+def require_plain(what: str, function: Any) -> None:
+    """Refuses what cannot be called back: its body would never run."""
+    if not callable(function):
+        raise Error("invalid_argument", f"{what} decorates a function, not {function!r}")
+    inner = getattr(function, "func", function)  # of functools.partial
+    code = getattr(inner, "__code__", None) or getattr(getattr(type(inner), "__call__", None), "__code__", None)
+    flags = code.co_flags if code else 0
+    name = getattr(inner, "__qualname__", repr(inner)).rpartition(".")[2]
+    if flags & (_COROUTINE | _ASYNC_GENERATOR):
+        raise Error("invalid_argument", f"{what}: {name} is async, and callbacks of a drone are not awaited", "write def")
+    if flags & _GENERATOR:
+        raise Error("invalid_argument", f"{what}: {name} is a generator, which would not run", "write no yield in it")
 
 
 def encode(known: dict[str, Encoding], handle: int, wanted: bytes, answer: int) -> None:
@@ -40,24 +49,30 @@ def encode(known: dict[str, Encoding], handle: int, wanted: bytes, answer: int) 
         release(place)
 
 
-class Callbacks:
+def _last_line(error: BaseException) -> str:
+    import traceback
+
+    return "".join(traceback.format_exception_only(type(error), error)).strip()
+
+
+class Callbacks(Owner):
     """A drone as C calls it."""
 
     def __init__(self) -> None:
-        self._handle: Optional[ctypes.c_void_p] = None
-        self._kept: list[Any] = []  # the callbacks that C knows
+        self._handle = None
+        self._called: list[Any] = []  # the callbacks that C knows
         self._parameters: dict[str, Parameter[Any]] = {}
         self._changed: Callable[[], Any] = lambda: None
         self._leave: Optional[BaseException] = None  # what a callback ends the program with
 
     def _call(self, function: Any, *arguments: Any) -> None:
         """Calls with a callback, which lives as long as the drone."""
-        self._kept.extend(argument for argument in arguments if isinstance(argument, ctypes._CFuncPtr))
+        self._called.extend(argument for argument in arguments if isinstance(argument, _FUNCTION))
         function(self._handle, *arguments)
 
     def _guarded(self, function: Callable[..., Any]) -> Callable[..., int]:
         """Makes of what a function raises what C understands."""
-        weak, kept = weakref.ref(self), self._kept
+        weak, kept = weakref.ref(self), self._called
 
         def call(*arguments: Any) -> int:
             held = kept  # no callback of this drone goes while one runs, even if nobody knows the drone any more
@@ -65,18 +80,15 @@ class Callbacks:
                 function(*arguments)
                 return 0
             except Error as error:
-                text = f"{error}; {error.advice}" if error.advice else str(error)
-                return int(lib.hive_fail(code_of(error.code), encoded(text.replace("\0", "?"))))
+                drone = weak()
+                if drone is not None and ends_in_package(error.__traceback__):
+                    drone._log_traceback(error)
+                return int(lib.hive_fail(code_of(error.code), encoded(str(error).replace("\0", "?"))))
             except Exception as error:
-                import traceback  # here, for it takes longer to load than most of this package
-
                 drone = weak()
                 if drone is not None:
-                    trace = traceback.format_exception(type(error), error, _own(error.__traceback__))
-                    lines = "".join(trace).rstrip().replace("\0", "?")
-                    lib.hive_drone_log_at(drone._handle, b"error", encoded(lines))
-                text = "".join(traceback.format_exception_only(type(error), error)).strip()
-                return int(lib.hive_fail(code_of("failed"), encoded(text.replace("\0", "?"))))
+                    drone._log_traceback(error)
+                return int(lib.hive_fail(code_of("failed"), encoded(_last_line(error).replace("\0", "?"))))
             except BaseException as leave:  # Ctrl-C or sys.exit() in a callback ends the drone, and then the program
                 drone = weak()
                 if drone is not None:
@@ -86,6 +98,14 @@ class Callbacks:
                 return int(lib.hive_fail(code_of("stopped"), b"the drone was told to end"))
 
         return call
+
+    def _log_traceback(self, error: BaseException) -> None:
+        """One line of the log for each of its own."""
+        import traceback  # here, for it takes longer to load than most of this package
+
+        lines = traceback.format_exception(type(error), error, without_package(error.__traceback__))
+        for line in "".join(lines).rstrip().split("\n"):
+            lib.hive_drone_log_at(self._handle, b"error", encoded(line.replace("\0", "?")))
 
     @staticmethod
     def _deliver(function: Callable[..., Any], *handles: int) -> None:

@@ -11,22 +11,33 @@ class Error(RuntimeError):
     ``code`` is one of the names of SPEC.md, section 7: "invalid_argument", "not_found", "unreachable",
     "connection_lost", "timeout", "refused", "type_mismatch", "halted", "locked", "name_taken", "not_permitted",
     "too_large", "malformed", "version_mismatch", "unsupported", "failed", "abandoned", "stopped", "io".
-    ``advice`` says what can be done about it.  Raise one in a callback to give the drone's exception a code of its own.
+    ``text`` is what happened, ``advice`` what can be done about it; ``str(error)`` has both.  Raise one in a callback to
+    give the drone's exception a code of its own.
     """
 
     def __init__(self, code: str, text: str, advice: str = "") -> None:
         super().__init__(text)
         self.code = code
+        self.text = text
         self.advice = advice
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        return f"{self.text}; {self.advice}" if self.advice else self.text
 
     def __repr__(self) -> str:
-        return f"hive.Error({self.code!r}, {str(self)!r})"
+        return f"hive.{type(self).__name__}({self.code!r}, {str(self)!r})"
 
     def __reduce__(self) -> Any:
-        return (type(self), (self.code, str(self), self.advice))
+        return (type(self), (self.code, self.text, self.advice))
+
+    def _render_traceback_(self) -> list[str]:
+        """For notebooks: the frames of the caller alone."""
+        import traceback
+
+        from ._tracebacks import without_package
+
+        lines = traceback.format_exception(type(self), self, without_package(self.__traceback__))
+        return "".join(lines).rstrip().split("\n")
 
 
 class SetError(Error):
@@ -42,9 +53,20 @@ class SetError(Error):
         self.answers: dict[str, Any] = answers or {}
 
     def __reduce__(self) -> Any:
-        return (type(self), (self.code, str(self), self.advice, self.changed, self.answers))
+        return (type(self), (self.code, self.text, self.advice, self.changed, self.answers))
+
+
+for _kind in (Error, SetError):
+    _kind.__module__ = "hive"  # where users find it
 
 
 def error_of(told: Mapping[str, str]) -> Error:
     """Of {"code", "text", "advice"}."""
     return Error(told["code"], told["text"], told["advice"])
+
+
+def require_list(what: str, value: Any, example: str) -> Any:
+    """Refuses a text where a list of them belongs: it would be taken apart into letters."""
+    if isinstance(value, (str, bytes)):
+        raise Error("invalid_argument", f"{what} is a list, not the text {value!r}", f"write {what}={example}")
+    return value

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Optional, 
 
 from . import _library
 from ._errors import Error, error_of
-from ._library import as_json, ask, ask_handle, code_of, encoded, lib, release
+from ._library import Owner, as_json, ask, ask_handle, ask_list, code_of, encoded, lib, release
 from .collector import Seconds, milliseconds
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class SwarmFileError(Error):
         self.mistakes: list[Mistake] = list(mistakes)
 
     def __reduce__(self) -> Any:
-        return (type(self), (self.code, str(self), self.advice, self.mistakes))
+        return (type(self), (self.code, self.text, self.advice, self.mistakes))
 
 
 class SwarmError(Error):
@@ -57,7 +57,11 @@ class SwarmError(Error):
         self.remains: dict[str, Error] = remains or {}
 
     def __reduce__(self) -> Any:
-        return (type(self), (self.code, str(self), self.advice, self.failures, self.remains))
+        return (type(self), (self.code, self.text, self.advice, self.failures, self.remains))
+
+
+for _kind in (SwarmFileError, SwarmError):
+    _kind.__module__ = "hive"  # where users find it
 
 
 class ExportedFile(NamedTuple):
@@ -78,7 +82,7 @@ class ExportedFile(NamedTuple):
         return path
 
 
-class Swarm:
+class Swarm(Owner):
     """The drones of a swarm file, what they are set to, and how they are connected (libhive/docs/swarm-file.md).
 
     Programs of drones are found in $HIVE_DRONE_PATH and $PATH.  A call that needs the file to be right raises
@@ -93,7 +97,7 @@ class Swarm:
     def __init__(
         self, source: Source, *, application: Optional[Application] = None, form_only: bool = False
     ) -> None:
-        self._handle: Optional[ctypes.c_void_p] = None
+        self._handle = None
         self._application = application
         self._options = {"form_only": form_only}
         self._own: Optional[Application] = None
@@ -103,7 +107,7 @@ class Swarm:
         self.notes: list[Mistake] = []
 
     def __del__(self) -> None:
-        release(getattr(self, "_handle", None))
+        release(self._kept)
 
     def __enter__(self) -> Swarm:
         return self
@@ -218,7 +222,7 @@ class Swarm:
                 )
             except Error as error:
                 if error.code == "invalid_argument":
-                    raise SwarmFileError(error.code, str(error), error.advice, self.check()) from None
+                    raise SwarmFileError(error.code, error.text, error.advice, self.check()) from None
                 raise
         return self._handle
 
@@ -229,7 +233,7 @@ class Swarm:
         def hear(_: Any, done: int, of: int, what: bytes) -> int:
             return _kept(left, progress, done, of, _library.text_of(what))
 
-        call = _library.progress_callback(hear) if progress else _library.progress_callback()
+        call = _library.progress_callback(hear) if progress else _library.no_progress_callback
         place, length = ctypes.c_void_p(), ctypes.c_size_t()
         places = ctypes.byref(place), ctypes.byref(length)
         try:
@@ -279,8 +283,8 @@ def _problem(outcome: Mapping[str, Any]) -> Optional[SwarmError]:
     failures, remains = (
         {failure["drone"]: error_of(failure["error"]) for failure in outcome[part]} for part in ("failures", "remains")
     )
-    texts = [f"{drone}: {error}" for drone, error in failures.items()]
-    texts += [f"{drone} was not undone: {error}" for drone, error in remains.items()]
+    texts = [f"{drone}: {error.text}" for drone, error in failures.items()]
+    texts += [f"{drone} was not undone: {error.text}" for drone, error in remains.items()]
     for error in (*failures.values(), *remains.values()):
         return SwarmError(error.code, "; ".join(texts), error.advice, failures, remains)
     return None
