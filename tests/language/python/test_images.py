@@ -6,6 +6,7 @@ import unittest
 import numpy
 
 import hive
+from hive import _pictures
 from world import PATIENCE, Embedded, eventually
 
 
@@ -85,6 +86,58 @@ class Images(Embedded):
             event = results.next(PATIENCE)
             self.assertEqual(event.header["n"], number)
             self.assertTrue(numpy.array_equal(event.image(), picture))
+
+    def test_every_kind_of_pixels_goes_through_drones_and_a_loan_of_it(self):
+        pictures = [
+            numpy.random.default_rng(4).uniform(0, 250, shape).astype(kind)
+            for kind in ("uint8", "uint16", "float32", ">u2")
+            for shape in ((6, 5), (6, 5, 1), (6, 5, 3), (6, 5, 4))
+        ]
+        pictures.append(numpy.frombuffer(bytes(range(30)), numpy.uint8).reshape(5, 6))
+        pictures.append(pictures[4][::2, ::-1])
+
+        def emit(output, number):
+            if number > 2 * len(pictures):
+                return
+            picture = pictures[(number - 1) // 2]
+            if number % 2 == 0:
+                loan = output.loan(picture.shape, picture.dtype)
+                loan[:] = picture
+                picture = loan
+            output.emit_captured_image(picture, lossless=True)
+
+        self.run_embedded(self.source(emit))
+        collector = self.swarm.collect("source")
+        for picture in pictures:
+            for _ in range(2):
+                image = collector.next(PATIENCE).image()
+                self.assertEqual(image.dtype, picture.dtype.newbyteorder("="))
+                self.assertTrue(numpy.array_equal(image, picture.reshape(image.shape)))
+                with self.assertRaises(ValueError):
+                    image.flags.writeable = True
+
+    def test_a_shape_that_is_none_or_too_large_is_refused(self):
+        drone = hive.Drone("probe", embedded=True)
+        output = drone.output("out", "image/raw")
+        for shape in (-1, (-2, 3), 2.5, "ab", None, (2, None)):
+            self.assertIn("a shape is", str(self.refused("invalid_argument", output.loan, shape)))
+        for shape in ((1 << 40, 1 << 40), (1 << 14, 1 << 13), 1 << 64):
+            self.refused("too_large", output.loan, shape)
+        self.assertEqual(output.loan((0, 3)).shape, (0, 3))
+        for body in ([1, 2], "text", 5):
+            self.refused("invalid_argument", output.emit, {}, body)
+        self.refused("invalid_argument", output.emit, "text")
+
+    def test_a_drone_in_cpp_takes_alpha_and_says_what_to_do_about_floats(self):
+        self.drone("background", "background")
+        exceptions, masks = self.swarm.exceptions("background"), self.swarm.collect("background.mask")
+        for kind, text in (("float32", "bgr32f; let its sender scale"), ("uint16", "bgr16; let its sender emit")):
+            picture = numpy.zeros((40, 60, 3), kind)
+            self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+            self.assertIn(text, exceptions.next(PATIENCE).header["text"])
+        picture = numpy.zeros((40, 60, 4), numpy.uint8)
+        self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+        self.assertEqual(masks.next(PATIENCE).image().shape, (40, 60))
 
     def test_a_notebook_shows_pictures_and_leaves_what_is_none(self):
         size = {"width": 2, "height": 1, "pixel_format": "gray8"}

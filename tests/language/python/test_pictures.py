@@ -2,13 +2,14 @@
 
 import struct
 import unittest
+import unittest.mock
 import zlib
 
 import cv2
 import numpy
 
 import hive
-from hive import _pictures
+from hive import _jpeg, _pictures
 
 
 def raw(picture):
@@ -78,11 +79,75 @@ class Pictures(unittest.TestCase):
         scan = data[data.index(b"\xff\xda") : -2]
         self.refused("too_large", "image/jpeg", {}, memoryview(data[:-2] + 100 * scan + data[-2:]))
 
-    def test_what_is_no_picture_cannot_be_emitted(self):
-        for shape, kind in (((3, 3), "float32"), ((3,), "uint8"), ((3, 3, 4), "uint8"), ((0, 3), "uint8")):
-            with self.assertRaises(hive.Error) as caught:
-                _pictures.raw_header(numpy.zeros(shape, kind))
+    def test_half_a_jpeg_is_an_error_as_in_cpp(self):
+        picture = numpy.random.default_rng(2).integers(0, 256, (200, 300, 3), numpy.uint8)
+        data = cv2.imencode(".jpg", picture)[1].tobytes()
+        for bad in (data[: len(data) // 2] + b"\xff\xd9", data[:-60] + b"\xff\xd9"):
+            self.refused("malformed", "image/jpeg", {}, memoryview(bad))
+        png = cv2.imencode(".png", picture)[1].tobytes()
+        for bad in (png[: len(png) // 2] + png[-12:], png[:100] + b"?" + png[101:]):
+            self.refused("malformed", "image/png", {}, memoryview(bad))
+
+    def test_a_jpeg_is_turned_as_exif_says(self):
+        data = cv2.imencode(".jpg", self.colour)[1].tobytes()
+        directory = b"MM\0*\0\0\0\x08" + b"\0\x01" + struct.pack(">HHIHH", 0x112, 3, 1, 6, 0) + b"\0\0\0\0"
+        exif = b"Exif\0\0" + directory
+        turned = data[:2] + b"\xff\xe1" + struct.pack(">H", len(exif) + 2) + exif + data[2:]
+        self.assertEqual(_pictures.decode("image/jpeg", {}, memoryview(turned)).shape, (17, 12, 3))
+
+    def test_a_jpeg_is_the_same_without_turbojpeg(self):
+        data = memoryview(cv2.imencode(".jpg", self.colour)[1].tobytes())
+        seen = _pictures.decode("image/jpeg", {}, data)
+        with unittest.mock.patch.object(_jpeg, "_library", False):
+            self.assertTrue(numpy.array_equal(_pictures.decode("image/jpeg", {}, data), seen))
+
+    def test_every_kind_of_pixels_comes_as_it_went(self):
+        for kind, depth in (("uint8", "8"), ("uint16", "16"), ("float32", "32f")):
+            for shape, colour in (((4, 5), "gray"), ((4, 5, 1), "gray"), ((4, 5, 3), "bgr"), ((4, 5, 4), "bgra")):
+                with self.subTest(colour + depth, shape=shape):
+                    picture = numpy.random.default_rng(3).uniform(0, 200, shape).astype(kind)
+                    header, body = raw(picture)
+                    self.assertEqual(header["pixel_format"], colour + depth)
+                    self.assertEqual(header["stride"] * header["height"], len(body))
+                    seen = _pictures.decode("image/raw", header, body)
+                    self.assertEqual(seen.dtype, kind)
+                    self.assertTrue(numpy.array_equal(seen, picture.reshape(seen.shape)))
+
+    def test_a_view_of_a_body_cannot_be_made_writable(self):
+        for picture in (self.colour, self.grey.astype("float32")):
+            seen = _pictures.decode("image/raw", *raw(picture))
+            with self.assertRaises(ValueError):
+                seen.flags.writeable = True
+            with self.assertRaises(ValueError):
+                seen[0, 0] = 0
+
+    def test_what_is_no_image_is_refused_with_one_sentence(self):
+        for thing, text in (
+            (None, "there is no image, but None"),
+            ([[1, 2]], "an image is a NumPy array, not a list"),
+            (b"x", "an image is a NumPy array, not a bytes"),
+            (numpy.uint8(3), "an image is a NumPy array, not a uint8"),
+            (numpy.zeros((0, 3), "uint8"), "an image has pixels, and an array of shape (0, 3) has none"),
+            (numpy.zeros(3, "uint8"), "an image has the shape (height, width)"),
+            (numpy.zeros((3, 3, 2), "uint8"), "an image has the shape (height, width)"),
+            (numpy.zeros((3, 3)), "an image is of uint8, uint16 or float32, not of float64"),
+            (numpy.zeros((3, 3), "int64"), "an image is of uint8, uint16 or float32, not of int64"),
+            (numpy.zeros((3, 3), bool), "an image is of uint8, uint16 or float32, not of bool"),
+        ):
+            with self.subTest(text), self.assertRaises(hive.Error) as caught:
+                _pictures.raw_header(thing)
             self.assertEqual(caught.exception.code, "invalid_argument")
+            self.assertTrue(str(caught.exception).startswith(text), caught.exception)
+            self.assertNotIn("\n", str(caught.exception))
+
+    def test_pixels_of_16_bits_are_encoded_by_their_upper_eight_and_floats_refused(self):
+        wide = self.colour.astype("uint16") << 8
+        for picture in (wide, numpy.dstack((self.colour, self.grey))):
+            data = _pictures.encode("image/png", picture, 80)
+            self.assertTrue(numpy.array_equal(_pictures.decode("image/png", {}, memoryview(data)), self.colour))
+        with self.assertRaises(hive.Error) as caught:
+            _pictures.encode("image/jpeg", self.grey.astype("float32"), 80)
+        self.assertEqual(caught.exception.code, "unsupported")
 
     def test_a_notebook_gets_a_png(self):
         for picture in (self.colour, self.grey):

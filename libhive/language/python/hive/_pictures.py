@@ -2,31 +2,43 @@
 
 from __future__ import annotations
 
+import importlib
+import io
 import struct
 import zlib
 from typing import TYPE_CHECKING, Any, Optional
 
+from . import _jpeg
 from ._errors import Error
 
 if TYPE_CHECKING:
-    import numpy
+    from numpy.typing import NDArray
 
 MOST_PIXELS = 40_000_000
 MOST_SCANS, MOST_PIXEL_SCANS = 100, 640_000_000  # of one JPEG: what decoding a progressive one costs
 _LONGEST_SIDE = 1 << 20
 _LONGEST_ROW = 1 << 31
-_CHANNELS = {"bgr8": 3, "gray8": 1}
+_CHANNELS = {"gray": 1, "bgr": 3, "bgra": 4}
+_DEPTHS = {"8": "u1", "16": "<u2", "32f": "<f4"}
+_FORMATS = {colour + depth: (colour, depth) for colour in _CHANNELS for depth in _DEPTHS}
 
 
 def _malformed(text: str) -> Error:
     return Error("malformed", text)
 
 
-def _numpy() -> Any:
+def _module(name: str) -> Any:
+    """One that need not be installed; None where it is not."""
     try:
-        import numpy
+        return importlib.import_module(name)
     except ImportError:
-        raise Error("unsupported", "pictures need NumPy", "install python3-numpy") from None
+        return None
+
+
+def _numpy() -> Any:
+    numpy = _module("numpy")
+    if numpy is None:
+        raise Error("unsupported", "pictures need NumPy", "install python3-numpy")
     return numpy
 
 
@@ -37,7 +49,7 @@ def _integer(header: dict[str, Any], field: str, least: int, most: int, fallback
     return value
 
 
-def decode(kind: str, header: dict[str, Any], body: memoryview) -> numpy.ndarray:
+def decode(kind: str, header: dict[str, Any], body: memoryview) -> NDArray[Any]:
     if kind == "image/raw":
         return raw_view(header, body)
     if kind in ("image/jpeg", "image/png"):
@@ -45,40 +57,78 @@ def decode(kind: str, header: dict[str, Any], body: memoryview) -> numpy.ndarray
     raise Error("unsupported", f"{kind} is no picture; there are image/raw, image/jpeg and image/png")
 
 
-def raw_view(header: dict[str, Any], body: memoryview) -> numpy.ndarray:
+def raw_view(header: dict[str, Any], body: memoryview) -> NDArray[Any]:
     """Pixels as they lie in the body, which the header describes (SPEC.md, section 12)."""
-    channels = _CHANNELS.get(str(header.get("pixel_format")))
-    if channels is None:
-        raise _malformed(f'image/raw: pixel_format is {header.get("pixel_format")!r}, neither bgr8 nor gray8')
+    colour, depth = _FORMATS.get(str(header.get("pixel_format")), (None, None))
+    if colour is None or depth is None:
+        known = ", ".join(_FORMATS)
+        raise _malformed(f'image/raw: pixel_format is {header.get("pixel_format")!r}, and none of {known}')
+    numpy = _numpy()
+    channels, kind = _CHANNELS[colour], numpy.dtype(_DEPTHS[depth])
+    pixel = channels * kind.itemsize
     width = _integer(header, "width", 1, _LONGEST_SIDE)
     height = _integer(header, "height", 1, _LONGEST_SIDE)
-    stride = _integer(header, "stride", width * channels, _LONGEST_ROW, width * channels)
+    stride = _integer(header, "stride", width * pixel, _LONGEST_ROW, width * pixel)
     if width * height > MOST_PIXELS:
         raise Error("too_large", f"image/raw: {width}x{height} pixels are too many")
     if stride * height != len(body):
         raise _malformed(f"image/raw: the header asks for {stride * height} bytes, the body has {len(body)}")
-    numpy = _numpy()
     shape = (height, width) if channels == 1 else (height, width, channels)
-    strides = (stride, 1) if channels == 1 else (stride, channels, 1)
-    return numpy.ndarray(shape, numpy.uint8, body, 0, strides)
+    strides = (stride, pixel) if channels == 1 else (stride, pixel, kind.itemsize)
+    pixels = numpy.frombuffer(body, "u1")  # keeps `body` itself as its base, which cannot be made writable
+    view: NDArray[Any] = numpy.ndarray(shape, kind, pixels, 0, strides)
+    return view
 
 
-def raw_header(picture: numpy.ndarray) -> dict[str, Any]:
+def _require_array(picture: Any) -> None:
+    if picture is None:
+        raise Error("invalid_argument", "there is no image, but None", "look whether it could be read or taken")
+    if not isinstance(picture, _numpy().ndarray):
+        kind = type(picture).__name__
+        raise Error("invalid_argument", f"an image is a NumPy array, not a {kind}", "convert it: numpy.asarray()")
+    if 0 in picture.shape:
+        raise Error("invalid_argument", f"an image has pixels, and an array of shape {picture.shape} has none")
+
+
+def raw_header(picture: NDArray[Any]) -> dict[str, Any]:
     """What image/raw says of a picture whose rows lie without gaps."""
-    if picture.dtype != "uint8" or picture.ndim not in (2, 3) or 0 in picture.shape:
-        raise Error("invalid_argument", f"a picture is an array of uint8, not {picture.dtype} of shape {picture.shape}")
-    channels = 1 if picture.ndim == 2 else picture.shape[2]
-    if channels not in (1, 3):
-        raise Error("invalid_argument", f"a picture has 1 or 3 channels, not {channels}")
+    _require_array(picture)
+    channels = picture.shape[2] if picture.ndim == 3 else 1
+    colour = {1: "gray", 3: "bgr", 4: "bgra"}.get(channels)
+    if picture.ndim not in (2, 3) or colour is None:
+        text = f"an image has the shape (height, width) or (height, width, 1, 3 or 4), not {picture.shape}"
+        raise Error("invalid_argument", text)
+    depth = {"u1": "8", "u2": "16", "f4": "32f"}.get(f"{picture.dtype.kind}{picture.dtype.itemsize}")
+    if depth is None:
+        text = f"an image is of uint8, uint16 or float32, not of {picture.dtype}"
+        raise Error("invalid_argument", text, _conversion(picture.dtype.kind))
     height, width = picture.shape[:2]
-    pixel_format = "gray8" if channels == 1 else "bgr8"
-    return {"width": width, "height": height, "pixel_format": pixel_format, "stride": width * channels}
+    stride = width * channels * picture.dtype.itemsize
+    return {"width": width, "height": height, "pixel_format": colour + depth, "stride": stride}
+
+
+def _conversion(kind: str) -> str:
+    """How an array of another type becomes an image."""
+    return {"b": "write image.astype('uint8') * 255", "f": "write image.astype('float32')"}.get(
+        kind, "write image.clip(0, 255).astype('uint8')"
+    )
 
 
 def _png_size(data: bytes) -> Optional[tuple[int, int]]:
-    if len(data) < 33 or not data.startswith(b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR") or b"IEND" not in data[-12:]:
+    """Of the first chunk, when each chunk is whole and as its checksum says, up to the last."""
+    if len(data) < 33 or not data.startswith(b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"):
         return None
-    return struct.unpack(">II", data[16:24])
+    at, name = 8, b""
+    while name != b"IEND":
+        if at + 12 > len(data):
+            return None
+        length, name = struct.unpack(">I4s", data[at : at + 8])
+        end = at + 8 + length
+        if data[end : end + 4] != struct.pack(">I", zlib.crc32(data[at + 4 : end])):
+            return None
+        at = end + 4
+    width, height = struct.unpack(">II", data[16:24])
+    return width, height
 
 
 def _jpeg_size(data: bytes) -> Optional[tuple[int, int]]:
@@ -95,22 +145,28 @@ def _jpeg_size(data: bytes) -> Optional[tuple[int, int]]:
     return None
 
 
-def _decode_compressed(kind: str, data: bytes) -> numpy.ndarray:
-    numpy = _numpy()
+def _decode_compressed(kind: str, data: bytes) -> NDArray[Any]:
     size = _png_size(data) if kind == "image/png" else _jpeg_size(data)
     if size is None or 0 in size:
         raise _malformed(f"{kind}: {len(data)} bytes that are no such picture, or one that is cut short")
     if size[0] * size[1] > MOST_PIXELS:
         raise Error("too_large", f"{kind}: {size[0]}x{size[1]} pixels are too many")
-    scans = data.count(b"\xff\xda") if kind == "image/jpeg" else 0  # these bytes are nowhere else but in a thumbnail
+    if kind == "image/png":
+        return _decode_by_opencv(kind, data)
+    scans = data.count(b"\xff\xda")  # these bytes are nowhere else but in a thumbnail
     if scans > MOST_SCANS or size[0] * size[1] * scans > MOST_PIXEL_SCANS:
         raise Error("too_large", f"{kind}: {scans} scans of {size[0]}x{size[1]} pixels are too many")
-    try:
-        import cv2
-    except ImportError:
+    pixels = _jpeg.decode(data)
+    # A whole picture that is to be turned as EXIF says is left to those who can.
+    return _decode_by_opencv(kind, data) if pixels is None or b"Exif\0\0" in data[:65536] else pixels
+
+
+def _decode_by_opencv(kind: str, data: bytes) -> NDArray[Any]:
+    numpy, cv2 = _numpy(), _module("cv2")
+    if cv2 is None:
         return _decode_by_pillow(kind, data, numpy)
     try:
-        picture = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
+        picture: Optional[NDArray[Any]] = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
     except cv2.error as error:
         raise _malformed(f"{kind}: {error}") from None
     if picture is None:
@@ -118,48 +174,53 @@ def _decode_compressed(kind: str, data: bytes) -> numpy.ndarray:
     return picture
 
 
-def _decode_by_pillow(kind: str, data: bytes, numpy: Any) -> numpy.ndarray:
-    import io
-
+def _decode_by_pillow(kind: str, data: bytes, numpy: Any) -> NDArray[Any]:
+    pillow, operations = _module("PIL.Image"), _module("PIL.ImageOps")
+    if pillow is None:
+        raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil")
     try:
-        from PIL import Image, ImageOps
-    except ImportError:
-        raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil") from None
-    try:
-        with Image.open(io.BytesIO(data), formats=("JPEG", "PNG")) as picture:
-            upright = ImageOps.exif_transpose(picture).convert("RGB")
-        return numpy.ascontiguousarray(numpy.asarray(upright)[:, :, ::-1])
+        with pillow.open(io.BytesIO(data), formats=("JPEG", "PNG")) as picture:
+            upright = operations.exif_transpose(picture).convert("RGB")
+        pixels: NDArray[Any] = numpy.ascontiguousarray(numpy.asarray(upright)[:, :, ::-1])
+        return pixels
     except Exception as error:  # whatever it thinks of the bytes
         raise _malformed(f"{kind}: {error}") from None
 
 
-def encode(kind: str, picture: numpy.ndarray, quality: int) -> bytes:
-    """A grey or BGR picture as image/jpeg or image/png, by OpenCV or, where that is missing, Pillow."""
-    try:
-        import cv2
-    except ImportError:
+def encode(kind: str, picture: NDArray[Any], quality: int) -> bytes:
+    """A picture as image/jpeg or image/png, by OpenCV or, where that is missing, Pillow."""
+    picture, cv2 = _encodable(kind, picture), _module("cv2")
+    if cv2 is None:
         return _encode_by_pillow(kind, picture, quality)
     if kind == "image/png":
-        return cv2.imencode(".png", picture)[1].tobytes()
-    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+        return bytes(cv2.imencode(".png", picture)[1].tobytes())
+    return bytes(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes())
 
 
-def _encode_by_pillow(kind: str, picture: numpy.ndarray, quality: int) -> bytes:
-    import io
+def _encodable(kind: str, picture: NDArray[Any]) -> NDArray[Any]:
+    """Of 8 bits and without alpha, as most decoders want it: of 16 bits the upper eight."""
+    if picture.dtype.kind == "f":
+        raise Error("unsupported", f"there is no {kind} of float32", 'connect with encoding="raw"')
+    if picture.dtype.itemsize == 2:
+        picture = (picture >> 8).astype("uint8")
+    return picture[:, :, :3].copy() if picture.ndim == 3 and picture.shape[2] == 4 else picture
 
-    try:
-        from PIL import Image
-    except ImportError:
-        if kind == "image/png":
-            return as_png(picture)
-        raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil") from None
+
+def _encode_by_pillow(kind: str, picture: NDArray[Any], quality: int) -> bytes:
+    pillow = _module("PIL.Image")
+    if pillow is None and kind == "image/png":
+        return as_png(picture)
+    if pillow is None:
+        raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil")
     file = io.BytesIO()
-    Image.fromarray(picture if picture.ndim == 2 else picture[:, :, ::-1]).save(file, kind[6:].upper(), quality=quality)
+    rows = picture if picture.ndim == 2 else picture[:, :, ::-1]
+    pillow.fromarray(rows).save(file, kind[6:].upper(), quality=quality)
     return file.getvalue()
 
 
-def as_png(picture: numpy.ndarray) -> bytes:
-    """A PNG of a grey or BGR picture, for notebooks."""
+def as_png(picture: NDArray[Any]) -> bytes:
+    """A PNG of a picture, for notebooks."""
+    picture = _encodable("image/png", picture)
     height, width = picture.shape[:2]
     colour = picture.ndim == 3
     rows = picture[:, :, ::-1] if colour else picture

@@ -11,7 +11,7 @@ from ._errors import Error
 from ._library import ask, ask_flag, ask_handle, lib, release
 
 if TYPE_CHECKING:
-    import numpy
+    from numpy.typing import NDArray
 
 
 class Hop(NamedTuple):
@@ -111,12 +111,13 @@ class Event:
         finally:
             release(body)
 
-    def image(self) -> numpy.ndarray:
-        """The picture in the body, as a NumPy array of ``uint8``.
+    def image(self) -> NDArray[Any]:
+        """The picture in the body, as a NumPy array.
 
-        ``image/raw`` gives a read-only view without a copy, of shape (height, width) for grey and (height, width, 3)
-        for colour, in the order blue, green, red.  ``image/jpeg`` and ``image/png`` are copied, checked and decoded to
-        (height, width, 3), by OpenCV or, where that is missing, Pillow.
+        ``image/raw`` gives a read-only view without a copy, of ``uint8``, ``uint16`` or ``float32``, and of shape
+        (height, width) for grey, (height, width, 3) for colour in the order blue, green, red, and (height, width, 4)
+        with alpha.  ``image/jpeg`` and ``image/png`` are copied, checked and decoded to ``uint8`` of (height, width,
+        3); one that is cut short or damaged is refused.
 
         :raises hive.Error: "malformed" when header and bytes are no such picture, "too_large" beyond 40 million pixels,
             "unsupported" when the body is of another type, or nothing is installed that decodes it
@@ -186,7 +187,8 @@ class Event:
     @property
     def size(self) -> Optional[int]:
         """Of the body at the sender, bytes, also in a notification; None: it was never made."""
-        return self._info["size"]
+        size: Optional[int] = self._info["size"]
+        return size
 
     @property
     def hops(self) -> list[Hop]:

@@ -3,18 +3,45 @@
 from __future__ import annotations
 
 import ctypes
+import operator
+import sys
 import time
 from typing import TYPE_CHECKING, Any, Callable, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import _pictures
 from ._errors import Error
-from ._library import as_json, ask_flag, ask_handle, body_callback, code_of, encoded, lib, release
+from ._library import Owner, as_json, ask_flag, ask_handle, body_callback, code_of, encoded, lib, release
 from .event import Event, _Memory
 
 if TYPE_CHECKING:
-    import numpy
+    from numpy.typing import NDArray
 
 Bytes = Union[bytes, bytearray, memoryview]
+
+
+def _header(header: Any, fields: Mapping[str, Any] = {}) -> bytes:
+    if header is not None and not hasattr(header, "keys"):
+        raise Error("invalid_argument", f"a header is a dict, not {header!r}"[:200])
+    return as_json({**(header or {}), **fields})
+
+
+def _view(body: Any) -> memoryview:
+    try:
+        return memoryview(body).cast("B")
+    except TypeError:
+        raise Error(
+            "invalid_argument", f"a body is bytes, not a {type(body).__name__}", "emit_image() takes arrays of pixels"
+        ) from None
+
+
+def _sides(shape: Any) -> tuple[int, ...]:
+    try:
+        sides = tuple(operator.index(side) for side in (shape if hasattr(shape, "__iter__") else (shape,)))
+    except TypeError:
+        sides = (-1,)
+    if any(side < 0 for side in sides):
+        raise Error("invalid_argument", f"a shape is one whole number from 0 on, or several, not {shape!r}")
+    return sides
 
 
 class _Maker:
@@ -48,7 +75,7 @@ class _Maker:
             self._make = before
 
 
-class Output:
+class Output(Owner):
     """One of a drone's outputs.  For the thread that runs the drone, except :meth:`loan`."""
 
     def __init__(self, handle: ctypes.c_void_p, name: str) -> None:
@@ -57,7 +84,7 @@ class Output:
         self.name = name
 
     def __del__(self) -> None:
-        release(self._handle)
+        release(self._kept)
 
     @property
     def wanted(self) -> bool:
@@ -90,40 +117,44 @@ class Output:
         :param type: media type of the body; None: the first that the output was declared with
         :raises hive.Error: "too_large", "invalid_argument"
         """
-        text = as_json(dict(header or {}))
+        text = _header(header)
         if callable(body):
             make = body
             self._made(
                 lambda: self._filled(make()), lib.hive_output_emit_made, self._handle, text, len(text), encoded(type)
             )
             return
-        if not memoryview(body).nbytes:
+        if not len(_view(body)):
             lib.hive_output_emit(self._handle, text, len(text), None, 0, encoded(type))
             return
         memory = self._filled(body)
         self._emit_memory(text, memory, memory.size, type)
 
-    def loan(self, shape: Union[int, Sequence[int]], dtype: Any = "uint8") -> numpy.ndarray:
+    def loan(self, shape: Union[int, Sequence[int]], dtype: Any = "uint8") -> NDArray[Any]:
         """An array to fill and :meth:`emit_image`: receivers on this machine read its memory, so nothing is copied.
 
         Never waits.  Its content is undefined; do not write to it any more once it was emitted.  From any thread.
+
+        :raises hive.Error: "too_large" beyond the 64 MiB that an event holds, "invalid_argument" for what is not a shape
         """
         numpy = _pictures._numpy()
         kind = numpy.dtype(dtype)
-        sides = (shape,) if isinstance(shape, int) else tuple(shape)
-        count = 1
+        sides = _sides(shape)
+        size = kind.itemsize
         for side in sides:
-            count *= int(side)
-        return numpy.frombuffer(self._loan(count * kind.itemsize).view(), kind).reshape(sides)
+            size *= side
+        view = self._loan(min(size, sys.maxsize)).view()
+        array: NDArray[Any] = numpy.frombuffer(view, kind).reshape(sides)
+        return array
 
-    def emit_image(self, image: numpy.ndarray, header: Optional[Mapping[str, Any]] = None, **fields: Any) -> None:
+    def emit_image(self, image: NDArray[Any], header: Optional[Mapping[str, Any]] = None, **fields: Any) -> None:
         """Sends a picture as ``image/raw``, with ``fields`` in its header.
 
-        :param image: ``uint8``, of shape (height, width) for grey or (height, width, 3) for colour, in the order blue,
-            green, red.  It is copied once if anybody wants it; an array of :meth:`loan` not at all.
+        :param image: ``uint8``, ``uint16`` or ``float32``, of shape (height, width) or (height, width, 1) for grey,
+            (height, width, 3) for colour in the order blue, green, red, or (height, width, 4) with alpha.  Most drones
+            work on ``uint8``.  It is copied once if anybody wants it; an array of :meth:`loan` not at all.
         """
-        described = {**(header or {}), **fields, **_pictures.raw_header(image)}
-        text = as_json(described)
+        text = _header(header, {**fields, **_pictures.raw_header(image)})
         self._made(
             lambda: self._picture(image), lib.hive_output_emit_made, self._handle, text, len(text), b"image/raw"
         )
@@ -141,9 +172,9 @@ class Output:
 
         :param lossless: of a source on demand: nobody on the way may skip it
         """
-        text = as_json(dict(header or {}))
+        text = _header(header)
         when = (_microseconds(captured), lossless, text, len(text))
-        if not callable(body) and not memoryview(body).nbytes:
+        if not callable(body) and not len(_view(body)):
             lib.hive_output_emit_captured(self._handle, *when, None, encoded(type))
             return
         self._made(
@@ -156,14 +187,14 @@ class Output:
 
     def emit_captured_image(
         self,
-        image: numpy.ndarray,
+        image: NDArray[Any],
         header: Optional[Mapping[str, Any]] = None,
         *,
         captured: Optional[float] = None,
         lossless: bool = False,
     ) -> None:
         """A picture as in :meth:`emit_image`, with an identity as in :meth:`emit_captured`: for cameras."""
-        text = as_json({**(header or {}), **_pictures.raw_header(image)})
+        text = _header(header, _pictures.raw_header(image))
         self._made(
             lambda: self._picture(image),
             lib.hive_output_emit_captured_made,
@@ -204,13 +235,13 @@ class Output:
 
     def _filled(self, body: Bytes) -> _Memory:
         """The bytes in a loan."""
-        view = memoryview(body).cast("B")
+        view = _view(body)
         memory = self._loan(len(view))
         if len(view):
             memory.view()[:] = view
         return memory
 
-    def _picture(self, image: numpy.ndarray) -> _Memory:
+    def _picture(self, image: NDArray[Any]) -> _Memory:
         """The pixels in a loan: the one that they lie in, or a new one."""
         memory = _loan_of(image)
         if memory is not None:
@@ -218,7 +249,8 @@ class Output:
             return memory
         memory = self._loan(image.nbytes)
         numpy = _pictures._numpy()
-        numpy.copyto(numpy.frombuffer(memory.view(), numpy.uint8).reshape(image.shape), image)
+        kind = image.dtype.newbyteorder("<")
+        numpy.copyto(numpy.frombuffer(memory.view(), kind).reshape(image.shape), image)
         return memory
 
     def _emit_memory(self, header: bytes, memory: _Memory, size: int, type: Optional[str]) -> None:
@@ -229,16 +261,17 @@ class Output:
             release(body)
 
 
-def _loan_of(image: numpy.ndarray) -> Optional[_Memory]:
+def _loan_of(image: NDArray[Any]) -> Optional[_Memory]:
     """The loan that an array is the whole of, if it is one."""
     base: Any = image
     while base is not None and not isinstance(base, memoryview):
         base = getattr(base, "base", None)
     memory = getattr(base.obj, "_memory", None) if base is not None else None
-    if memory is None or image.nbytes != memory.size:
+    if base is None or memory is None or image.nbytes != memory.size:
         return None
     whole = image.flags.c_contiguous and image.__array_interface__["data"][0] == memory.address
-    return memory if whole and not base.readonly and image.flags.writeable else None
+    native = image.dtype.isnative and sys.byteorder == "little"
+    return memory if whole and native and not base.readonly and image.flags.writeable else None
 
 
 def _microseconds(seconds: Optional[float]) -> int:

@@ -1,0 +1,76 @@
+"""The strict decoder of JPEG that drones in C++ have: libturbojpeg, where a warning is an error."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any, Optional
+
+from ._errors import Error
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_SONAME = "libturbojpeg.so.0"
+_BGR = 1
+_STOP_ON_WARNING = 8192  # data that is missing or left over: pixels would be invented
+_CMYK, _YCCK = 3, 4
+_library: Any = None
+
+
+def _loaded() -> Any:
+    """The library; False where it is not installed."""
+    global _library
+    if _library is None:
+        try:
+            _library = ctypes.CDLL(_SONAME)
+            _declare(_library)
+        except (OSError, AttributeError):
+            _library = False
+    return _library
+
+
+def _declare(library: Any) -> None:
+    integer = ctypes.POINTER(ctypes.c_int)
+    library.tjInitDecompress.restype = ctypes.c_void_p
+    library.tjDestroy.argtypes = [ctypes.c_void_p]
+    library.tjGetErrorStr2.argtypes = [ctypes.c_void_p]
+    library.tjGetErrorStr2.restype = ctypes.c_char_p
+    source = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_ulong]
+    library.tjDecompressHeader3.argtypes = [*source, integer, integer, integer, integer]
+    library.tjDecompress2.argtypes = [*source, ctypes.c_void_p, *[ctypes.c_int] * 5]
+
+
+def decode(data: bytes) -> Optional[NDArray[Any]]:
+    """The pixels as they lie, blue, green and red; None where the library is not installed.
+
+    :raises hive.Error: "malformed" for what is cut short or damaged, "unsupported" for CMYK
+    """
+    library = _loaded()
+    if not library:
+        return None
+    decoder = library.tjInitDecompress()
+    if not decoder:
+        raise Error("failed", "the JPEG decoder could not be made")
+    try:
+        return _pixels(library, decoder, data)
+    finally:
+        library.tjDestroy(decoder)
+
+
+def _pixels(library: Any, decoder: int, data: bytes) -> NDArray[Any]:
+    import numpy
+
+    def require(result: int) -> None:
+        if result != 0:
+            text = (library.tjGetErrorStr2(decoder) or b"").decode(errors="replace")
+            raise Error("malformed", f"image/jpeg: {text}")
+
+    width, height, subsampling, colours = (ctypes.c_int() for _ in range(4))
+    places = (ctypes.byref(value) for value in (width, height, subsampling, colours))
+    require(library.tjDecompressHeader3(decoder, data, len(data), *places))
+    if colours.value in (_CMYK, _YCCK):
+        raise Error("unsupported", "image/jpeg: CMYK, which no camera makes")
+    pixels = numpy.empty((height.value, width.value, 3), numpy.uint8)
+    size = (width.value, pixels.strides[0], height.value)
+    require(library.tjDecompress2(decoder, data, len(data), pixels.ctypes.data, *size, _BGR, _STOP_ON_WARNING))
+    return pixels
