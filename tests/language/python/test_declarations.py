@@ -6,7 +6,10 @@ import threading
 import unittest
 import unittest.mock
 
+import numpy
+
 import hive
+from hive import _library
 from world import PATIENCE, Embedded, eventually
 
 
@@ -60,6 +63,87 @@ class Declarations(Embedded):
         self.refused("invalid_argument", hive.Drone, "../probe", embedded=True)
         self.refused("invalid_argument", hive.Drone, "probe", embedded=True, colour="red")
         self.refused("invalid_argument", hive.Drone, "probe", name="x")
+
+    def test_ports_and_types_that_cannot_be_are_refused_at_the_declaration(self):
+        drone = hive.Drone("probe", embedded=True)
+        drone.output("out", "image/raw")
+        drone.on_event("in", "image/*,*/*")(lambda event: None)
+        drone.parameter("low", 1)
+        pair = drone.on_matched
+        for text, declare in {
+            "output out is declared twice": lambda: drone.output("out", "image/raw"),
+            "input in is declared twice": lambda: drone.on_event("in", "image/raw")(print),
+            "input left is declared twice": lambda: pair(("left", "a/b"), ("left", "a/b"))(print),
+            "parameter low is declared twice": lambda: drone.parameter("low", 2),
+            'output x: "raw" is not a media type': lambda: drone.output("x", "raw"),
+            'output x: "" is not a media type': lambda: drone.output("x", "image/raw,"),
+            'output x: " image/png" is not a media type': lambda: drone.output("x", "image/raw, image/png"),
+            'input x: "raw" is not a media type': lambda: drone.on_event("x", "raw")(print),
+            "the type of output x is a text, not ['image/raw']": lambda: drone.output("x", ["image/raw"]),
+            "the type of input x is a text, not None": lambda: drone.on_event("x", None),
+            "the name of an output is a text, not 3": lambda: drone.output(3, "a/b"),
+            "choices is a list, not the text 'fast'": lambda: drone.parameter("mode", "fast", choices="fast"),
+            "encodings is a list, not the text 'jpeg'": lambda: drone.output("x", "a/b", encodings="jpeg"),
+            "an input to match is (name, type) or (name, type, help), not 'left'": lambda: pair("left", "right"),
+            "connect is a list, not the text 'in=a.b'": lambda: hive.Drone("x", embedded=True, connect="in=a.b"),
+            "listen is a list, not the text 'tcp://a'": lambda: hive.Drone("x", embedded=True, listen="tcp://a"),
+        }.items():
+            with self.subTest(text):
+                error = self.refused("invalid_argument", declare)
+                self.assertTrue(str(error).startswith(text), error)
+                self.assertNotIn("\n", str(error))
+
+    def test_callbacks_that_would_never_run_are_refused_at_once(self):
+        drone = hive.Drone("probe", embedded=True)
+
+        async def later(event):
+            pass
+
+        async def many(event):
+            yield event
+
+        def each(event):
+            yield event
+
+        declare = {
+            "on_event": drone.on_event("in", "a/b"),
+            "on_matched": drone.on_matched(("left", "a/b"), ("right", "a/b")),
+            "on_change": drone.on_change,
+            "on_start": drone.on_start,
+            "on_end": drone.on_end,
+            "main": drone.main,
+        }
+        for what, decorate in declare.items():
+            with self.subTest(what):
+                told = f"{what}: later is async, and callbacks of a drone are not awaited; write def"
+                self.assertEqual(str(self.refused("invalid_argument", decorate, later)), told)
+                self.assertIn("many is async", str(self.refused("invalid_argument", decorate, many)))
+                self.assertIn("each is a generator", str(self.refused("invalid_argument", decorate, each)))
+                self.assertIn("not 5", str(self.refused("invalid_argument", decorate, 5)))
+
+    def test_a_parameter_behaves_as_its_value(self):
+        drone = hive.Drone("probe", embedded=True)
+        low, scale = drone.parameter("low", 50), drone.parameter("scale", 1.5)
+        invert, mode = drone.parameter("invert", False), drone.parameter("mode", "fast")
+        self.assertEqual((int(low), float(scale), bool(invert), str(mode)), (50, 1.5, False, "fast"))
+        self.assertEqual((f"{scale:.2f}", f"{low:>4}", f"{mode}"), ("1.50", "  50", "fast"))
+        self.assertTrue(low == 50 and low != 49 and low < 51 and low <= 50 and low > 49 and 50 >= low and low > scale)
+        self.assertTrue(not invert and mode == "fast" and "as" in mode and len(mode) == 4)
+        self.assertEqual((2 * low, low + 1, 100 - low, low / 4, 7 // low, low % 7, 2**scale), (100, 51, 50, 12.5, 0, 1, 2**1.5))
+        self.assertEqual((-low, abs(low), round(scale), round(scale, 1), [*range(low)][-1]), (-50, 50, 2, 1.5, 49))
+        numbers = numpy.array([49, 50, 51])
+        self.assertEqual((numbers > low).tolist(), [False, False, True])
+        self.assertEqual((low * numbers).tolist(), [2450, 2500, 2550])
+        self.assertEqual(numpy.full(2, low).tolist(), [50, 50])
+        self.assertEqual(_library.as_json({"low": low}), b'{"low": 50}')
+        with self.assertRaisesRegex(AttributeError, "has no 'upper'; its value is mode.value"):
+            mode.upper()
+        with self.assertRaisesRegex(AttributeError, "has no 'vlaue'; its value is low.value"):
+            low.vlaue = 3
+        with self.assertRaises(TypeError):
+            {low: 1}
+        with self.assertRaises(TypeError):
+            range(scale)
 
     def test_a_drone_may_begin_halted_and_its_parameters_may_be_the_operators(self):
         drone = hive.Drone("probe", embedded=True, halted=True)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
 import sys
 from typing import Any, Callable, Iterable, Optional, Sequence, TypeVar
 
 from . import _library
-from ._callbacks import Callbacks, encode
-from ._errors import Error
-from ._library import as_json, ask, ask_flag, ask_handle, ask_text, code_of, encoded, lib, release
+from ._callbacks import Callbacks, encode, require_plain
+from ._errors import Error, require_list
+from ._library import as_json, ask_flag, ask_handle, ask_object, ask_text, code_of, encoded, lib, release
 from .encoding import Encoding
 from .event import Event
 from .output import Output
@@ -18,6 +19,28 @@ from .parameter import Matching, Parameter, Seconds, Value, match_of, type_of
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 _STEP_MS = 100  # how soon Ctrl-C is seen by a drone inside of a program
+
+
+def _text(what: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise Error("invalid_argument", f"{what} is a text, not {value!r}")
+    return value
+
+
+def _types(port: str, value: Any) -> str:
+    """One text of media types."""
+    if not isinstance(value, str):
+        raise Error("invalid_argument", f"the type of {port} is a text, not {value!r}", 'write "image/raw,image/jpeg"')
+    return value
+
+
+def _port(each: Any) -> dict[str, str]:
+    """What on_matched() gets of one input."""
+    if isinstance(each, str) or not 2 <= len(each) <= 3:
+        raise Error("invalid_argument", f"an input to match is (name, type) or (name, type, help), not {each!r}")
+    name, kind, *text = each
+    named = _text("the name of an input", name)
+    return {"name": named, "type": _types(named, kind), "help": _text("help", text[0] if text else "")}
 
 
 def _first_line(function: Any) -> str:
@@ -59,6 +82,8 @@ class Drone(Callbacks):
         super().__init__()
         self.kind = kind
         self._program = not embedded
+        for option in ("connect", "listen", "advertise"):
+            require_list(option, options.get(option, ()), f'["{options.get(option)}"]')
         if embedded:
             self._open(kind, summary, {"stateful": stateful, **options})
         elif options:
@@ -102,7 +127,7 @@ class Drone(Callbacks):
         self._at_exit()
 
     def _at_exit(self) -> None:
-        handle, self._handle = self._handle, None
+        handle, self._handle = self._kept, None
         release(handle)
 
     # --- declarations ---
@@ -132,7 +157,8 @@ class Drone(Callbacks):
         :param operator: it concerns the drone's machine, as a path or a login: over the network it can be set only if
             the drone was started with --remote-operator
         """
-        declared: dict[str, Any] = {"name": name, "type": type_of(default), "default": default, "help": help}
+        require_list("choices", () if choices is None else choices, '["fast", "slow"]')
+        declared: dict[str, Any] = {"name": _text("the name of a parameter", name), "type": type_of(default), "default": default, "help": help}
         declared.update(least=least, most=most, unit=unit, operator=operator)
         declared.update(choices=None if choices is None else list(choices))
         lib.hive_drone_parameter(self._handle, as_json({k: v for k, v in declared.items() if v is not None}))
@@ -155,7 +181,7 @@ class Drone(Callbacks):
         place = ctypes.c_void_p()
         lib.hive_drone_given(self._handle, encoded(parameter), ctypes.byref(place), ctypes.byref(remembered))
         text = _library.take_text(place)
-        return (None if text is None else _library.json.loads(text)), remembered.value
+        return (None if text is None else json.loads(text)), remembered.value
 
     def output(self, name: str, type: str, help: str = "", encodings: Sequence[Encoding] = ()) -> Output:
         """Declares an output.
@@ -167,9 +193,11 @@ class Drone(Callbacks):
             the drone.  What an encoding raises is an exception of the drone, and the event travels as it was emitted.
             Of pictures: :func:`hive.pictures`.
         """
+        _types("output " + _text("the name of an output", name), type)
+        require_list("encodings", encodings, "hive.pictures()")
         if not encodings:
             return Output(
-                ask_handle(lib.hive_drone_output, self._handle, encoded(name), encoded(type), encoded(help)), name
+                ask_handle(lib.hive_drone_output, self._handle, encoded(name), encoded(type), encoded(_text("help", help))), name
             )
         known = {encoding.word: encoding for encoding in encodings}
         call = self._guarded(lambda event, wanted, answer: encode(known, event, wanted, answer))
@@ -192,7 +220,10 @@ class Drone(Callbacks):
         :param help: what it is for; "": the first line of the function's docstring
         """
 
+        _types("input " + _text("the name of an input", input), type)
+
         def declare(function: Callback) -> Callback:
+            require_plain("on_event", function)
             call = self._guarded(lambda handle: self._deliver(function, handle))
             self._call(
                 lib.hive_drone_on_event,
@@ -219,11 +250,13 @@ class Drone(Callbacks):
         :param within: None: events of one capture; otherwise those nearest in time, at most so many seconds apart
         :param check: looks at each event when it arrives; what it raises abandons that event
         """
-        declared = as_json([dict(zip(("name", "type", "help"), (*each, "", "")[:3])) for each in inputs])
+        declared = as_json([_port(each) for each in inputs])
+        if check is not None:
+            require_plain("check", check)
 
         def declare(function: Callable[..., Any]) -> Matching:
+            require_plain("on_matched", function)
             deliver = self._guarded(lambda *handles: self._deliver(function, *handles))
-            look = self._guarded(lambda handle: self._deliver(check, handle)) if check else None
             return Matching(
                 ask_handle(
                     self._call,
@@ -231,22 +264,28 @@ class Drone(Callbacks):
                     declared,
                     match_of(within),
                     _library.set_callback(lambda user, handles, count: deliver(*handles[:count])),
-                    _library.event_callback(lambda user, handle: look(handle)) if look else _library.event_callback(),
+                    self._look(check) if check else _library.no_event_callback,
                     None,
                 )
             )
 
         return declare
 
+    def _look(self, check: Callable[[Event], Any]) -> Any:
+        call = self._guarded(lambda handle: self._deliver(check, handle))
+        return _library.event_callback(lambda user, handle: call(handle))
+
     def on_change(self, function: Callback) -> Callback:
         """Decorates what is called after the parameters of one set were assigned, and once before the first event.
         If it raises, all are put back, it is called again, and the set is refused with its text."""
+        require_plain("on_change", function)
         self._changed = function
         return function
 
     def on_start(self, function: Callback) -> Callback:
         """Decorates what is called once when the drone runs for real: the place to open devices and load models.  If it
         raises, the drone does not run."""
+        require_plain("on_start", function)
         self._call(
             lib.hive_drone_on_start,
             _library.callback(self._guarded(lambda *_: self._with_values(function))),
@@ -258,6 +297,7 @@ class Drone(Callbacks):
         """Decorates ``function(text)``, which is called when everything that the inputs receive has come to its end and
         has been worked on, before the outputs end too.  ``text`` says what is lacking, "": nothing.  Once more
         when something came after all."""
+        require_plain("on_end", function)
         call = self._guarded(lambda text: function(_library.text_of(text)))
         self._call(lib.hive_drone_on_end, _library.end_callback(lambda _, text: call(text)), None)
         return function
@@ -267,6 +307,8 @@ class Drone(Callbacks):
         the next call (None: none).  It is called earlier when the demand for an output changes, a parameter was set, or
         by :meth:`wake`; not while the drone is halted."""
 
+        require_plain("main", function)
+
         def step(_: Any, wait_us: Any) -> None:
             wait_us[0] = int((function() or 0) * 1e6)
 
@@ -275,7 +317,7 @@ class Drone(Callbacks):
 
     def describe(self) -> dict[str, Any]:
         """What has been declared, as --describe prints it."""
-        return ask(lib.hive_drone_describe, self._handle)
+        return ask_object(lib.hive_drone_describe, self._handle)
 
     # --- running ---
 
@@ -296,8 +338,7 @@ class Drone(Callbacks):
                 self.end()
         except Error as error:
             if self._leave is None and self._program:
-                advice = f"; {error.advice}" if error.advice else ""
-                print(f"hive-{self.kind}: {error}{advice}", file=sys.stderr)
+                print(f"hive-{self.kind}: {error}", file=sys.stderr)
                 raise SystemExit(lib.hive_code_exit_code(code_of(error.code))) from None
             if self._leave is None:
                 raise
@@ -358,4 +399,4 @@ class Drone(Callbacks):
 
     def status(self) -> dict[str, Any]:
         """What an application would be told now; after it ran, how it was at the end."""
-        return ask(lib.hive_drone_status, self._handle)
+        return ask_object(lib.hive_drone_status, self._handle)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Generic, Optional, TypeVar
+import operator
+from typing import Any, Callable, Generic, Optional, TypeVar
 
 from ._errors import Error
 from ._library import as_json, lib, release
@@ -12,8 +13,32 @@ Value = TypeVar("Value", int, float, bool, str)
 Seconds = float
 
 
+def value_of(thing: Any) -> Any:
+    """Of a parameter its value; anything else is itself."""
+    return thing.value if isinstance(thing, Parameter) else thing
+
+
+def _binary(function: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    return lambda self, other: function(self.value, value_of(other))
+
+
+def _reflected(function: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    return lambda self, other: function(other, self.value)
+
+
+def _unary(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    return lambda self: function(self.value)
+
+
 class Parameter(Generic[Value]):
-    """A value that applications may set while the drone runs; between two callbacks it does not change."""
+    """A value that applications may set while the drone runs; between two callbacks it does not change.
+
+    It counts, compares and formats as its :attr:`value`: ``if invert:``, ``2 * low``, ``f"{scale:.2f}"``.  Give
+    ``low.value`` to functions that check types.
+    """
+
+    __hash__ = None  # type: ignore[assignment]  # its value changes
+    __array_ufunc__ = None  # arrays compare and count with its value
 
     def __init__(self, name: str, default: Value) -> None:
         self.name = name
@@ -23,6 +48,52 @@ class Parameter(Generic[Value]):
 
     def __repr__(self) -> str:
         return f"<hive.Parameter {self.name}={self.value!r}>"
+
+    def __format__(self, form: str) -> str:
+        return format(self.value, form)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name in ("name", "value"):  # the last two before __init__ has run
+            raise AttributeError(name)
+        raise AttributeError(f"a hive.Parameter has no {name!r}; its value is {self.name}.value")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in ("name", "value", "__orig_class__"):
+            raise AttributeError(f"a hive.Parameter has no {name!r}; its value is {self.name}.value")
+        object.__setattr__(self, name, value)
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Any:
+        import numpy
+
+        return numpy.asarray(self.value, dtype)
+
+    def __round__(self, digits: Optional[int] = None) -> Any:
+        value: Any = self.value
+        return round(value, digits)
+
+    __str__ = _unary(str)
+    __bool__ = _unary(bool)
+    __int__ = _unary(int)
+    __float__ = _unary(float)
+    __index__ = _unary(operator.index)
+    __len__ = _unary(len)
+    __neg__ = _unary(operator.neg)
+    __pos__ = _unary(operator.pos)
+    __abs__ = _unary(abs)
+    __contains__ = _binary(operator.contains)
+    __eq__ = _binary(operator.eq)
+    __ne__ = _binary(operator.ne)
+    __lt__ = _binary(operator.lt)
+    __le__ = _binary(operator.le)
+    __gt__ = _binary(operator.gt)
+    __ge__ = _binary(operator.ge)
+    __add__, __radd__ = _binary(operator.add), _reflected(operator.add)
+    __sub__, __rsub__ = _binary(operator.sub), _reflected(operator.sub)
+    __mul__, __rmul__ = _binary(operator.mul), _reflected(operator.mul)
+    __truediv__, __rtruediv__ = _binary(operator.truediv), _reflected(operator.truediv)
+    __floordiv__, __rfloordiv__ = _binary(operator.floordiv), _reflected(operator.floordiv)
+    __mod__, __rmod__ = _binary(operator.mod), _reflected(operator.mod)
+    __pow__, __rpow__ = _binary(operator.pow), _reflected(operator.pow)
 
 
 class Matching:
