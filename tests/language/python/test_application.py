@@ -313,7 +313,7 @@ class Applications(World):
             try:
                 waiting.next()
             except hive.Error as error:
-                told.append(str(error))
+                told.append(error.text)
 
         for waiting, close in ((collector, collector.close), (second, self.swarm.close)):
             thread = threading.Thread(target=wait, args=(waiting,), daemon=True)

@@ -2,48 +2,52 @@
 
 from __future__ import annotations
 
-import ctypes
-from typing import Any, Mapping, Optional, Sequence, Union
+from typing import Any, Mapping, Sequence, Union
 
 from ._errors import Error, error_of
-from ._library import as_json, ask, encoded, lib
+from ._library import Owner, as_json, ask_list, ask_object, encoded, lib
 from .collector import Seconds, milliseconds
 
 Names = Union[str, Sequence[str]]
+
+
+def flat(*names: Names) -> list[str]:
+    """Names and lists of them as one list."""
+    found: list[str] = []
+    for name in names:
+        found += [name] if isinstance(name, str) else flat(*name)
+    return found
 
 
 def is_many(drone: Names) -> bool:
     return not isinstance(drone, str) or "*" in drone or "?" in drone
 
 
-class Finding:
+class Finding(Owner):
     """The calls of an application that find drones and ask them."""
-
-    def __init__(self) -> None:
-        self._handle: Optional[ctypes.c_void_p] = None
 
     def drones(self) -> list[str]:
         """The drones that run on this machine, and those on other machines that are known; sorted."""
-        return ask(lib.hive_application_drones, self._handle)
+        return ask_list(lib.hive_application_drones, self._handle)
 
     def remembered(self) -> list[str]:
         """Drones that crashed, and get back what they were told when they are started again."""
-        return ask(lib.hive_application_remembered, self._handle)
+        return ask_list(lib.hive_application_remembered, self._handle)
 
     def find(self, pattern: str) -> list[str]:
         """The drones that a glob or a name means.  :raises hive.Error: "not_found" when there is none"""
-        return ask(lib.hive_application_find, self._handle, encoded(pattern))
+        return ask_list(lib.hive_application_find, self._handle, encoded(pattern))
 
     def describe(self, drone: str) -> dict[str, Any]:
         """Its interface: "kind", "summary", "version", "stateful", "inputs", "outputs", "parameters"."""
-        return ask(lib.hive_application_describe, self._handle, encoded(drone))
+        return ask_object(lib.hive_application_describe, self._handle, encoded(drone))
 
     def status(self, drone: Names) -> dict[str, Any]:
         """What it is doing: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4).  With a glob or several
         drones: that by drone, where one that does not answer has an :class:`Error` instead."""
         if not is_many(drone):
-            return ask(lib.hive_application_status, self._handle, encoded(str(drone)))
-        answers = ask(lib.hive_application_status_all, self._handle, as_json(self._named(drone)))
+            return ask_object(lib.hive_application_status, self._handle, encoded(str(drone)))
+        answers = ask_list(lib.hive_application_status_all, self._handle, as_json(self._named(drone)))
         return {answer["drone"]: answer_of(answer, "status") for answer in answers}
 
     def place(self, drone: str) -> dict[str, Any]:
@@ -51,11 +55,11 @@ class Finding:
 
         :raises hive.Error: "not_found"; "invalid_argument" when several have the name: call it "NAME@HOST"
         """
-        return ask(lib.hive_application_place, self._handle, encoded(drone))
+        return ask_object(lib.hive_application_place, self._handle, encoded(drone))
 
     def places(self) -> list[dict[str, Any]]:
         """The list of places: drones on other machines that this home was told of."""
-        return ask(lib.hive_application_places, self._handle)
+        return ask_list(lib.hive_application_places, self._handle)
 
     def add_place(self, drone: str, address: str, host: str = "") -> None:
         """Writes into the list of places that a drone is met at an address, "tcp://HOST:PORT".
@@ -76,10 +80,30 @@ class Finding:
         """
         lib.hive_application_wait(self._handle, encoded(drone), encoded(state), milliseconds(timeout))
 
+    def _ends(self, names: Names) -> list[str]:
+        """The ends of connections that names and globs mean: "face", "face.image", "face-*", "face-*.image"; each once.
+
+        :raises hive.Error: "not_found" when none fits a glob
+        """
+        ends: dict[str, None] = {}
+        for name in flat(names):
+            ends.update(dict.fromkeys(self._ends_like(name) if is_many(name) else [name]))
+        return list(ends)
+
+    def _ends_like(self, glob: str) -> list[str]:
+        """What fits a drone as a whole wins over a port behind the last dot."""
+        try:
+            return self.find(glob)
+        except Error as error:
+            drones, dot, port = glob.rpartition(".")
+            if error.code != "not_found" or not dot:
+                raise
+            return [f"{drone}.{port}" for drone in self.find(drones)]
+
     def _named(self, drones: Names) -> list[str]:
         """Each once, in the order given."""
         names: dict[str, None] = {}
-        for drone in [drones] if isinstance(drones, str) else drones:
+        for drone in flat(drones):
             names.update(dict.fromkeys(self.find(drone) if is_many(drone) else [drone]))
         return list(names)
 

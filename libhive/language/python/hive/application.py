@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
 from . import _library
-from ._errors import Error, SetError
-from ._finding import Finding, Names, answer_of, is_many
-from ._library import as_json, ask, ask_handle, ask_text, encoded, lib, release
-from .collector import Collector, MatchedCollector, Seconds, milliseconds
-from .event import Event
+from ._errors import Error, SetError, require_list
+from ._finding import Finding, Names, answer_of, flat, is_many
+from ._library import as_json, ask_handle, ask_json, ask_list, ask_object, ask_text, encoded, lib, release
+from .collector import Collector, MatchedCollector, Results, Seconds, milliseconds
 
 if TYPE_CHECKING:
     from .swarm import Source, Swarm
@@ -76,12 +75,12 @@ class Application(Finding):
         self._at_exit()
 
     def _at_exit(self) -> None:
-        if self._handle:
+        handle, self._handle = self._kept, None
+        if handle and not _library.is_inherited(handle):
             try:
-                self.close()
+                lib.hive_application_close(handle)
             except Error:
                 pass
-            handle, self._handle = self._handle, None
             release(handle)
 
     def __enter__(self) -> Application:
@@ -89,6 +88,14 @@ class Application(Finding):
 
     def __exit__(self, *_: Any) -> None:
         self.close()
+
+    async def __aenter__(self) -> Application:
+        return self
+
+    async def __aexit__(self, *_: Any) -> None:
+        import asyncio
+
+        await asyncio.to_thread(self.close)
 
     def close(self) -> None:
         """Leaves the swarm, and ends its collectors.  Once more: nothing."""
@@ -104,44 +111,120 @@ class Application(Finding):
         """Changes the deadline of the calls that follow."""
         lib.hive_application_timeout(self._handle, milliseconds(seconds))
 
+    # --- run ---
+
+    def start(
+        self,
+        kind: Union[str, os.PathLike[str]],
+        name: str = "",
+        on: str = "",
+        *,
+        parameters: Optional[Mapping[str, Any]] = None,
+        halted: bool = False,
+        on_exception: str = "",
+        listen: str = "",
+        insecure: bool = False,
+        key: Union[str, os.PathLike[str]] = "",
+        log_level: str = "",
+        ready: Seconds = 10.0,
+        **values: Any,
+    ) -> str:
+        """Starts a drone in the background and returns its name when it is ready: ``swarm.start("face", scale=1.05)``.
+        It keeps running when this program exits; see :meth:`stop`.
+
+        :param kind: the program hive-KIND in $HIVE_DRONE_PATH or $PATH, or a Python file, "edges.py"
+        :param name: in the swarm; "": the kind
+        :param on: another machine, as ssh knows it, with Hive installed; "": this one
+        :param parameters: initial parameters, as ``values``; for those that are called as an argument is
+        :param listen: address where other machines reach it, "tcp://HOST:PORT"; with ``on`` the default is any
+        :param ready: how long it may take to be ready; then it is stopped again
+        :raises hive.Error: "name_taken", "not_found" when there is no such program, "failed" with the last lines of its
+            log when it exits instead, "timeout"
+        """
+        options = {
+            "name": name,
+            "ssh": on,
+            "parameters": {**(parameters or {}), **values},
+            "halted": halted,
+            "on_exception": on_exception,
+            "listen": listen,
+            "insecure": insecure,
+            "key": os.fspath(key),
+            "log_level": log_level,
+            "ready_ms": milliseconds(ready),
+        }
+        started = ask_json(lib.hive_application_start, self._handle, encoded(os.fspath(kind)), as_json(options))
+        return str(started["drone"])
+
     # --- wire ---
 
     def connect(
         self,
-        sender: str,
-        receiver: str,
+        sender: Names,
+        receiver: Names,
         *,
         stream: bool = False,
         notify: bool = False,
         window: Optional[int] = None,
+        share: bool = False,
         group: str = "",
         first_frame: bool = False,
         lease: Optional[Seconds] = None,
         encoding: str = "",
-    ) -> tuple[str, str]:
-        """Connects an output to an input, confirmed by both.  Gives the ends that were used.
+    ) -> Union[tuple[str, str], list[tuple[str, str]]]:
+        """Connects an output to an input, confirmed by both.  Gives the ends that were used: ("camera.image",
+        "face.image").
+
+        With lists or globs, connects every sender to every receiver, and gives a list.  When some of these fail, the
+        others are connected all the same, and the error names those that are not.
 
         :param stream: every event is sent; without it the receiver gets the newest when it asks
         :param notify: headers alone
         :param window: events asked for ahead, 1 to 64
-        :param group: receivers of the same group share the events, one each
+        :param share: the receivers share the events, one each: ``swarm.connect("camera", "face-*", share=True)``
+        :param group: the same with all receivers of a group of that name; default with ``share``: the sender's name
         :param first_frame: begin with the newest event that exists already
-        :param lease: how long a member of a group may work on one event before another gets it
+        :param lease: shared: how long a receiver may work on one event before another gets it
         :param encoding: of the bodies: "raw", "png", "jpeg", "jpeg:80"
         :raises hive.Error: "type_mismatch", "not_found", "invalid_argument" when several ports fit, "refused"
         """
-        options = _connection(stream, notify, window, group, first_frame, lease, encoding)
-        ends = _library.json.loads(
-            ask_text(
-                lib.hive_application_connect, self._handle, encoded(sender), encoded(receiver), as_json(options)
+        def connect(one: str, other: str) -> tuple[str, str]:
+            shared = group or (self._drone_of(one) if share else "")
+            options = _connection(stream, notify, window, shared, first_frame, lease, encoding)
+            ends = ask_json(
+                lib.hive_application_connect, self._handle, encoded(one), encoded(other), as_json(options)
             )
-            or "{}"
-        )
-        return ends["sender"], ends["receiver"]
+            return ends["sender"], ends["receiver"]
 
-    def disconnect(self, sender: str, receiver: str) -> None:
-        """Undoes it.  A receiver that does not run is forgotten by its sender."""
-        lib.hive_application_disconnect(self._handle, encoded(sender), encoded(receiver))
+        if not (is_many(sender) or is_many(receiver)):
+            return connect(str(sender), str(receiver))
+        return self._each_pair(connect, self._ends(sender), self._ends(receiver))
+
+    def disconnect(self, sender: Names, receiver: Names) -> None:
+        """Undoes it; with lists or globs, between every sender and every receiver.  A receiver that does not run is
+        forgotten by its sender."""
+        def disconnect(one: str, other: str) -> None:
+            lib.hive_application_disconnect(self._handle, encoded(one), encoded(other))
+
+        self._each_pair(disconnect, self._ends(sender), self._ends(receiver))
+
+    def _drone_of(self, end: str) -> str:
+        """Of "camera.image"; a drone may have the whole name."""
+        return end if end in self.drones() else end.rpartition(".")[0] or end
+
+    def _each_pair(self, call: Callable[[str, str], Any], senders: list[str], receivers: list[str]) -> list[Any]:
+        made, failed = [], []
+        for sender in senders:
+            for receiver in receivers:
+                try:
+                    made.append(call(sender, receiver))
+                except Error as error:
+                    failed.append((f"{sender} to {receiver}: {error.text}", error))
+        if len(failed) == 1 and not made:
+            raise failed[0][1]
+        if failed:
+            raise Error(failed[0][1].code, "; ".join(text for text, _ in failed), failed[0][1].advice)
+        return made
 
     # --- configure ---
 
@@ -154,23 +237,24 @@ class Application(Finding):
         """
         wanted = as_json({**(values or {}), **parameters})
         if not is_many(drone):
-            place = ask_text(lib.hive_application_set, self._handle, encoded(str(drone)), wanted)
-            return _library.json.loads(place or "{}")
-        place = ask_text(
+            applied: dict[str, Any] = ask_json(
+                lib.hive_application_set, self._handle, encoded(str(drone)), wanted
+            )
+            return applied
+        result = ask_json(
             lib.hive_application_set_all,
             self._handle,
             as_json(self._named(drone)),
             wanted,
-            _library.callback(),
+            _library.no_callback,
             None,
         )
-        result = _library.json.loads(place or "{}")
         answers = {answer["drone"]: answer_of(answer) for answer in result["answers"]}
         errors = [answer for answer in answers.values() if isinstance(answer, Error)]
         if errors:
             # Those that were left as they were are "refused"; what went wrong may be something else.
             first = next((error for error in errors if error.code != "refused"), errors[0])
-            raise SetError(first.code, "; ".join(map(str, errors)), first.advice, result["changed"], answers) from None
+            raise SetError(first.code, "; ".join(error.text for error in errors), first.advice, result["changed"], answers) from None
         return answers
 
     def get(self, drone: Names, *names: str) -> dict[str, Any]:
@@ -178,16 +262,16 @@ class Application(Finding):
         that does not answer has an :class:`Error` instead."""
         wanted = as_json(list(names)) if names else None
         if not is_many(drone):
-            place = ask_text(lib.hive_application_get, self._handle, encoded(str(drone)), wanted)
-            return _library.json.loads(place or "{}")
-        place = ask_text(lib.hive_application_get_all, self._handle, as_json(self._named(drone)), wanted)
-        return {answer["drone"]: answer_of(answer) for answer in _library.json.loads(place or "[]")}
+            values: dict[str, Any] = ask_json(lib.hive_application_get, self._handle, encoded(str(drone)), wanted)
+            return values
+        answers = ask_json(lib.hive_application_get_all, self._handle, as_json(self._named(drone)), wanted)
+        return {answer["drone"]: answer_of(answer) for answer in answers}
 
     # --- collect ---
 
     def collect(
         self,
-        *outputs: str,
+        *outputs: Names,
         ordered: bool = False,
         patience: Seconds = 30.0,
         stream: bool = False,
@@ -196,20 +280,22 @@ class Application(Finding):
         first_frame: bool = False,
         encoding: str = "",
     ) -> Collector:
-        """Receives from outputs.  Returns when every drone has acknowledged.
+        """Receives from outputs, of drones, globs or lists of them.  Returns when every drone has acknowledged.
+
+        A wait of 3 s says in ``logging``, as "hive", why nothing comes.
 
         :param ordered: results of one source in the order of its captures, however many workers made them
         :param patience: ordered: how long a missing result holds up those after it
         """
         connection = _connection(stream, notify, None if stream else window, "", first_frame, None, encoding)
         options = {"connection": connection, "ordered": ordered, "patience_ms": milliseconds(patience)}
-        return Collector(
-            ask_handle(lib.hive_application_collect, self._handle, as_json(list(outputs)), as_json(options))
-        )
+        ends = self._ends(flat(*outputs))
+        handle = ask_handle(lib.hive_application_collect, self._handle, as_json(ends), as_json(options))
+        return Collector(handle, self._why_silent(ends, notify))
 
     def collect_matched(
         self,
-        *outputs: str,
+        *outputs: Names,
         within: Optional[Seconds] = None,
         notify: bool = False,
         window: int = 64,
@@ -221,45 +307,46 @@ class Application(Finding):
         """
         options = {"connection": _connection(notify=notify, window=window, encoding=encoding)}
         match = None if within is None else as_json({"tolerance_us": int(within * 1e6)})
-        return MatchedCollector(
-            ask_handle(
-                lib.hive_application_collect_matched,
-                self._handle,
-                as_json(list(outputs)),
-                match,
-                as_json(options),
-            )
+        ends = self._ends(flat(*outputs))
+        handle = ask_handle(
+            lib.hive_application_collect_matched, self._handle, as_json(ends), match, as_json(options)
         )
+        return MatchedCollector(handle, self._why_silent(ends, notify))
+
+    def _why_silent(self, outputs: list[str], notify: bool) -> Callable[[], str]:
+        wanted = as_json(outputs)
+
+        def why() -> str:
+            try:
+                stall = ask_object(lib.hive_application_stall, self._handle, wanted)
+            except Error:
+                return ""  # closed, or cancelled
+            if notify and stall["held"]:
+                return f"the source is on demand and waits for a receiver of bodies: {stall['text']}"
+            return str(stall["text"])
+
+        return why
 
     def results(
-        self, *drones: str, count: Optional[int] = None, timeout: Optional[Seconds] = None, ordered: bool = False
-    ) -> Iterator[Event]:
+        self, *drones: Names, count: Optional[int] = None, timeout: Optional[Seconds] = None, ordered: bool = False
+    ) -> Results:
         """The results of drones, one after the other: of the output that is named ("face.faces"), or of the only one
-        with results in the header.
+        with results in the header.  Iterate, with ``for`` or ``async for``.
 
+        :param drones: names, globs, or lists of them
         :param count: how many; None: no end
-        :param timeout: how long to wait for each; then :class:`hive.Error` "timeout" is raised
+        :param timeout: how long to wait for each; then :class:`hive.Error` "timeout" is raised and says why nothing
+            came.  A longer wait than 3 s says so in ``logging``, as "hive".
 
         The loop ends when everything has ended.  If that was no regular end, what was said about it is raised as a
         :class:`hive.Error` "abandoned".
         """
-        outputs = [name for drone in drones for name in self._result_outputs(drone)]
-        with self.collect(*outputs, ordered=ordered) as collector:
-            left = count
-            while left is None or left > 0:
-                event = collector.next(timeout)
-                if event is None and collector.ended is not None:
-                    if collector.ended:
-                        raise Error("abandoned", collector.ended)
-                    return
-                if event is None:
-                    raise Error("timeout", f"no result of {', '.join(outputs)} within {timeout} s")
-                left = None if left is None else left - 1
-                yield event
+        outputs = [name for drone in flat(*drones) for name in self._result_outputs(drone)]
+        return Results(self.collect(outputs, ordered=ordered), ", ".join(outputs), count, timeout)
 
-    def exceptions(self, *drones: str) -> Collector:
+    def exceptions(self, *drones: Names) -> Collector:
         """Receives the exceptions of drones: events whose header has "code", "text", "policy", "input"."""
-        return Collector(ask_handle(lib.hive_application_exceptions, self._handle, as_json(list(drones))))
+        return Collector(ask_handle(lib.hive_application_exceptions, self._handle, as_json(self._named(flat(*drones)))))
 
     def put(
         self, input: str, body: Union[bytes, bytearray, memoryview] = b"", type: str = "application/octet-stream",
@@ -273,18 +360,18 @@ class Application(Finding):
 
     # --- control ---
 
-    def halt(self, *drones: str) -> None:
+    def halt(self, *drones: Names) -> None:
         """They take nothing more until they are resumed."""
-        for name in self._named(drones):
+        for name in self._named(flat(*drones)):
             lib.hive_application_halt(self._handle, encoded(name))
 
-    def resume(self, *drones: str) -> None:
-        for name in self._named(drones):
+    def resume(self, *drones: Names) -> None:
+        for name in self._named(flat(*drones)):
             lib.hive_application_resume(self._handle, encoded(name))
 
-    def stop(self, *drones: str) -> None:
+    def stop(self, *drones: Names) -> None:
         """Ends drones, and what they were told is forgotten; returns when they are gone."""
-        for name in self._named(drones):
+        for name in self._named(flat(*drones)):
             lib.hive_application_stop(self._handle, encoded(name))
 
     def exception_policy(self, drone: str, policy: str) -> None:
@@ -303,16 +390,16 @@ class Application(Finding):
         """Those that were brought up from this home."""
         from .swarm import Swarm
 
-        known = ask(lib.hive_swarm_remembered, self._handle)
+        known = ask_list(lib.hive_swarm_remembered, self._handle)
         return [Swarm(told["text"], application=self, form_only=True) for told in known]
 
-    def export(self, *drones: str, name: Optional[str] = None) -> str:
+    def export(self, *drones: Names, name: Optional[str] = None) -> str:
         """What runs, as a swarm file: bringing it up changes nothing, and where nothing runs it makes the same swarm.
 
         :param drones: names and globs; none: those of the swarm of that name, or all if it was not brought up from here
         :param name: of the swarm; None: of the only one that was brought up from here, or "swarm"
         """
-        wanted = as_json(self._named(drones)) if drones else None
+        wanted = as_json(self._named(flat(*drones))) if drones else None
         place, length = ctypes.c_void_p(), ctypes.c_size_t()
         lib.hive_swarm_running(self._handle, encoded(name), wanted, ctypes.byref(place), ctypes.byref(length))
         return _library.take_text(place, length.value) or ""
@@ -341,27 +428,26 @@ class Application(Finding):
         options = {
             "kind": kind,
             "parameters": dict(parameters or {}),
-            "arguments": list(arguments),
+            "arguments": list(require_list("arguments", arguments, '["--halted"]')),
             "ready_ms": milliseconds(ready),
             "lose_state": lose_state,
         }
         words: list[str] = []
         hear = _library.log_callback(lambda _, line: words.append(_library.text_of(line)))
         try:
-            told = ask_text(
+            replaced: dict[str, Any] = ask_json(
                 lib.hive_application_replace, self._handle, encoded(drone), as_json(options), hear, None
             )
         except Error as error:
-            text = "\n".join([str(error) + (", and its log says:" if words else ""), *words])
+            text = "\n".join([error.text + (", and its log says:" if words else ""), *words])
             raise Error(error.code, text, error.advice) from None
-        replaced: dict[str, Any] = _library.json.loads(told or "{}")
         return replaced
 
     # --- between drones and outputs ---
 
     def _result_outputs(self, drone: str) -> list[str]:
         found = []
-        for name in self.find(drone) if is_many(drone) else [drone]:
+        for name in self._ends(drone):
             if "." in name and name not in self.drones():
                 found.append(name)
                 continue

@@ -4,33 +4,64 @@ from __future__ import annotations
 
 import ctypes
 import time
-from typing import Any, AsyncIterator, Iterator, Optional, Sequence
+from typing import Any, AsyncIterator, Callable, Iterator, NamedTuple, Optional, Sequence
 
 from . import _library
 from ._errors import Error
-from ._library import ask, lib, release
+from ._library import Owner, ask_list, ask_object, lib, release
 from .event import Event
 
 Seconds = float
 SLICE = 0.1  # how soon Ctrl-C is seen while nothing comes
+SILENCE = 3.0  # after which it is said why nothing comes, as hivectl does
 _MOST_IN_SET = 64
+
+
+class Counts(NamedTuple):
+    """What a collector has counted so far."""
+
+    received: int
+    duplicates: int  #: second answers, refused
+    missing: int  #: results of shared work that never came
+    failed: int  #: reported as exceptions instead
+    dropped: int  #: not taken in time
 
 
 def milliseconds(seconds: float) -> int:
     return max(0, int(min(seconds, 24 * 3600) * 1000 + 0.999))
 
 
-class _Collecting:
+class _Silence:
+    """Says once for each wait why nothing comes."""
+
+    def __init__(self, why: Callable[[], str]) -> None:
+        self._why = why
+        self._begun = time.monotonic()
+        self._said = False
+
+    def due(self) -> bool:
+        return not self._said and time.monotonic() - self._begun >= SILENCE
+
+    def say(self) -> None:
+        self._said = True
+        if text := self._why():
+            import logging
+
+            logging.getLogger("hive").warning("nothing comes: %s", text)
+
+
+class _Collecting(Owner):
     """What both kinds of collectors have: waiting in slices, so that Ctrl-C is seen, and asyncio."""
 
-    def __init__(self, handle: ctypes.c_void_p) -> None:
-        self._handle: Optional[ctypes.c_void_p] = handle
+    def __init__(self, handle: ctypes.c_void_p, why: Callable[[], str] = lambda: "") -> None:
+        self._handle = handle
+        self._why = why  # why nothing comes
         self._executor: Any = None
         self._pending: Any = None  # a wait of asyncio: one that was cancelled goes on, and may have taken something
         self._last: Sequence[Event] = ()
 
     def __del__(self) -> None:
-        release(self._handle)
+        release(self._kept)
 
     def _take(self, seconds: float) -> Any:
         raise NotImplementedError
@@ -52,17 +83,22 @@ class _Collecting:
         taken = pending.result() if pending is not None else None
         if taken is not None:
             return self._hand_out(taken)
+        silence = _Silence(self._why)
         while True:
             left = SLICE if end is None else min(SLICE, max(0.0, end - time.monotonic()))
             taken = self._take(left)
             if taken is not None or (end is not None and time.monotonic() >= end) or self.ended is not None:
                 return self._hand_out(taken)
+            if silence.due():
+                silence.say()
 
-    async def _next_async(self) -> Any:
+    async def _next_async(self, timeout: Optional[Seconds] = None) -> Any:
         import asyncio
         from concurrent.futures import ThreadPoolExecutor
 
         self._go_on()
+        end = None if timeout is None else time.monotonic() + timeout
+        silence = _Silence(self._why)
         while True:
             if self._executor is None:
                 self._executor = ThreadPoolExecutor(1, "hive-collector")
@@ -77,8 +113,10 @@ class _Collecting:
             if self._pending is not pending:
                 continue  # another task had it
             self._pending = None
-            if taken is not None or self.ended is not None:
+            if taken is not None or self.ended is not None or (end is not None and time.monotonic() >= end):
                 return self._hand_out(taken)
+            if silence.due():
+                await asyncio.wrap_future(self._executor.submit(silence.say))
 
     @property
     def ended(self) -> Optional[str]:
@@ -91,12 +129,22 @@ class _Collecting:
     def counts(self) -> dict[str, Any]:
         """What has been counted so far: "received", "duplicates" (second answers, refused), "missing", "failed",
         "dropped" (not taken in time); of sets also "sets": {"sets", "waiting", "unmatched", "missing"}."""
-        return ask(lib.hive_collector_counts, self._handle)
+        return ask_object(lib.hive_collector_counts, self._handle)
+
+    @property
+    def counters(self) -> Counts:
+        """The numbers of :meth:`counts` as attributes: ``collector.counters.received``."""
+        value = ctypes.c_int64()
+        numbers = []
+        for name in Counts._fields:
+            lib.hive_collector_count(self._handle, name.encode(), ctypes.byref(value))
+            numbers.append(value.value)
+        return Counts(*numbers)
 
     def inputs(self) -> list[dict[str, Any]]:
         """This end of each connection: "input", "from" ("camera.image"), "connected", "received", "queued", "dropped",
         "last_age_us", "error", "why", ... (SPEC.md, section 6.4); what is 0, false or empty is left out."""
-        return ask(lib.hive_collector_inputs, self._handle)
+        return ask_list(lib.hive_collector_inputs, self._handle)
 
     def close(self) -> None:
         """Ends receiving.  Once more: nothing."""
@@ -110,12 +158,20 @@ class _Collecting:
     def __exit__(self, *_: Any) -> None:
         self.close()
 
+    async def __aexit__(self, *_: Any) -> None:
+        import asyncio
+
+        await asyncio.to_thread(self.close)
+
 
 class Collector(_Collecting):
     """Receives events; connections that end are made again by themselves.  Iterate, with ``for`` or ``async for``:
     the event of one round is done when the next one is asked for (see :meth:`Event.hold`)."""
 
     def __enter__(self) -> Collector:
+        return self
+
+    async def __aenter__(self) -> Collector:
         return self
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[Event]:
@@ -153,6 +209,9 @@ class MatchedCollector(_Collecting):
     def __enter__(self) -> MatchedCollector:
         return self
 
+    async def __aenter__(self) -> MatchedCollector:
+        return self
+
     def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
         """The next set; None when none was complete within ``timeout`` (None: waits for ever), or all has ended."""
         events: Optional[tuple[Event, ...]] = self._next(timeout)
@@ -184,3 +243,70 @@ class MatchedCollector(_Collecting):
         )
         events = tuple(Event(ctypes.c_void_p(places[i])) for i in range(count.value))
         return events or None
+
+
+class Results:
+    """The results of drones, one after the other; see :meth:`Application.results`.  Iterate, with ``for`` or ``async
+    for``."""
+
+    def __init__(self, collector: Collector, names: str, count: Optional[int], timeout: Optional[Seconds]) -> None:
+        self._collector = collector
+        self._names = names
+        self._left = count
+        self._timeout = timeout
+
+    def close(self) -> None:
+        """Ends receiving, as the end of the loop does."""
+        self._collector.close()
+
+    def __enter__(self) -> Results:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    async def __aenter__(self) -> Results:
+        return self
+
+    async def __aexit__(self, *_: Any) -> None:
+        await self._collector.__aexit__()
+
+    def __iter__(self) -> Iterator[Event]:
+        return self
+
+    def __next__(self) -> Event:
+        event = None if self._left == 0 else self._collector.next(self._timeout)
+        if event is None:
+            self._end(self._collector._why)
+            raise StopIteration
+        return self._counted(event)
+
+    def __aiter__(self) -> AsyncIterator[Event]:
+        return self
+
+    async def __anext__(self) -> Event:
+        import asyncio
+
+        event: Optional[Event] = None if self._left == 0 else await self._collector._next_async(self._timeout)
+        if event is None:
+            await asyncio.to_thread(self._end, self._collector._why)
+            raise StopAsyncIteration
+        return self._counted(event)
+
+    def _counted(self, event: Event) -> Event:
+        if self._left is not None:
+            self._left -= 1
+        return event
+
+    def _end(self, why: Callable[[], str]) -> None:
+        """Raises what ends the loop before its time."""
+        if self._left == 0:
+            return self.close()
+        lacking = self._collector.ended
+        if lacking is None:
+            text = f"no result of {self._names} within {self._timeout} s"
+            raise Error("timeout", "; ".join(filter(None, [text, why()])), "see what is connected: hivectl edges")
+        self._left = 0
+        self.close()
+        if lacking:
+            raise Error("abandoned", lacking)

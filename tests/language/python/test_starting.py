@@ -1,0 +1,167 @@
+"""Applications that run a whole swarm: start, connect with lists and globs, stop, and why nothing comes."""
+
+import asyncio
+import os
+import subprocess
+import tempfile
+import textwrap
+import unittest
+import unittest.mock
+
+import hive
+from hive import collector as collecting
+from world import PATIENCE, PROGRAMS, World, eventually
+
+
+class Starting(World):
+    def setUp(self):
+        super().setUp()
+        environment = unittest.mock.patch.dict(os.environ, HIVE_DRONE_PATH=PROGRAMS)
+        environment.start()
+        self.addCleanup(environment.stop)
+
+    def start(self, kind, *arguments, **more):
+        """Stopped at the end of the test."""
+        name = self.swarm.start(kind, *arguments, ready=PATIENCE, **more)
+        self.addCleanup(self.stop, name)
+        return name
+
+    def stop(self, name):
+        if name in self.swarm.drones():
+            self.swarm.stop(name)
+
+    def test_a_drone_is_started_with_parameters_and_stopped(self):
+        self.assertEqual(self.start("sleeper", work_ms=3), "sleeper")
+        self.assertEqual(self.start("sleeper", name="second", parameters={"work_ms": 4}, halted=True), "second")
+        self.assertEqual(self.swarm.get("sleeper", "work_ms"), {"work_ms": 3})
+        self.assertEqual(self.swarm.get("second", "work_ms"), {"work_ms": 4})
+        self.assertEqual(self.swarm.status("second")["state"], "halted")
+        self.assertIn("second-2", str(self.refused("name_taken", self.swarm.start, "sleeper", "second")))
+        self.swarm.stop(["sleeper", "second"])
+        self.assertEqual(self.swarm.drones(), [])
+
+    def test_what_does_not_start_leaves_nothing_and_says_why(self):
+        self.refused("not_found", self.swarm.start, "no-such-kind")
+        self.refused("invalid_argument", self.swarm.start, "sleeper", "../x")
+        self.assertIn("work_ms", str(self.refused("failed", self.swarm.start, "sleeper", work_ms=-1)))
+        broken = os.path.join(self.home, "broken.py")
+        with open(broken, "w", encoding="utf-8") as file:
+            file.write("import nothing_of_this_name")
+        self.assertIn("ModuleNotFoundError", str(self.refused("failed", self.swarm.start, broken)))
+        waits = os.path.join(self.home, "waits.py")
+        with open(waits, "w", encoding="utf-8") as file:
+            file.write("import time; time.sleep(60)")
+        self.refused("timeout", self.swarm.start, waits, ready=0.2)
+        self.assertEqual(self.swarm.drones(), [])
+
+    def test_a_drone_is_started_on_another_machine(self):
+        there, programs = tempfile.mkdtemp(prefix="hv-", dir="/tmp"), os.path.join(self.home, "ssh")
+        os.mkdir(programs)
+        with open(os.path.join(programs, "ssh"), "w", encoding="utf-8") as file:
+            file.write(textwrap.dedent(f"""\
+                #!/bin/sh
+                if [ "$1" = -G ]; then echo hostname 127.0.0.1; exit; fi
+                while [ "$1" != -- ]; do shift; done
+                HIVE_HOME={there} PATH={PROGRAMS}:$PATH exec sh -c "$3"
+                """))
+        os.chmod(os.path.join(programs, "ssh"), 0o755)
+        with unittest.mock.patch.dict(os.environ, PATH=programs + os.pathsep + os.environ["PATH"]):
+            self.assertEqual(self.start("sleeper", on="me@gpu1", insecure=True, work_ms=3), "sleeper")
+        self.assertEqual(self.swarm.place("sleeper")["host"], "gpu1")
+        with hive.Application(home=there) as elsewhere:
+            self.assertEqual(elsewhere.get("sleeper", "work_ms"), {"work_ms": 3})
+            self.swarm.stop("sleeper")
+            self.assertTrue(eventually(lambda: elsewhere.drones() == []))
+
+    def test_lists_and_globs_are_connected_and_share(self):
+        self.drone("ticker", "source", "pace=demand", "count=30")
+        self.swarm.halt("source")
+        names = ["worker-1", "worker-2"]
+        for name in names:
+            self.drone("sleeper", name)
+        made = self.swarm.connect("source", "worker-*", share=True, window=2)
+        self.assertEqual(made, [("source.tick", name + ".image") for name in names])
+        options = [self.swarm.status(name)["inputs"][0]["options"] for name in names]
+        self.assertEqual([(each["group"], each["window"]) for each in options], [("source", 2)] * 2)
+        self.assertEqual(self.swarm.connect(["source"], "worker-1", group="g"), [("source.tick", "worker-1.image")])
+        error = self.refused("not_found", self.swarm.connect, "source", ["worker-2.image", "gone", "lost"])
+        self.assertIn("source to gone: ", str(error))
+        self.assertIn("source to lost: ", str(error))
+        self.refused("not_found", self.swarm.connect, "source", "nobody-*")
+        self.swarm.disconnect("source.tick", "worker-*.image")
+        edges = self.swarm.status("source")["outputs"][0]["edges"]
+        self.assertEqual([edge for edge in edges if edge.get("connected")], [])
+
+    def test_results_of_globs_and_lists(self):
+        self.drone("ticker", "source", "pace=demand", "count=20")
+        self.swarm.halt("source")
+        for name in ("worker-1", "worker-2"):
+            self.drone("sleeper", name)
+        self.swarm.connect("source", "worker-*", share=True)
+        results = self.swarm.results(["worker-*"], timeout=PATIENCE, ordered=True)
+        self.swarm.resume("source")
+        self.assertEqual([event.sequence for event in results], list(range(1, 21)))
+        self.assertEqual(list(results), [])
+
+    def test_results_with_asyncio(self):
+        self.drone("ticker", "source", "pace=demand", "count=6")
+        self.drone("sleeper", "worker")
+        self.swarm.halt("source")
+        self.swarm.connect("source", "worker")
+
+        async def collect():
+            async with hive.Application(timeout=PATIENCE) as swarm:
+                with self.assertRaises(hive.Error) as late:
+                    async for _ in swarm.results("worker", timeout=0.05):
+                        self.fail("the source is halted")
+                self.assertEqual(late.exception.code, "timeout")
+                async with swarm.results("worker", timeout=PATIENCE) as results:
+                    self.swarm.resume("source")
+                    numbers = [event.sequence async for event in results]
+                async with swarm.collect("source") as rest:
+                    self.assertIsInstance(rest, hive.Collector)
+            self.refused("stopped", swarm.drones)
+            return numbers
+
+        self.assertEqual(asyncio.run(asyncio.wait_for(collect(), PATIENCE)), [1, 2, 3, 4, 5, 6])
+
+    def test_counters_are_attributes(self):
+        self.drone("ticker", "source", "pace=demand", "count=5")
+        with self.swarm.collect("source") as collector:
+            events = list(collector)
+            self.assertEqual(collector.counters, hive.Counts(received=5, duplicates=0, missing=0, failed=0, dropped=0))
+        self.assertGreaterEqual(events[0].age, 0)
+
+    def silent(self):
+        self.drone("ticker", "source", "pace=demand")
+        self.swarm.halt("source")
+        self.drone("sleeper", "worker")
+        self.swarm.connect("source", "worker")
+
+    def test_who_waits_for_results_hears_why_nothing_comes_as_hivectl_says_it(self):
+        self.silent()
+        with self.assertRaises(hive.Error) as late:
+            next(self.swarm.results("worker", timeout=0.1))
+        words = [os.path.join(PROGRAMS, "hivectl"), "results", "worker", "--timeout", "0.1"]
+        said = subprocess.run(words, capture_output=True, text=True, timeout=60).stderr
+        why = said.strip().partition("; ")[2]
+        self.assertIn("source: halted", why)
+        self.assertTrue(str(late.exception).endswith(why), f"{late.exception} is not {said}")
+
+    def test_a_long_wait_says_once_in_the_log_why_nothing_comes(self):
+        self.silent()
+        with unittest.mock.patch.object(collecting, "SILENCE", 0.2), self.assertLogs("hive", "WARNING") as logs:
+            with self.swarm.collect("worker") as collector:
+                self.assertIsNone(collector.next(1.0))
+
+                async def wait():
+                    return await collector._next_async(1.0)
+
+                self.assertIsNone(asyncio.run(wait()))
+        self.assertEqual(len(logs.output), 2, logs.output)
+        for line in logs.output:
+            self.assertRegex(line, "^WARNING:hive:nothing comes: .*source: halted")
+
+
+if __name__ == "__main__":
+    unittest.main()
