@@ -10,7 +10,7 @@ edges = drone.output("edges", "image/raw", "the edges, white on black")
 
 @drone.on_event("image", "image/jpeg,image/png,image/raw", "pictures to look at; grey or colour")
 def find(event):
-    found = cv2.Canny(event.image(), low.value, high.value)
+    found = cv2.Canny(event.image(bits=8), low.value, high.value)
     edges.emit_image(found, share=round(cv2.countNonZero(found) / found.size, 4))
 
 drone.run()

@@ -30,6 +30,6 @@ write_drones() { # SOURCE PLACE: PLACE/cpp and PLACE/blur with their CMakeLists.
     project blur "$(vision_line "$1/README.md")" hive::vision > "$place/blur/CMakeLists.txt"
     block "$page" cpp run_drone > "$place/cpp/main.cpp"
     block "$page" c hive_drone_from_arguments > "$place/c/main.c"
-    block "$page" python hive.Drone > "$place/py/brightness.py"
+    block "$page" python 'Drone("brightness"' > "$place/py/brightness.py"
     project brightness "find_package(hive 0.1 REQUIRED)" hive::hive > "$place/cpp/CMakeLists.txt"
 }

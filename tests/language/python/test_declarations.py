@@ -135,6 +135,7 @@ class Declarations(Embedded):
         self.assertEqual((numbers > low).tolist(), [False, False, True])
         self.assertEqual((low * numbers).tolist(), [2450, 2500, 2550])
         self.assertEqual(numpy.full(2, low).tolist(), [50, 50])
+        self.assertEqual(numpy.clip(numbers, 0, low).tolist(), [49, 50, 50])
         self.assertEqual(_library.as_json({"low": low}), b'{"low": 50}')
         with self.assertRaisesRegex(AttributeError, "has no 'upper'; its value is mode.value"):
             mode.upper()

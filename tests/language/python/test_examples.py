@@ -62,17 +62,32 @@ class Examples(World):
         self.addCleanup(self.stop_all)
         self.drone("camera", "camera", "width=320", "height=240")
         found = drones_in("python", "hive.Drone(")
-        self.assertEqual(len(found), 2)
+        self.assertEqual(len(found), 3)
         for page, text in found:
             name = re.search(r'hive\.Drone\("([a-z]+)"', text).group(1)
             self.hivectl("start", self.write(name + ".py", text))
             with self.subTest(page=page, name=name):
-                if name == "brightness":
-                    self.brightness(name)
+                if name != "outlines":
+                    getattr(self, name)(name)
                     continue
                 results = self.swarm.collect(name, window=1)
                 self.swarm.connect("camera", name)
                 self.assertEqual(results.next(PATIENCE).image().shape, (240, 320))
+
+    def redact(self, name):
+        """A face of the scene is not there any more."""
+        self.drone("face", "face")
+        with self.swarm.collect_matched("camera.image", "face.faces", name + ".redacted", name + ".count") as sets:
+            self.swarm.connect("camera", [name + ".image", "face"], window=8)
+            self.swarm.connect("face.faces", name + ".faces", window=8)
+            for _ in range(50):
+                picture, faces, redacted, count = sets.next(PATIENCE)
+                self.assertEqual(count.header["faces"], len(faces.header["faces"]))
+                same = bool((picture.image() == redacted.image()).all())
+                self.assertEqual(same, not faces.header["faces"])
+                if not same:
+                    return
+        self.fail("no face was found in 50 images")
 
     def test_the_drone_in_c(self):
         self.drone("camera", "camera", "width=320", "height=240")
@@ -89,13 +104,25 @@ class Examples(World):
         self.drone("face", "face")
         python = drones_in("python", "hive.Application(")
         c = drones_in("c", "hive_application_new")
-        self.assertEqual((len(python), len(c)), (1, 1))
+        starting = [text for _, text in python if "swarm.start(" in text]
+        python = [each for each in python if each[1] not in starting]
+        self.assertEqual((len(python), len(c), len(starting)), (1, 1, 1))
         programs = [[sys.executable, self.write(f"faces{i}.py", text)] for i, (_, text) in enumerate(python)]
         for words in [*programs, [self.built(c[0][1], "faces")]]:
             done = subprocess.run(words, capture_output=True, text=True, timeout=60)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertEqual(len(done.stdout.splitlines()), 5, done.stdout)
             self.assertEqual(self.swarm.get("face", "scale"), {"scale": 1.05})
+
+    def test_the_application_that_starts_its_drones(self):
+        (text,) = [text for _, text in drones_in("python", "hive.Application(") if "swarm.start(" in text]
+        self.addCleanup(self.stop_all)
+        more = {"env": {**os.environ, "HIVE_DRONE_PATH": PROGRAMS}, "timeout": 100}
+        command = [sys.executable, self.write("starting.py", text)]
+        done = subprocess.run(command, capture_output=True, text=True, **more)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertRegex(done.stdout, r"^(\d+ face-[12] \d+\.\d{3} s\n){5}$")
+        self.assertEqual(self.swarm.drones(), [])
 
     def test_the_swarm_of_a_file_in_each_language(self):
         (file,) = [text for text in blocks(SWARM_PAGE, "sh") if "<<'END'" in text]
@@ -119,6 +146,9 @@ class Examples(World):
     def test_they_are_as_short_as_was_promised(self):
         for _, text in drones_in("python", "hive.Application("):
             self.assertLessEqual(len(text.strip().splitlines()), 12)
+        (text,) = [text for _, text in drones_in("python", "on_matched(") if "hive.Drone(" in text]
+        self.assertLessEqual(len(text.strip().splitlines()), 35)
+        self.assertEqual((text.count("drone.parameter("), text.count("drone.output(")), (4, 2))
         with open(os.path.join(SOURCE, "drones/edges/edges.py"), encoding="utf-8") as file:
             code = [line for line in file if line.strip() and not line.startswith(("#", '"""'))]
         self.assertLessEqual(len(code), 15)

@@ -1,6 +1,7 @@
 """Pictures out of bodies and into them, without drones."""
 
 import struct
+import sys
 import unittest
 import unittest.mock
 import zlib
@@ -100,6 +101,8 @@ class Pictures(unittest.TestCase):
         seen = _pictures.decode("image/jpeg", {}, data)
         with unittest.mock.patch.object(_jpeg, "_library", False):
             self.assertTrue(numpy.array_equal(_pictures.decode("image/jpeg", {}, data), seen))
+            with unittest.mock.patch.dict(sys.modules, {"PIL.Image": None}):
+                self.assertTrue(numpy.array_equal(_pictures.decode("image/jpeg", {}, data), seen))
 
     def test_every_kind_of_pixels_comes_as_it_went(self):
         for kind, depth in (("uint8", "8"), ("uint16", "16"), ("float32", "32f")):
@@ -145,6 +148,9 @@ class Pictures(unittest.TestCase):
         for picture in (wide, numpy.dstack((self.colour, self.grey))):
             data = _pictures.encode("image/png", picture, 80)
             self.assertTrue(numpy.array_equal(_pictures.decode("image/png", {}, memoryview(data)), self.colour))
+            self.assertTrue(numpy.array_equal(_pictures.as_eight_bits(picture), self.colour))
+        with self.assertRaisesRegex(hive.Error, "let its sender scale"):
+            _pictures.as_eight_bits(self.grey.astype("float32"))
         with self.assertRaises(hive.Error) as caught:
             _pictures.encode("image/jpeg", self.grey.astype("float32"), 80)
         self.assertEqual(caught.exception.code, "unsupported")

@@ -157,6 +157,8 @@ def _decode_compressed(kind: str, data: bytes) -> NDArray[Any]:
     if scans > MOST_SCANS or size[0] * size[1] * scans > MOST_PIXEL_SCANS:
         raise Error("too_large", f"{kind}: {scans} scans of {size[0]}x{size[1]} pixels are too many")
     pixels = _jpeg.decode(data)
+    if pixels is None and _module("PIL.Image"):  # which notices that data is missing, as OpenCV does not
+        return _decode_by_pillow(kind, data, _numpy())
     # A whole picture that is to be turned as EXIF says is left to those who can.
     return _decode_by_opencv(kind, data) if pixels is None or b"Exif\0\0" in data[:65536] else pixels
 
@@ -189,7 +191,9 @@ def _decode_by_pillow(kind: str, data: bytes, numpy: Any) -> NDArray[Any]:
 
 def encode(kind: str, picture: NDArray[Any], quality: int) -> bytes:
     """A picture as image/jpeg or image/png, by OpenCV or, where that is missing, Pillow."""
-    picture, cv2 = _encodable(kind, picture), _module("cv2")
+    if picture.dtype.kind == "f":
+        raise Error("unsupported", f"there is no {kind} of float32", 'connect with encoding="raw"')
+    picture, cv2 = as_eight_bits(picture), _module("cv2")
     if cv2 is None:
         return _encode_by_pillow(kind, picture, quality)
     if kind == "image/png":
@@ -197,10 +201,11 @@ def encode(kind: str, picture: NDArray[Any], quality: int) -> bytes:
     return bytes(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes())
 
 
-def _encodable(kind: str, picture: NDArray[Any]) -> NDArray[Any]:
-    """Of 8 bits and without alpha, as most decoders want it: of 16 bits the upper eight."""
+def as_eight_bits(picture: NDArray[Any]) -> NDArray[Any]:
+    """Without alpha, as most code wants it; of 16 bits the upper eight."""
     if picture.dtype.kind == "f":
-        raise Error("unsupported", f"there is no {kind} of float32", 'connect with encoding="raw"')
+        text = "this drone works on pictures of 8 bits, and this one is of float32"
+        raise Error("unsupported", text, "let its sender scale the values to 0 to 255 and emit them as uint8")
     if picture.dtype.itemsize == 2:
         picture = (picture >> 8).astype("uint8")
     return picture[:, :, :3].copy() if picture.ndim == 3 and picture.shape[2] == 4 else picture
@@ -220,7 +225,7 @@ def _encode_by_pillow(kind: str, picture: NDArray[Any], quality: int) -> bytes:
 
 def as_png(picture: NDArray[Any]) -> bytes:
     """A PNG of a picture, for notebooks."""
-    picture = _encodable("image/png", picture)
+    picture = as_eight_bits(picture)
     height, width = picture.shape[:2]
     colour = picture.ndim == 3
     rows = picture[:, :, ::-1] if colour else picture

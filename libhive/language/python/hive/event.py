@@ -111,7 +111,7 @@ class Event:
         finally:
             release(body)
 
-    def image(self) -> NDArray[Any]:
+    def image(self, bits: Optional[int] = None) -> NDArray[Any]:
         """The picture in the body, as a NumPy array.
 
         ``image/raw`` gives a read-only view without a copy, of ``uint8``, ``uint16`` or ``float32``, and of shape
@@ -119,10 +119,16 @@ class Event:
         with alpha.  ``image/jpeg`` and ``image/png`` are copied, checked and decoded to ``uint8`` of (height, width,
         3); one that is cut short or damaged is refused.
 
+        :param bits: 8: for code that works on ``uint8`` of one or three channels: of 16 bits the upper eight, without
+            alpha, and of ``float32`` "unsupported"; None: as it comes
+
         :raises hive.Error: "malformed" when header and bytes are no such picture, "too_large" beyond 40 million pixels,
             "unsupported" when the body is of another type, or nothing is installed that decodes it
         """
-        return _pictures.decode(self.type, self.header, self.body)
+        if bits not in (None, 8):
+            raise Error("invalid_argument", f"image() converts to 8 bits, not to {bits!r}")
+        picture = _pictures.decode(self.type, self.header, self.body)
+        return picture if bits is None else _pictures.as_eight_bits(picture)
 
     @property
     def source(self) -> str:

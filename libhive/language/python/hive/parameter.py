@@ -38,7 +38,6 @@ class Parameter(Generic[Value]):
     """
 
     __hash__ = None  # type: ignore[assignment]  # its value changes
-    __array_ufunc__ = None  # arrays compare and count with its value
 
     def __init__(self, name: str, default: Value) -> None:
         self.name = name
@@ -61,6 +60,10 @@ class Parameter(Generic[Value]):
         if name not in ("name", "value", "__orig_class__"):
             raise AttributeError(f"a hive.Parameter has no {name!r}; its value is {self.name}.value")
         object.__setattr__(self, name, value)
+
+    def __array_ufunc__(self, function: Any, method: str, *inputs: Any, **more: Any) -> Any:
+        """Arrays compare and count with its value."""
+        return getattr(function, method)(*map(value_of, inputs), **more)
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Any:
         import numpy
