@@ -1,14 +1,11 @@
 """Pictures through drones in Python: views, loans, notebooks, and what waits for its first receiver."""
 
-import os
-import sys
 import time
 import unittest
 
 import numpy
 
 import hive
-from hive import _pictures
 from world import PATIENCE, Embedded, eventually
 
 
@@ -129,30 +126,6 @@ class Images(Embedded):
         for body in ([1, 2], "text", 5):
             self.refused("invalid_argument", output.emit, {}, body)
         self.refused("invalid_argument", output.emit, "text")
-
-    def test_a_drone_in_cpp_takes_alpha_and_says_what_to_do_about_floats(self):
-        self.drone("background", "background")
-        exceptions, masks = self.swarm.exceptions("background"), self.swarm.collect("background.mask")
-        for kind, text in (("float32", "bgr32f; let its sender scale"), ("uint16", "bgr16; let its sender emit")):
-            picture = numpy.zeros((40, 60, 3), kind)
-            self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
-            self.assertIn(text, exceptions.next(PATIENCE).header["text"])
-        picture = numpy.zeros((40, 60, 4), numpy.uint8)
-        self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
-        self.assertEqual(masks.next(PATIENCE).image().shape, (40, 60))
-
-    def test_a_drone_in_python_takes_16_bits_and_alpha_and_says_what_to_do_about_floats(self):
-        script = os.path.join(os.environ["HIVE_SOURCE_DIR"], "drones/edges/edges.py")
-        self.process(sys.executable, script, name="edges")
-        exceptions, edges = self.swarm.exceptions("edges"), self.swarm.collect("edges")
-        for kind, channels in (("uint16", 1), ("uint8", 4), ("float32", 3)):
-            picture = numpy.zeros((40, 60, channels), kind)
-            picture[10:20] = 1 << 15 if kind == "uint16" else 128
-            self.swarm.put("edges", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
-            if kind == "float32":
-                self.assertIn("let its sender scale", exceptions.next(PATIENCE).header["text"])
-            else:
-                self.assertTrue(edges.next(PATIENCE).image().any())
 
     def test_a_notebook_shows_pictures_and_leaves_what_is_none(self):
         size = {"width": 2, "height": 1, "pixel_format": "gray8"}

@@ -2,9 +2,11 @@
 
 import asyncio
 import os
+import signal
 import subprocess
 import tempfile
 import textwrap
+import threading
 import unittest
 import unittest.mock
 
@@ -53,6 +55,29 @@ class Starting(World):
             file.write("import time; time.sleep(60)")
         self.refused("timeout", self.swarm.start, waits, ready=0.2)
         self.assertEqual(self.swarm.drones(), [])
+
+    def test_ctrl_c_ends_a_start_and_leaves_nothing(self):
+        waits = os.path.join(self.home, "waits.py")
+        with open(waits, "w", encoding="utf-8") as file:
+            file.write("import time; print('up', flush=True); time.sleep(600)")
+        log = os.path.join(self.home, "waits.log")
+
+        def press():
+            eventually(lambda: os.path.exists(log) and os.path.getsize(log))
+            os.kill(os.getpid(), signal.SIGINT)
+
+        ctrl_c = threading.Thread(target=press)
+        ctrl_c.start()
+        with self.assertRaises(KeyboardInterrupt):
+            self.swarm.start(waits, ready=600)
+        ctrl_c.join()
+        self.assertNotIn(waits.encode(), subprocess.run(["ps", "-eo", "args"], capture_output=True, check=True).stdout)
+
+    def test_names_that_are_none_are_refused(self):
+        for names in (None, 5, ["source", None], b"x"):
+            self.assertIn("called by its name", str(self.refused("invalid_argument", self.swarm.stop, names)))
+        drone = hive.Drone("probe", embedded=True)
+        self.refused("invalid_argument", self.swarm.connect, drone, "worker")
 
     def test_a_drone_is_started_on_another_machine(self):
         there, programs = tempfile.mkdtemp(prefix="hv-", dir="/tmp"), os.path.join(self.home, "ssh")

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 import unittest
+import warnings
 
 import hive
 from world import PATIENCE, Embedded
@@ -59,6 +60,8 @@ class Tracebacks(Embedded):
                 raise KeyError("missing")
             if event.type == "a/refused":
                 raise hive.Error("refused", "not today")
+            if event.type == "image/jpeg":
+                event.image()
             result.emit_image(None)
 
         self.run_embedded(self.worker(work))
@@ -67,6 +70,7 @@ class Tracebacks(Embedded):
             ("text/plain", "KeyError: 'missing'", 'raise KeyError("missing")'),
             ("a/b", "there is no image, but None; look whether it could be read or taken", "result.emit_image(None)"),
             ("a/refused", "not today", None),
+            ("image/jpeg", "image/jpeg: 1 bytes that are no such picture, or one that is cut short", None),
         ):
             with self.subTest(kind), self.assertLogs("hive.worker", "ERROR") as logs:
                 self.swarm.put("worker", b"x", kind)
@@ -86,7 +90,9 @@ class Tracebacks(Embedded):
             "Output": lambda: output.loan((2, 2)),
         }
         read, write = os.pipe()
-        child = os.fork()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of newer Pythons, for there are threads
+            child = os.fork()
         if child == 0:
             texts = []
             for call in calls.values():

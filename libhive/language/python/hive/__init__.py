@@ -14,10 +14,12 @@ A *drone* is a process with a clear interface: parameters, inputs, outputs.  Thi
 
     drone.run()
 
-An *application* connects drones into a swarm, sets their parameters and collects their results::
+An *application* starts drones, connects them into a swarm, sets their parameters and collects their results::
 
     import hive
     with hive.Application() as swarm:
+        swarm.start("camera")
+        swarm.start("face")
         swarm.connect("camera", "face")
         swarm.set("face", scale=1.05)
         for event in swarm.results("face", count=5):
@@ -30,7 +32,7 @@ A *swarm file* says which drones run where and how they are connected; a dict sa
 
 Times are seconds as ``float`` unless a name ends in ``_us`` (microseconds).  Whatever goes wrong is a
 :class:`hive.Error` with a ``code`` ("not_found", "timeout", ...).  Waiting never holds the interpreter's lock, and
-Ctrl-C ends it.  NumPy is needed for pictures alone, OpenCV nowhere.
+Ctrl-C ends it.  NumPy is needed for images alone, OpenCV nowhere.
 """
 
 from typing import TYPE_CHECKING as _TYPE_CHECKING, Any as _Any

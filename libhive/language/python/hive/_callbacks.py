@@ -81,7 +81,8 @@ class Callbacks(Owner):
                 return 0
             except Error as error:
                 drone = weak()
-                if drone is not None and ends_in_package(error.__traceback__):
+                wrong_call = error.code == "invalid_argument" and ends_in_package(error.__traceback__)
+                if drone is not None and wrong_call:  # of which the text does not say where it is
                     drone._log_traceback(error)
                 return int(lib.hive_fail(code_of(error.code), encoded(str(error).replace("\0", "?"))))
             except Exception as error:

@@ -15,7 +15,12 @@ def flat(*names: Names) -> list[str]:
     """Names and lists of them as one list."""
     found: list[str] = []
     for name in names:
-        found += [name] if isinstance(name, str) else flat(*name)
+        if isinstance(name, str):
+            found.append(name)
+        elif isinstance(name, bytes) or not hasattr(name, "__iter__"):
+            raise Error("invalid_argument", f"a drone is called by its name, not {name!r}")
+        else:
+            found += flat(*name)
     return found
 
 

@@ -27,7 +27,8 @@ def _header(header: Any, fields: Mapping[str, Any] = {}) -> bytes:
 
 def _view(body: Any) -> memoryview:
     try:
-        return memoryview(body).cast("B")
+        view = memoryview(body)
+        return view.cast("B") if view.nbytes else memoryview(b"")
     except TypeError:
         raise Error(
             "invalid_argument", f"a body is bytes, not a {type(body).__name__}", "emit_image() takes arrays of pixels"
