@@ -134,7 +134,8 @@ class Application(Finding):
 
         :param kind: the program hive-KIND in $HIVE_DRONE_PATH or $PATH, or a Python file, "edges.py"
         :param name: in the swarm; "": the kind
-        :param on: another machine, as ssh knows it, with Hive installed; "": this one
+        :param on: another machine, as ssh knows it, with Hive installed; "": this one.  A drone of this name and kind
+            that runs there already, and is not known here, is left as it is
         :param parameters: initial parameters, as ``values``; for those that are called as an argument is
         :param listen: address where other machines reach it, "tcp://HOST:PORT"; with ``on`` the default is any
         :param ready: how long it may take to be ready; then it is stopped again

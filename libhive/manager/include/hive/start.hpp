@@ -17,7 +17,8 @@ struct StartOptions {
 };
 
 /// Starts a drone in the background and returns its place when it is ready. The drone keeps running when the caller
-/// exits; whatever goes wrong, it is stopped again.
+/// exits; whatever goes wrong, it is stopped again. On another machine, a drone of this name and kind that runs there
+/// already, and that this home does not know, is left as it is and counts as started.
 ///
 /// Throws Errc::name_taken when a drone has the name, Errc::not_found when there is no such program, Errc::failed with
 /// the last lines of its log when it exits instead, Errc::timeout, and for other machines what Remote throws.

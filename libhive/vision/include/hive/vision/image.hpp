@@ -37,7 +37,8 @@ cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& li
 /// The picture of an event. If its header declares "width" and "height", a picture of more pixels is Errc::malformed.
 cv::Mat decode(const Event& event, const DecodeLimits& limits = {});
 
-/// As decode(), but the pixels of image/raw are not copied: the result is read-only and valid while `event.body` lives.
+/// As decode(), but the pixels of image/raw are not copied, except bgra8: the result is read-only and valid while
+/// `event.body` lives.
 cv::Mat view(const Event& event, const DecodeLimits& limits = {});
 
 /// The size of the picture (upright), without decoding it; the same checks and errors as before decoding.
