@@ -1,8 +1,7 @@
 // Maps parameters to names of VAPIX, and pictures to events.
 #include "axis_drone.hpp"
 
-#include "certificate.hpp"
-
+#include <certificate_file.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
@@ -161,7 +160,7 @@ void AxisDrone::change()
 
 void AxisDrone::open()
 {
-    check_certificate(place_.certificate);
+    capture::check_certificate(place_.certificate);
     if (!started_)
         started_ = place_;
     std::optional<Access> found;

@@ -1,7 +1,10 @@
 // The URL of a camera: scheme, host and port alone, without secrets.
 #pragma once
 
+#include <shown_url.hpp>
+
 #include <string>
+#include <utility>
 
 namespace axis {
 
@@ -21,6 +24,6 @@ CameraUrl parse_camera_url(const std::string& text);
 
 /// A text from elsewhere as it may be logged: what stands between :// and @ is hidden, what follows ? is left out, and
 /// of long texts the end.
-std::string masked(std::string text);
+inline std::string masked(std::string text) { return capture::shown_url(std::move(text)); }
 
 }  // namespace axis

@@ -1,6 +1,7 @@
 // Maps parameters to sources, and pictures to events.
 #include "camera_drone.hpp"
 
+#include <certificate_file.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
@@ -99,6 +100,11 @@ void CameraDrone::declare()
                      "HIVE_CAMERA_PASSWORD");
     drone_.parameter("transport", transport_, hive::one_of({"tcp", "udp"}),
                      "of rtsp://: tcp loses nothing; udp does not wait for what is lost");
+    drone_.parameter("basic_over_http", basic_over_http_, hive::anything().by_operator(),
+                     "send the password unencrypted if an http:// or rtsp:// camera does not support digest "
+                     "authentication");
+    drone_.parameter("certificate", certificate_, hive::anything().by_operator(),
+                     "of https://: file of the certificate to trust, and no other; empty: those of the system");
     drone_.parameter("format", format_, hive::anything(),
                      "asked of a device: MJPG, YUYV, ... (hivectl devices lists them); empty: as it likes");
     drone_.parameter("faces", faces_, hive::between(0, 3), "number of faces in the scene");
@@ -111,7 +117,18 @@ void CameraDrone::declare()
 
 CameraDrone::Wanted CameraDrone::wanted() const
 {
-    Wanted wanted{{source_, {width_, height_}, fps_, loop_, {}, credentials_, transport_, format_}, fps_, pace_};
+    Wanted wanted{{source_,
+                   {width_, height_},
+                   fps_,
+                   loop_,
+                   {},
+                   credentials_,
+                   transport_,
+                   basic_over_http_,
+                   certificate_,
+                   format_},
+                  fps_,
+                  pace_};
     if (!is_scene(source_))
         return wanted;  // what the scene shall show is no reason to open a file or a camera again
     wanted.source.scene.faces = faces_;
@@ -143,6 +160,7 @@ void CameraDrone::open(const Wanted& wanted)
     if (!is_format(wanted.source.format))
         throw hive::Error(hive::Errc::refused, "no format is called " + wanted.source.format,
                           "it has at most four letters and digits: MJPG; see those of a camera: hivectl devices");
+    capture::check_certificate(wanted.source.certificate);
     if (wanted.pace == "demand" && is_live(kind))
         throw hive::Error(hive::Errc::refused,
                           "pace=demand is for files and the scene: a camera does not wait to be asked");

@@ -55,10 +55,10 @@ private:
     hive::Drone& drone_;
     hive::Output image_;
     std::shared_ptr<hive::vision::LoanAllocator> memory_;  ///< of the pictures, also those that the capture reads
-    std::string source_ = "scene", pace_ = "live", credentials_, transport_ = "tcp", format_;
+    std::string source_ = "scene", pace_ = "live", credentials_, transport_ = "tcp", certificate_, format_;
     int width_ = 0, height_ = 0, faces_ = 1, walkers_ = 0, seed_ = 1;
     double fps_ = 0, noise_ = 3;
-    bool loop_ = true, hand_ = false;
+    bool loop_ = true, hand_ = false, basic_over_http_ = false;
 
     std::optional<Wanted> opened_;
     std::unique_ptr<Capture> capture_;   ///< pace=live

@@ -155,6 +155,23 @@ std::unique_ptr<Source> open_scene(const SourceSettings& settings, cv::MatAlloca
     return std::make_unique<SceneSource>(scene, memory);
 }
 
+/// "http://host:port" of a URL.
+std::string camera_of(const std::string& url) { return url.substr(0, url.find_first_of("/?#", url.find("://") + 3)); }
+
+/// A login whose file names a camera goes to no other.
+UrlSettings url_settings(const SourceSettings& settings)
+{
+    auto login = capture::read_credentials(settings.credentials, {user_variable, password_variable});
+    if (login && !login->camera.empty() && camera_of(login->camera) != camera_of(settings.text))
+        throw std::runtime_error("the login in " + settings.credentials + " is for " + camera_of(login->camera)
+                                 + ", not for " + camera_of(settings.text));
+    return {.url = settings.text,
+            .login = std::move(login),
+            .transport = settings.transport,
+            .basic_over_http = settings.basic_over_http,
+            .certificate = settings.certificate};
+}
+
 }  // namespace
 
 cv::Size size_or_default(cv::Size size)
@@ -178,11 +195,7 @@ std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAlloc
     case SourceKind::video: return open_video(settings.text, settings.loop, memory);
     case SourceKind::device:
         return open_device(settings.text, {settings.format, size_or_default(settings.size), settings.fps}, memory);
-    case SourceKind::url:
-        return open_url({settings.text,
-                         capture::read_credentials(settings.credentials, {user_variable, password_variable}),
-                         settings.transport},
-                        memory);
+    case SourceKind::url: return open_url(url_settings(settings), memory);
     }
     throw std::logic_error("a kind of source that nobody opens");
 }

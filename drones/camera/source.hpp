@@ -43,6 +43,8 @@ struct SourceSettings {
     SceneSettings scene;         ///< its size and background are taken from above
     std::string credentials = {};   ///< of a network camera: a file with user:password; empty: of the environment
     std::string transport = "tcp";  ///< of RTSP
+    bool basic_over_http = false;   ///< of a network camera: may the password be sent unencrypted?
+    std::string certificate = {};   ///< of https: file of the certificate to trust; empty: those of the system
     std::string format = {};        ///< asked of a device: four letters, "MJPG"; empty: as it likes
 
     bool operator==(const SourceSettings&) const = default;

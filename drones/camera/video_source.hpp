@@ -26,10 +26,27 @@ bool fits(const DeviceForm& asked, const DeviceForm& got);
 /// @throws std::runtime_error  saying what is missing
 std::unique_ptr<Source> open_device(const std::string& path, const DeviceForm& asked, cv::MatAllocator* memory);
 
+/// What a network camera may cost.
+struct UrlLimits {
+    std::int64_t pixels = 40'000'000;         ///< of a picture
+    std::int64_t bytes = 16 << 20;            ///< of a packet; over HTTP also from one packet of video to the next
+    std::int64_t allocation = 160 << 20;      ///< bytes in one piece: a picture of that size has 4 for each pixel
+    std::int64_t rtsp_allocation = 80 << 20;  ///< the same where bytes over UDP are not counted; 2 for each pixel
+    long reply = 64 * 1024;                   ///< bytes of the body of an RTSP reply
+    int streams = 16;
+    int scans = 100;  ///< of a JPEG: each costs the time of the whole picture
+    bool redirects = false;
+    /// For tests, which show that the limits are needed.
+    static UrlLimits none();
+};
+
 struct UrlSettings {
     std::string url;  ///< without login
     std::optional<capture::Credentials> login;
     std::string transport = "tcp";  ///< of RTSP: tcp or udp
+    bool basic_over_http = false;   ///< may the password be sent unencrypted over http:// and rtsp://?
+    std::string certificate = {};   ///< file of the certificate to trust for https; empty: those of the system
+    UrlLimits limits = {};
 };
 /// Opening takes at most 20 s, a picture 10 s. The end of the stream is the end of the source.
 std::unique_ptr<Source> open_url(const UrlSettings& settings, cv::MatAllocator* memory);

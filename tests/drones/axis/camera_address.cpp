@@ -1,9 +1,9 @@
 // Where a camera may be, and who may log in there.
 #include "address_rule.hpp"
 #include "camera_url.hpp"
-#include "certificate.hpp"
 #include "credentials.hpp"
 
+#include <certificate_file.hpp>
 #include <doctest/doctest.h>
 
 #include <arpa/inet.h>
@@ -16,6 +16,7 @@
 #include <stdexcept>
 
 using namespace axis;
+using capture::check_certificate;
 
 namespace {
 

@@ -3,10 +3,10 @@
 
 #include <string>
 
-namespace axis {
+namespace capture {
 
 /// @param path  a file with a certificate in PEM within its first MiB; empty: none is named, which is right
 /// @throws std::runtime_error  naming the file and what is wrong with it
 void check_certificate(const std::string& path);
 
-}  // namespace axis
+}  // namespace capture

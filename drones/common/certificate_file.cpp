@@ -1,11 +1,11 @@
 // Looks for the line with which every certificate in PEM begins.
-#include "certificate.hpp"
+#include "certificate_file.hpp"
 
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
-namespace axis {
+namespace capture {
 
 void check_certificate(const std::string& path)
 {
@@ -26,4 +26,4 @@ void check_certificate(const std::string& path)
                                  + " has none (in PEM it begins with -----BEGIN CERTIFICATE-----)");
 }
 
-}  // namespace axis
+}  // namespace capture

@@ -1,0 +1,67 @@
+// A connection to a network camera through libavformat: every wait has a deadline, and what the camera may send has
+// limits.
+#pragma once
+
+#include "ffmpeg_log.hpp"
+#include "reply_guard.hpp"
+#include "video_source.hpp"
+
+#include <ffmpeg.hpp>
+
+#include <chrono>
+#include <string>
+
+namespace camera {
+
+/// For one thread.
+class UrlInput final : private FfmpegLog {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// Connects, and reads until the format of the stream is known.
+    /// @throws std::runtime_error  naming the camera and what is wrong; LoginRefused
+    explicit UrlInput(const UrlSettings& settings);
+    UrlInput(const UrlInput&) = delete;
+    UrlInput& operator=(const UrlInput&) = delete;
+
+    /// The next packet of video that can be decoded; false at the end of the stream.
+    bool read(AVPacket& packet);
+    /// Hands a packet to a decoder; one that is damaged is skipped, one whose picture is too large is refused.
+    void decode(AVCodecContext& decoder, const AVPacket& packet);
+    /// Of the packets that read() returns; null before the first.
+    [[nodiscard]] const AVStream* video() const;
+    /// Until when the next packets have to come, and what is said if they do not.
+    void expect_until(Clock::time_point deadline, const char* otherwise);
+    /// The URL as it may be shown.
+    [[nodiscard]] std::string shown() const;
+
+private:
+    void reply_line(std::string_view line) override;
+    void rtp_packet(int bytes) override;
+    void refused_pixels(std::int64_t width, std::int64_t height) override;
+    void refused_streams() override;
+    void refused_format() override;
+
+    void connect();
+    void limit_protocols(AVDictionary** options) const;
+    void limit_costs(AVDictionary** options) const;
+    static int open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags, AVDictionary** options);
+    [[nodiscard]] bool interrupted();
+    [[nodiscard]] std::int64_t bytes_since_packet() const;
+    [[nodiscard]] bool choose(const AVPacket& packet);
+    void require(int code) const;
+
+    UrlSettings settings_;
+    bool rtsp_;
+    ReplyGuard guard_;
+    Clock::time_point deadline_{};
+    const char* otherwise_ = "";
+    AVFormatContext* context_ = nullptr;  ///< also while it is being opened
+    decltype(AVFormatContext::io_open) default_open_ = nullptr;
+    ffmpeg::Input input_;
+    std::int64_t http_begin_ = 0;  ///< bytes that had come by HTTP when the last packet was read
+    std::int64_t rtp_bytes_ = 0;   ///< that have come by RTP over TCP since the last packet was read
+    int stream_ = -1;
+};
+
+}  // namespace camera

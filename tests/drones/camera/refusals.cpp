@@ -1,0 +1,68 @@
+// The camera drone as a process, and network cameras that attack it: it says why it refuses one, stays small, and takes
+// another source at once.
+#include "hostile_camera.hpp"
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+bool told(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::string login_file(const Swarm& swarm, const std::string& text)
+{
+    const auto file = swarm.home() / "login";
+    std::ofstream(file) << text << '\n';
+    std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    return file.string();
+}
+
+}  // namespace
+
+TEST_CASE("camera refusals: the reason stands in the status and in the log, and another source is taken at once")
+{
+    const Swarm swarm;
+    const hostile::Camera bomb([](hostile::Client& client, const std::string&) {
+        client.send(hostile::multipart + hostile::part(hostile::grey_jpeg(16'000, 16'000)));
+        return false;
+    });
+    const auto camera = swarm.drone("camera", "camera", {"source=" + bomb.url()});
+    auto application = swarm.application();
+    const std::string reason = bomb.url() + ": a picture of 16000x16000 pixels; at most 40000000 are accepted";
+    CHECK(eventually([&] { return application.status("camera").condition == reason; }, 8000ms));
+    CHECK(told(swarm.log("camera"), reason));
+    application.set("camera", {{"source", "scene"}});
+    CHECK(application.collect({{"camera", "image"}})->next(patient(4000ms)));
+    CHECK(application.status("camera").condition.empty());
+}
+
+TEST_CASE("camera refusals: a login goes unencrypted only where that is allowed, and to no camera but that of its file")
+{
+    const Swarm swarm;
+    const hostile::Camera thief([](hostile::Client& client, const std::string&) {
+        client.send("HTTP/1.1 401 No\r\nWWW-Authenticate: Basic realm=\"x\"\r\nContent-Length: 0\r\n\r\n");
+        return false;
+    });
+    const auto camera = swarm.drone("camera", "camera",
+                                    {"source=" + thief.url(), "credentials=" + login_file(swarm, "root:hush-hush")});
+    auto application = swarm.application();
+    const auto says = [&](const char* part) {
+        return eventually([&] { return told(application.status("camera").condition, part); }, 8000ms);
+    };
+    CHECK(says("it accepts only an unencrypted password (basic authentication)"));
+    CHECK_FALSE(told(thief.asked(), "Authorization"));
+    const auto connections = thief.connections();
+    login_file(swarm, "root:hush-hush\nhttp://192.0.2.1/video");
+    application.set("camera", {{"basic_over_http", true}});
+    CHECK(says("is for http://192.0.2.1, not for http://127.0.0.1:"));
+    CHECK(thief.connections() <= connections + 1);
+    CHECK_FALSE(told(thief.asked(), "Authorization"));
+    login_file(swarm, "root:hush-hush\n" + thief.url("http", "/"));
+    CHECK(eventually([&] { return told(thief.asked(), "Authorization: Basic"); }, 15'000ms));
+}
