@@ -151,6 +151,7 @@ void UrlInput::reply_line(std::string_view line)
 {
     if (rtsp_ && !settings_.limits.redirects)
         av_opt_set(context_, "protocol_whitelist", "udp,rtp", 0);
+    replied_ = true;
     guard_.take(line);
 }
 
@@ -233,6 +234,9 @@ void UrlInput::require(int code) const
         throw std::runtime_error(shown() + ": " + guard_.refusal());
     if (code < 0 && Clock::now() >= deadline_)
         throw std::runtime_error(shown() + ": " + otherwise_);
+    if (code == AVERROR(EIO) && !replied_ && settings_.url.starts_with("https"))
+        throw std::runtime_error(shown() + ": no encrypted connection: its certificate is not trusted or names another "
+                                 + "host; for one that the camera made itself, set certificate=FILE");
     const bool refused = code == AVERROR_HTTP_UNAUTHORIZED || code == AVERROR_HTTP_FORBIDDEN;
     if (refused && settings_.login)
         throw LoginRefused(shown() + ": the camera refuses this login");

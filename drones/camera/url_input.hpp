@@ -61,6 +61,7 @@ private:
     ffmpeg::Input input_;
     std::int64_t http_begin_ = 0;  ///< bytes that had come by HTTP when the last packet was read
     std::int64_t rtp_bytes_ = 0;   ///< that have come by RTP over TCP since the last packet was read
+    bool replied_ = false;
     int stream_ = -1;
 };
 

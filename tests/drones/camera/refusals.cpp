@@ -4,9 +4,11 @@
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -23,7 +25,56 @@ std::string login_file(const Swarm& swarm, const std::string& text)
     return file.string();
 }
 
+/// A certificate for 127.0.0.1 that signs itself, and a server that has it.
+class Encrypted {
+public:
+    explicit Encrypted(const Swarm& swarm) : certificate_((swarm.home() / "own.pem").string())
+    {
+        const auto log = swarm.home() / "server.log";
+        ready_ = swarm
+                     .run({openssl, "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+                           "-nodes", "-days", "2", "-subj", "/CN=own", "-addext", "subjectAltName=IP:127.0.0.1",
+                           "-keyout", certificate_ + ".key", "-out", certificate_})
+                     .exit_code
+                 == 0;
+        if (!ready_)
+            return;
+        server_.emplace(std::vector<std::string>{openssl, "s_server", "-accept", "127.0.0.1:0", "-www", "-cert",
+                                                 certificate_, "-key", certificate_ + ".key"},
+                        std::vector<std::string>{}, log);
+        ready_ = eventually([&] { return told(text_of(log), "ACCEPT 127.0.0.1:"); });
+        const auto text = text_of(log);
+        port_ = text.substr(text.find("127.0.0.1:") + 10);
+        port_.resize(port_.find_first_not_of("0123456789"));
+    }
+    [[nodiscard]] bool ready() const { return ready_; }
+    [[nodiscard]] std::string url() const { return "https://127.0.0.1:" + port_ + "/video"; }
+    [[nodiscard]] const std::string& certificate() const { return certificate_; }
+
+private:
+    static constexpr const char* openssl = "/usr/bin/openssl";
+    std::string certificate_, port_;
+    std::optional<Process> server_;
+    bool ready_ = false;
+};
+
 }  // namespace
+
+TEST_CASE("camera refusals: a certificate that nobody vouches for is trusted only where it is named")
+{
+    const Swarm swarm;
+    const Encrypted server(swarm);
+    if (!possible(server.ready() ? "" : "openssl"))
+        return;
+    const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
+    auto application = swarm.application();
+    const auto condition = [&] { return application.status("camera").condition; };
+    CHECK(eventually([&] { return told(condition(), "no encrypted connection: its certificate is not trusted"); }));
+    CHECK(swarm.hivectl({"set", "camera", "certificate=/nowhere"}).exit_code != 0);
+    application.set("camera", {{"certificate", server.certificate()}});
+    // The page of that server is no video, which is told only when it has come.
+    CHECK(eventually([&] { return told(condition(), server.url() + ": ") && !told(condition(), "no encrypted"); }));
+}
 
 TEST_CASE("camera refusals: the reason stands in the status and in the log, and another source is taken at once")
 {
