@@ -2,7 +2,6 @@
 #include "exif.hpp"
 #include "jpeg_structure.hpp"
 #include "png_pixels.hpp"
-#include "png_structure.hpp"
 #include "raw.hpp"
 
 #include <hive/error.hpp>
@@ -56,10 +55,9 @@ PngSize checked_png(const Body& body, const DecodeLimits& limits)
 cv::Mat decode_png(const Body& body, const DecodeLimits& limits)
 {
     const PngSize size = checked_png(body, limits);
-    const PngStructure png = png_structure(bytes_of(body));
     cv::Mat picture(static_cast<int>(size.height), static_cast<int>(size.width), CV_8UC3);
-    read_png(png.bytes, picture);
-    return upright(picture, png.orientation);
+    const int orientation = read_png(bytes_of(body), picture);
+    return upright(picture, orientation);
 }
 
 cv::Size size_of_png(const Body& body, const DecodeLimits& limits)

@@ -2,6 +2,8 @@
 // of.
 #include "png_pixels.hpp"
 
+#include "exif.hpp"
+
 #include <hive/error.hpp>
 
 #include <png.h>
@@ -16,6 +18,8 @@ namespace {
 /// libpng inflates all that is left of the compressed data when it has the last row, a thousand bytes for each. The end
 /// of an honest stream takes a few.
 constexpr std::size_t most_behind_last_row = 1024;
+constexpr std::size_t most_exif = 64 * 1024;
+constexpr png_uint_32 pixel_chunk = 0x49444154;  // IDAT
 
 /// What libpng reads from, and what it said.
 class Reading {
@@ -28,13 +32,20 @@ public:
         if (!info_)
             throw Error(Errc::failed, "the PNG decoder could not be made");
         png_set_read_fn(png_, this, &Reading::on_read);
+        png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the caller judges pixels, not sides
+        // All but header, palette, transparency, pixels and EXIF are skipped.
+        png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+        png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_AS_DEFAULT, reinterpret_cast<png_const_bytep>("eXIf"), 1);
     }
     ~Reading() { png_destroy_read_struct(&png_, &info_, nullptr); }
     Reading(const Reading&) = delete;
     Reading& operator=(const Reading&) = delete;
 
-    /// False when libpng gave up.
-    bool rows(cv::Mat& picture);
+    // These are false when libpng gave up.
+    bool header();
+    bool rows(cv::Mat& picture);  ///< behind header()
+    [[nodiscard]] PngSize size() const;
+    [[nodiscard]] int orientation() const;
     [[nodiscard]] const std::string& problem() const { return problem_; }
 
 private:
@@ -59,7 +70,8 @@ void Reading::on_error(png_structp png, png_const_charp text)
 void Reading::on_read(png_structp png, png_bytep to, std::size_t size)
 {
     auto& self = *static_cast<Reading*>(png_get_io_ptr(png));
-    if (self.has_last_row() && (self.behind_ += size) > most_behind_last_row)
+    if (png_get_io_chunk_type(png) == pixel_chunk && self.has_last_row()
+        && (self.behind_ += size) > most_behind_last_row)
         png_error(png, "more data than its pixels are");
     if (size > self.rest_.size())
         png_error(png, "cut short");
@@ -93,11 +105,32 @@ void Reading::as_bgr()
         png_set_bgr(png_);
 }
 
-bool Reading::rows(cv::Mat& picture)
+bool Reading::header()
 {
     if (setjmp(png_jmpbuf(png_)) != 0)
         return false;
     png_read_info(png_, info_);
+    return true;
+}
+
+PngSize Reading::size() const { return {png_get_image_width(png_, info_), png_get_image_height(png_, info_)}; }
+
+/// In a JPEG the same bytes stand behind a mark.
+int Reading::orientation() const
+{
+    png_uint_32 size = 0;
+    png_bytep exif = nullptr;
+    if (png_get_eXIf_1(png_, info_, &size, &exif) == 0 || size > most_exif)
+        return 1;
+    std::vector<std::uint8_t> marked{'E', 'x', 'i', 'f', 0, 0};
+    marked.insert(marked.end(), exif, exif + size);
+    return exif_orientation(marked);
+}
+
+bool Reading::rows(cv::Mat& picture)
+{
+    if (setjmp(png_jmpbuf(png_)) != 0)
+        return false;
     as_bgr();
     const int passes = png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
@@ -107,16 +140,26 @@ bool Reading::rows(cv::Mat& picture)
     for (int pass = 0; pass < passes; ++pass)
         for (int y = 0; y < picture.rows; ++y)
             png_read_row(png_, picture.ptr(y), nullptr);
+    png_read_end(png_, info_);
     return true;
 }
 
 }  // namespace
 
-void read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture)
+PngSize png_size(std::span<const std::uint8_t> bytes)
 {
     Reading reading(bytes);
-    if (!reading.rows(picture))
+    if (!reading.header())
         throw Error(Errc::malformed, "PNG: " + reading.problem());
+    return reading.size();
+}
+
+int read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture)
+{
+    Reading reading(bytes);
+    if (!reading.header() || !reading.rows(picture))
+        throw Error(Errc::malformed, "PNG: " + reading.problem());
+    return reading.orientation();
 }
 
 }  // namespace hive::vision

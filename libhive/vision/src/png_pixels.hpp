@@ -9,10 +9,17 @@
 
 namespace hive::vision {
 
+struct PngSize {
+    std::int64_t width = 0, height = 0;
+};
+/// Reads up to the pixels, and inflates nothing. Throws Errc::malformed when that is damaged or too short.
+PngSize png_size(std::span<const std::uint8_t> bytes);
+
 /// Fills `picture`, 8 bit BGR of the size that the header says. Inflates what the pixels need and hardly more, whatever
-/// else is there. Throws Errc::malformed when the bytes are damaged or too few.
-/// @param bytes  of png_structure()
-void read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture);
+/// else is there: texts and colour profiles are skipped. Throws Errc::malformed when the bytes are damaged or too few,
+/// up to the chunk that ends the file.
+/// @return  the orientation of EXIF, 1 to 8; 1 is upright
+int read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture);
 
 /// A PNG of the same channels and bits. Throws Errc::failed if libpng refuses.
 /// @param picture  8 bit with 1 or 3 (BGR) channels, or 16 bit grey

@@ -155,6 +155,32 @@ TEST_CASE("hostile PNG: a chunk that nobody knows and may not be left out, and k
         CHECK(decoded(png(header(2, 2, kind), {}, four_pixels)).refusal == Errc::malformed);
 }
 
+TEST_CASE("hostile PNG: what stands behind the pixels is read as far as the end, which must be there")
+{
+    const auto whole = with_chunks({});
+    const media::Bytes text = chunk("tEXt", media::Bytes(100'000, 'x')), end(whole.end() - 12, whole.end());
+    media::Bytes late(whole.begin(), whole.end() - 12);
+    append(late, text);
+    CHECK(decoded(late).refusal == Errc::malformed);
+    append(late, end);
+    CHECK_FALSE(decoded(late).refusal);
+    media::Bytes more(whole.begin(), whole.end() - 12);
+    append(more, chunk("IDAT", media::Bytes(2000, 0)));
+    append(more, end);
+    CHECK(decoded(more).refusal == Errc::malformed);
+}
+
+TEST_CASE("hostile PNG: EXIF of megabytes costs little and turns nothing")
+{
+    const media::Bytes sideways{'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0};
+    media::Bytes long_one = sideways;
+    long_one.resize(7'000'000);
+    const auto outcome = decoded(png(header(2, 1, {}), {chunk("eXIf", long_one)}, media::Bytes(7, 0)));
+    CHECK_FALSE(outcome.refusal);
+    CHECK(outcome.picture.size() == cv::Size(2, 1));
+    CHECK(outcome.seconds < 0.3 * patience);
+}
+
 TEST_CASE("PNG: EXIF turns it as OpenCV does")
 {
     const media::Bytes sideways{'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0};
@@ -162,6 +188,10 @@ TEST_CASE("PNG: EXIF turns it as OpenCV does")
     const auto outcome = decoded(whole);
     REQUIRE_FALSE(outcome.refusal);
     CHECK(media::same(outcome.picture, cv::imdecode(whole, cv::IMREAD_COLOR)));
+    media::Bytes late = png(header(2, 1, {}), {}, {0, 10, 20, 30, 40, 50, 60});
+    const auto exif = chunk("eXIf", sideways);
+    late.insert(late.end() - 12, exif.begin(), exif.end());
+    CHECK(decoded(late).picture.size() == cv::Size(1, 2));
 }
 
 TEST_CASE("PNG: every kind gives what OpenCV gives")
