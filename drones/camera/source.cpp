@@ -16,9 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* user_variable = "HIVE_CAMERA_USER";
-constexpr const char* password_variable = "HIVE_CAMERA_PASSWORD";
-
 std::vector<unsigned char> read_file(const fs::path& path)
 {
     std::ifstream file(path, std::ios::binary);
@@ -153,23 +150,6 @@ std::unique_ptr<Source> open_scene(const SourceSettings& settings, cv::MatAlloca
     else
         scene.background = Background::brick;
     return std::make_unique<SceneSource>(scene, memory);
-}
-
-/// "http://host:port" of a URL.
-std::string camera_of(const std::string& url) { return url.substr(0, url.find_first_of("/?#", url.find("://") + 3)); }
-
-/// A login whose file names a camera goes to no other.
-UrlSettings url_settings(const SourceSettings& settings)
-{
-    auto login = capture::read_credentials(settings.credentials, {user_variable, password_variable});
-    if (login && !login->camera.empty() && camera_of(login->camera) != camera_of(settings.text))
-        throw std::runtime_error("the login in " + settings.credentials + " is for " + camera_of(login->camera)
-                                 + ", not for " + camera_of(settings.text));
-    return {.url = settings.text,
-            .login = std::move(login),
-            .transport = settings.transport,
-            .basic_over_http = settings.basic_over_http,
-            .certificate = settings.certificate};
 }
 
 }  // namespace

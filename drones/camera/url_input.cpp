@@ -1,49 +1,14 @@
-// Sets FFmpeg's own limits, and interrupts it where it has none.
+// Interrupts FFmpeg where it has no limit of its own.
 #include "url_input.hpp"
+
+#include "url_options.hpp"
 
 #include <shown_url.hpp>
 
-#include <cctype>
-#include <optional>
+#include <utility>
 
 namespace camera {
 namespace {
-
-constexpr const char* camera_formats =
-    "asf,avi,flv,live_flv,gif,h264,hevc,ivf,obu,jpeg_pipe,png_pipe,webp_pipe,m4v,matroska,mjpeg,mov,mpeg,mpegts,"
-    "mpegvideo,mpjpeg,nut,ogg,rtsp";
-
-/// For the place of a URL where the login stands (RFC 3986, section 3.2.1).
-std::string encoded(const std::string& text)
-{
-    constexpr std::string_view digits = "0123456789ABCDEF";
-    std::string result;
-    for (const unsigned char c : text)
-        if (std::isalnum(c) || std::string_view("-._~").find(static_cast<char>(c)) != std::string_view::npos)
-            result += static_cast<char>(c);
-        else
-            ((result += '%') += digits[c >> 4]) += digits[c & 15];
-    return result;
-}
-
-std::string with_login(const std::string& url, const std::optional<capture::Credentials>& login)
-{
-    if (!login)
-        return url;
-    const auto host = url.find("://") + 3;
-    return url.substr(0, host) + encoded(login->user) + ":" + encoded(login->password) + "@" + url.substr(host);
-}
-
-ReplyRules rules_of(const UrlSettings& settings)
-{
-    ReplyRules rules;
-    rules.rtsp = settings.url.starts_with("rtsp");
-    rules.has_login = settings.login.has_value();
-    rules.basic_allowed = settings.basic_over_http || settings.url.starts_with("https");
-    rules.redirects_allowed = settings.limits.redirects;
-    rules.max_content = settings.limits.reply;
-    return rules;
-}
 
 /// Coded data have no such marker in them.
 std::ptrdiff_t scans_of(const AVPacket& jpeg)
@@ -60,21 +25,8 @@ std::string mebibytes(std::int64_t bytes) { return std::to_string(bytes >> 20) +
 
 }  // namespace
 
-UrlLimits UrlLimits::none()
-{
-    constexpr std::int64_t any = std::int64_t{1} << 40;
-    return {.pixels = INT32_MAX,
-            .bytes = any,
-            .allocation = INT32_MAX,
-            .rtsp_allocation = INT32_MAX,
-            .reply = INT32_MAX,
-            .streams = 1000,
-            .scans = INT32_MAX,
-            .redirects = true};
-}
-
 UrlInput::UrlInput(const UrlSettings& settings)
-    : settings_(settings), rtsp_(settings.url.starts_with("rtsp")), guard_(rules_of(settings))
+    : settings_(settings), rtsp_(settings.url.starts_with("rtsp")), guard_(reply_rules(settings))
 {
     av_max_alloc(static_cast<std::size_t>(rtsp_ ? settings.limits.rtsp_allocation : settings.limits.allocation));
     connect();
@@ -98,10 +50,8 @@ void UrlInput::connect()
                                     this};
     context_->opaque = this;
     default_open_ = std::exchange(context_->io_open, &UrlInput::open_io);
-    AVDictionary* options = nullptr;
-    limit_protocols(&options);
-    limit_costs(&options);
-    const auto url = with_login(settings_.url, settings_.login);
+    AVDictionary* options = url_options(settings_);
+    const auto url = with_login(settings_);
     const int code =
         avformat_open_input(&context_, url.c_str(), rtsp_ ? av_find_input_format("rtsp") : nullptr, &options);
     av_dict_free(&options);
@@ -109,38 +59,11 @@ void UrlInput::connect()
     require(code);
 }
 
-void UrlInput::limit_protocols(AVDictionary** options) const
-{
-    const auto set = [&](const char* name, const std::string& value) { av_dict_set(options, name, value.c_str(), 0); };
-    set("format_whitelist", camera_formats);
-    if (rtsp_) {
-        set("protocol_whitelist", "tcp,udp,rtp");
-        set("rtsp_transport", settings_.transport);
-        set("allowed_media_types", "video");
-        return;
-    }
-    set("protocol_whitelist", "http,https,httpproxy,tls,tcp");
-    set("seekable", "0");  // each seek is a new connection, and the stream says how many are needed
-    if (!settings_.limits.redirects)
-        set("max_redirects", "0");
-    if (!settings_.url.starts_with("https"))
-        return;
-    set("tls_verify", "1");
-    if (!settings_.certificate.empty())
-        set("ca_file", settings_.certificate);
-}
-
-void UrlInput::limit_costs(AVDictionary** options) const
-{
-    av_dict_set_int(options, "max_streams", settings_.limits.streams, 0);
-    av_dict_set_int(options, "probesize", 1 << 20, 0);
-}
-
 /// The first address is the one given; others would come from the stream.
 int UrlInput::open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags, AVDictionary** options)
 {
     auto& self = *static_cast<UrlInput*>(context->opaque);
-    if (context->pb == nullptr && url == std::string_view(with_login(self.settings_.url, self.settings_.login)))
+    if (context->pb == nullptr && url == std::string_view(with_login(self.settings_)))
         return self.default_open_(context, io, url, flags, options);
     self.guard_.refuse("its stream names another address, " + capture::shown_url(url) + ", which is not opened");
     return AVERROR(EACCES);

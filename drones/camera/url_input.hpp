@@ -21,6 +21,8 @@ public:
     /// Connects, and reads until the format of the stream is known.
     /// @throws std::runtime_error  naming the camera and what is wrong; LoginRefused
     explicit UrlInput(const UrlSettings& settings);
+    /// FFmpeg asks whether to go on until the connection is closed, which is after it has freed the context.
+    ~UrlInput() { context_ = nullptr; }
     UrlInput(const UrlInput&) = delete;
     UrlInput& operator=(const UrlInput&) = delete;
 
@@ -43,8 +45,6 @@ private:
     void refused_format() override;
 
     void connect();
-    void limit_protocols(AVDictionary** options) const;
-    void limit_costs(AVDictionary** options) const;
     static int open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags, AVDictionary** options);
     [[nodiscard]] bool interrupted();
     [[nodiscard]] std::int64_t bytes_since_packet() const;

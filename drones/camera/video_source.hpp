@@ -48,6 +48,9 @@ struct UrlSettings {
     std::string certificate = {};   ///< file of the certificate to trust for https; empty: those of the system
     UrlLimits limits = {};
 };
+/// A login whose file names a camera goes to no other.
+/// @throws std::runtime_error  when the login is for another camera, or cannot be read
+UrlSettings url_settings(const SourceSettings& settings);
 /// Opening takes at most 20 s, a picture 10 s. The end of the stream is the end of the source.
 std::unique_ptr<Source> open_url(const UrlSettings& settings, cv::MatAllocator* memory);
 

@@ -1,64 +1,14 @@
-// Network cameras that attack: what they send has limits, and they lead the drone to no other place. A twin without the
-// limit shows each time that the attack works.
+// Network cameras that attack by HTTP: what they send has limits, and they lead the drone to no other place. A twin
+// without the limit shows each time that the attack works.
 #include "capture.hpp"
-#include "hostile_camera.hpp"
-#include "video_source.hpp"
+#include "network_stage.hpp"
 
 #include <doctest/doctest.h>
 
 #include <chrono>
-#include <optional>
+#include <thread>
 
-using camera::open_url;
-using camera::UrlLimits;
-using camera::UrlSettings;
-using hostile::Camera;
-using hostile::Client;
-
-namespace {
-
-constexpr std::size_t mebibyte = 1 << 20;
-
-/// Why the camera is refused, at the latest with its third picture; empty: it is not.
-std::string told_by(const UrlSettings& settings)
-{
-    try {
-        const auto source = open_url(settings, nullptr);
-        for (int i = 0; i < 3 && source->next(); ++i) {
-        }
-    } catch (const std::exception& problem) {
-        return problem.what();
-    }
-    return "";
-}
-
-UrlSettings settings_of(const std::string& url, UrlLimits limits = {})
-{
-    UrlSettings settings;
-    settings.url = url;
-    settings.limits = limits;
-    return settings;
-}
-
-std::string told_by(const std::string& url, UrlLimits limits = {}) { return told_by(settings_of(url, limits)); }
-
-bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-/// Answers every request with the same bytes.
-Camera::Answer always(const std::string& bytes)
-{
-    return [bytes](Client& client, const std::string&) {
-        client.send(bytes);
-        return false;
-    };
-}
-
-std::string redirection(const std::string& to)
-{
-    return "HTTP/1.1 302 Found\r\nLocation: " + to + "\r\nContent-Length: 0\r\n\r\n";
-}
-
-}  // namespace
+using namespace network;
 
 TEST_CASE("network camera: pictures of a stream come, whatever stands before its first boundary")
 {
@@ -143,80 +93,6 @@ TEST_CASE("network camera: a playlist leads to no other address")
     }
 }
 
-TEST_CASE("network camera: a redirection of RTSP is told and not followed")
-{
-    std::string to;
-    const Camera elsewhere(always(""));
-    std::atomic<int> asked = 0;
-    const Camera camera([&](Client& client, const std::string& request) {
-        if (++asked < 60)  // or else the twin would go on for 20 s
-            client.send(hostile::rtsp(request, "302 Moved", "Location: " + to + "\r\n"));
-        return false;
-    });
-    to = elsewhere.url("rtsp");
-    CHECK(says(told_by(camera.url("rtsp")), "it redirects to " + to + " (302), which is not followed"));
-    CHECK(elsewhere.connections() == 0);
-    to = camera.url("rtsp");
-    CHECK(says(told_by(camera.url("rtsp")), "it redirects to"));
-    CHECK(camera.connections() == 2);
-    told_by(camera.url("rtsp"), UrlLimits::none());
-    CHECK(camera.connections() > 50);
-}
-
-TEST_CASE("network camera: an RTSP reply that announces gigabytes is not read")
-{
-    const std::string letters(mebibyte, 'a');
-    const Camera camera([&](Client& client, const std::string& request) {
-        client.send("RTSP/1.0 200 OK\r\n" + hostile::sequence(request)
-                    + "Content-Type: application/sdp\r\nContent-Length: 2000000000\r\n\r\n");
-        client.flood(letters, 96 * mebibyte);
-        return false;
-    });
-    CHECK(says(told_by(camera.url("rtsp")), "it announces a reply of 2000000000 bytes; at most 65536"));
-    const auto with = camera.sent();
-    CHECK(with < 16 * mebibyte);
-    told_by(camera.url("rtsp"), UrlLimits::none());
-    CHECK(camera.sent() - with >= 96 * mebibyte);
-}
-
-TEST_CASE("network camera: an RTSP picture that never ends is refused after 16 MiB")
-{
-    const Camera camera([](Client& client, const std::string& request) {
-        if (request.starts_with("DESCRIBE"))
-            return client.send(hostile::rtsp(request, "200 OK", "Content-Type: application/sdp\r\n",
-                                             "v=0\r\no=- 0 0 IN IP4 127.0.0.1\r\ns=x\r\nt=0 0\r\nm=video 0 RTP/AVP "
-                                             "96\r\na=rtpmap:96 H264/90000\r\na=control:t\r\n"));
-        client.send(hostile::rtsp(request, "200 OK", "Session: 1\r\n" + hostile::transport(request)));
-        for (unsigned number = 0; request.starts_with("PLAY") && number < 1600; ++number)
-            client.send(hostile::h264_fragment(number, 60'000));
-        return !request.starts_with("PLAY");
-    });
-    CHECK(says(told_by(camera.url("rtsp")), "more than 16 MiB without a picture"));
-    const auto with = camera.sent();
-    CHECK(with < 32 * mebibyte);
-    told_by(camera.url("rtsp"), UrlLimits::none());
-    CHECK(camera.sent() - with > 80 * mebibyte);
-}
-
-TEST_CASE("network camera: of many streams of an RTSP camera few are taken")
-{
-    std::string description = "v=0\r\no=- 0 0 IN IP4 127.0.0.1\r\ns=x\r\nt=0 0\r\n";
-    for (int i = 0; i < 40; ++i)
-        description += "m=video 0 RTP/AVP 26\r\na=control:track" + std::to_string(i) + "\r\n";
-    int taken = 0;
-    const Camera camera([&](Client& client, const std::string& request) {
-        if (request.starts_with("DESCRIBE"))
-            return client.send(hostile::rtsp(request, "200 OK", "Content-Type: application/sdp\r\n", description));
-        taken += request.starts_with("SETUP") ? 1 : 0;
-        return !request.starts_with("PLAY")
-               && client.send(hostile::rtsp(request, "200 OK", "Session: 1\r\n" + hostile::transport(request)));
-    });
-    told_by(camera.url("rtsp"));
-    CHECK(taken == 16);
-    told_by(camera.url("rtsp"), UrlLimits::none());
-    CHECK(taken == 16 + 40);
-}
-
 TEST_CASE("network camera: one that announces many streams by HTTP is refused")
 {
     const Camera camera([](Client& client, const std::string&) {
@@ -226,65 +102,6 @@ TEST_CASE("network camera: one that announces many streams by HTTP is refused")
     });
     CHECK(says(told_by(camera.url()), "it announces more than 16 streams"));
     CHECK_FALSE(says(told_by(camera.url(), UrlLimits::none()), "streams"));
-}
-
-TEST_CASE("network camera: no password is sent unencrypted unless that is allowed")
-{
-    const Camera http([](Client& client, const std::string&) {
-        client.send("HTTP/1.1 401 No\r\nWWW-Authenticate:\v Basic realm=\"x\"\r\nContent-Length: 0\r\n\r\n");
-        return false;
-    });
-    const Camera rtsp([](Client& client, const std::string& request) {
-        return client.send(hostile::rtsp(request, "401 No", "WWW-Authenticate: Basic realm=\"x\"\r\n"));
-    });
-    for (const auto& [camera, url] : {std::pair(&http, http.url()), {&rtsp, rtsp.url("rtsp")}}) {
-        CAPTURE(url);
-        auto settings = settings_of(url);
-        settings.login = {"root", "hush-hush", {}};
-        CHECK(says(told_by(settings), "it accepts only an unencrypted password"));
-        CHECK_FALSE(says(camera->asked(), "Authorization"));
-        settings.basic_over_http = true;
-        CHECK(says(told_by(settings), "the camera refuses this login"));
-        CHECK(says(camera->asked(), "Authorization: Basic"));
-    }
-}
-
-TEST_CASE("network camera: a digest is sent where both are offered, and not along a redirection")
-{
-    const Camera elsewhere(always(""));
-    for (const std::string scheme : {"http", "rtsp"}) {
-        CAPTURE(scheme);
-        const auto protocol = scheme == "http" ? std::string("HTTP/1.1 ") : "RTSP/1.0 ";
-        const Camera camera([&](Client& client, const std::string& request) {
-            const bool login = says(request, "Authorization:");
-            client.send(protocol + (login ? "302 Found\r\n" : "401 No\r\n") + hostile::sequence(request)
-                        + (login ? "Location: " + elsewhere.url(scheme) + "\r\n"
-                                 : std::string("WWW-Authenticate: Basic realm=\"x\"\r\nWWW-Authenticate: Digest "
-                                               "realm=\"x\", nonce=\"1\"\r\n"))
-                        + "Content-Length: 0\r\n\r\n");
-            return true;
-        });
-        auto settings = settings_of(camera.url(scheme));
-        settings.login = {"root", "hush-hush", {}};
-        CHECK(says(told_by(settings), "it redirects to"));
-        CHECK(says(camera.asked(), "Authorization: Digest"));
-        CHECK_FALSE(says(camera.asked(), "Authorization: Basic"));
-        CHECK(elsewhere.connections() == 0);
-    }
-}
-
-TEST_CASE("network camera: a camera that asks for the login again and again gets few answers")
-{
-    std::atomic<int> nonce = 0;
-    const Camera camera([&](Client& client, const std::string& request) {
-        return client.send(hostile::rtsp(request, "401 No",
-                                         "WWW-Authenticate: Digest realm=\"x\", stale=true, nonce=\""
-                                             + std::to_string(++nonce) + "\"\r\n"));
-    });
-    auto settings = settings_of(camera.url("rtsp"));
-    settings.login = {"root", "hush-hush", {}};
-    CHECK_FALSE(told_by(settings).empty());
-    CHECK(nonce <= 9);
 }
 
 TEST_CASE("network camera: one that is refused is asked again after pauses that grow, and its condition says why")

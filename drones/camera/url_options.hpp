@@ -1,0 +1,19 @@
+// What FFmpeg is told before it opens a network camera, and what its replies are judged by.
+#pragma once
+
+#include "reply_guard.hpp"
+#include "video_source.hpp"
+
+#include <ffmpeg.hpp>
+
+#include <string>
+
+namespace camera {
+
+/// The URL with the login in it, as FFmpeg takes it.
+std::string with_login(const UrlSettings& settings);
+ReplyRules reply_rules(const UrlSettings& settings);
+/// FFmpeg's own limits, and how the camera is reached. The caller frees the dictionary.
+AVDictionary* url_options(const UrlSettings& settings);
+
+}  // namespace camera
