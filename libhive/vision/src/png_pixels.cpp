@@ -8,6 +8,8 @@
 
 #include <png.h>
 
+#include <algorithm>
+#include <array>
 #include <csetjmp>
 #include <cstring>
 #include <string>
@@ -15,19 +17,32 @@
 namespace hive::vision {
 namespace {
 
+constexpr std::array<std::uint8_t, 16> beginning{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n',
+                                                 0,    0,   0,   13,  'I',  'H',  'D',  'R'};
+
 /// libpng inflates all that is left of the compressed data when it has the last row, a thousand bytes for each. The end
 /// of an honest stream takes a few.
 constexpr std::size_t most_behind_last_row = 1024;
 constexpr std::size_t most_exif = 64 * 1024;
 constexpr png_uint_32 pixel_chunk = 0x49444154;  // IDAT
 
+[[noreturn]] void malformed(const std::string& text) { throw Error(Errc::malformed, "PNG: " + text); }
+
+/// libpng would skip a text before the header.
+std::span<const std::uint8_t> with_header(std::span<const std::uint8_t> bytes)
+{
+    if (bytes.size() < beginning.size() || !std::ranges::equal(beginning, bytes.first(beginning.size())))
+        malformed("does not begin with a signature and an image header");
+    return bytes;
+}
+
 /// What libpng reads from, and what it said.
 class Reading {
 public:
     explicit Reading(std::span<const std::uint8_t> bytes)
-        : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &Reading::on_error, [](png_structp, auto) {})),
-          info_(png_ ? png_create_info_struct(png_) : nullptr),
-          rest_(bytes)
+        : rest_(with_header(bytes)),
+          png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &Reading::on_error, [](png_structp, auto) {})),
+          info_(png_ ? png_create_info_struct(png_) : nullptr)
     {
         if (!info_)
             throw Error(Errc::failed, "the PNG decoder could not be made");
@@ -54,9 +69,9 @@ private:
     [[noreturn]] static void on_error(png_structp png, png_const_charp text);
     static void on_read(png_structp png, png_bytep to, std::size_t size);
 
+    std::span<const std::uint8_t> rest_;
     png_structp png_;
     png_infop info_;
-    std::span<const std::uint8_t> rest_;
     std::size_t behind_ = 0;
     std::string problem_;
 };
@@ -150,7 +165,7 @@ PngSize png_size(std::span<const std::uint8_t> bytes)
 {
     Reading reading(bytes);
     if (!reading.header())
-        throw Error(Errc::malformed, "PNG: " + reading.problem());
+        malformed(reading.problem());
     return reading.size();
 }
 
@@ -158,7 +173,7 @@ int read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture)
 {
     Reading reading(bytes);
     if (!reading.header() || !reading.rows(picture))
-        throw Error(Errc::malformed, "PNG: " + reading.problem());
+        malformed(reading.problem());
     return reading.orientation();
 }
 

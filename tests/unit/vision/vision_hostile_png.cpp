@@ -151,6 +151,10 @@ TEST_CASE("hostile PNG: half a million empty chunks cost nothing")
 TEST_CASE("hostile PNG: a chunk that nobody knows and may not be left out, and kinds that do not exist, are refused")
 {
     CHECK(decoded(with_chunks({chunk("NEWS", {1, 2, 3})})).refusal == Errc::malformed);
+    auto late_header = with_chunks({});
+    const auto text = chunk("teXt", {});
+    late_header.insert(late_header.begin() + 8, text.begin(), text.end());
+    CHECK(decoded(late_header).refusal == Errc::malformed);
     for (const Kind& kind : {Kind{3, 2, 0}, {8, 1, 0}, {16, 3, 0}, {4, 6, 0}, {8, 2, 2}, {8, 7, 0}, {0, 0, 0}})
         CHECK(decoded(png(header(2, 2, kind), {}, four_pixels)).refusal == Errc::malformed);
 }
