@@ -1,5 +1,6 @@
 // A recording, as it is and with its check sums put right: every record lies in the file, every size is believed only
 // then, and what its end says can be said again. Input: the bytes of the file.
+#include "memory_file.hpp"
 #include "require.hpp"
 
 #include <hive/recording/reader.hpp>
@@ -7,31 +8,12 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
-#include <sys/mman.h>
-#include <unistd.h>
 #include <vector>
 
 namespace {
 
 using hive::fuzz::require;
 using namespace hive::recording;
-
-/// The bytes as a file that is gone with the object.
-class Memory {
-public:
-    explicit Memory(const std::string& bytes) : descriptor_(::memfd_create("recording", MFD_CLOEXEC))
-    {
-        require(::pwrite(descriptor_, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size()),
-                "there is memory");
-    }
-    ~Memory() { ::close(descriptor_); }
-    Memory(const Memory&) = delete;
-    Memory& operator=(const Memory&) = delete;
-    [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
-private:
-    int descriptor_;
-};
 
 std::uint32_t number_at(const std::string& bytes, std::size_t at)
 {
@@ -85,7 +67,7 @@ void read_events(Reader& reader)
 
 void read(const std::string& bytes)
 {
-    const Memory memory(bytes);
+    const hive::fuzz::MemoryFile memory(bytes);
     try {
         Reader reader(memory.path());
         const auto& summary = reader.summary();
