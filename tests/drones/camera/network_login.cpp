@@ -14,7 +14,8 @@ TEST_CASE("network camera: no password is sent unencrypted unless that is allowe
     const Camera rtsp([](Client& client, const std::string& request) {
         return client.send(hostile::rtsp(request, "401 No", "WWW-Authenticate: Basic realm=\"x\"\r\n"));
     });
-    for (const auto& [camera, url] : {std::pair(&http, http.url()), {&rtsp, rtsp.url("rtsp")}}) {
+    for (const auto* camera : {&http, &rtsp}) {
+        const std::string url = camera->url(camera == &http ? "http" : "rtsp");
         CAPTURE(url);
         auto settings = settings_of(url);
         settings.login = {"root", "hush-hush", {}};
