@@ -17,6 +17,8 @@ public:
 
     /// What to print for this event, perhaps nothing. Throws Errc::refused for an event that the form cannot hold.
     std::string text(const hive::Event& event);
+    /// Is there anything for the files?
+    [[nodiscard]] bool has_images() const { return dataset_.size() > 0; }
     /// Writes the files. Throws Errc::io.
     void finish() const;
 

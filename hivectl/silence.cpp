@@ -8,7 +8,7 @@ namespace hivectl {
 
 using namespace std::chrono_literals;
 
-Standstill standstill_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
+hive::Stall stall_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
     application.timeout(500ms);
     return hive::stall_behind(application, outputs, explained);
@@ -16,14 +16,13 @@ Standstill standstill_behind(hive::Application& application, const std::vector<h
 
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
-    const auto text = standstill_behind(application, outputs).text;
+    const auto text = stall_behind(application, outputs).text;
     return text + (text.empty() ? "" : "; ") + "see what is connected: hivectl edges";
 }
 
-void tell_standstill(const std::string& verb, hive::Application& application,
-                     const std::vector<hive::Endpoint>& outputs)
+void report_stall(const std::string& verb, hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
-    if (const auto text = standstill_behind(application, outputs).text; !text.empty())
+    if (const auto text = stall_behind(application, outputs).text; !text.empty())
         complain(verb, "nothing comes: " + text);
 }
 

@@ -8,16 +8,13 @@
 
 namespace hivectl {
 
-using Standstill = hive::Stall;
-
 /// Asks the drones of the outputs, then those that they receive from, and so on up to the sources.
-Standstill standstill_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
+hive::Stall stall_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
 /// The same, and where to look further: "axis: no camera: set url; see what is connected: hivectl edges".
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
-/// Says on stderr what stands still, if anything does.
-void tell_standstill(const std::string& verb, hive::Application& application,
-                     const std::vector<hive::Endpoint>& outputs);
+/// Prints on stderr what is stalled, if anything is.
+void report_stall(const std::string& verb, hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
 }  // namespace hivectl

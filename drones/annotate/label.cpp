@@ -11,7 +11,7 @@ namespace annotate {
 namespace {
 
 constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
-/// Of letters: below the smallest nobody can read them; in pictures of 960 rows they have size 1.
+/// Size of letters: 1 in images of 960 rows; smaller ones than the minimum cannot be read.
 constexpr double smallest_letters = 0.35, usual_letters = 0.4, largest_letters = 4;
 /// A label is at most this share of the picture's width, and this one of its height.
 constexpr double widest = 0.5, highest = 0.12;

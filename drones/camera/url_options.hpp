@@ -1,4 +1,4 @@
-// What FFmpeg is told before it opens a network camera, and what its replies are judged by.
+// Options of FFmpeg for a network camera, and the rules for its replies.
 #pragma once
 
 #include "reply_guard.hpp"

@@ -1,57 +1,17 @@
 // Converts between JSON and boxes, and checks what comes in.
 #include "boxes.hpp"
 
-#include <hive/error.hpp>
+#include <box_array.hpp>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace track {
 namespace {
 
-/// px; what lies further away is in no picture, and squares of it stay exact enough.
-constexpr double furthest = 1e6;
 /// Of the colours of a box.
 constexpr std::size_t most_numbers = 64;
 
-bool is_box(const hive::Json& value)
-{
-    return value.is_object() && std::ranges::all_of(std::array{"x", "y", "w", "h"}, [&](const char* key) {
-               const auto field = value.find(key);
-               return field != value.end() && field->is_number();
-           });
-}
-
-bool are_boxes(const hive::Json& value) { return value.is_array() && std::ranges::all_of(value, is_box); }
-
-[[noreturn]] void malformed(const std::string& text) { throw hive::Error(hive::Errc::malformed, text); }
-
-const hive::Json& only_array_of_boxes(const hive::Json& header)
-{
-    const hive::Json* found = nullptr;
-    for (const auto& [key, value] : header.items())
-        if (are_boxes(value)) {
-            if (found)
-                malformed("the header has several arrays of boxes; say which with the parameter `boxes`");
-            found = &value;
-        }
-    if (!found)
-        malformed("the header has no array of boxes: objects with the numbers x, y, w and h");
-    return *found;
-}
-
-const hive::Json& array_of_boxes(const hive::Json& header, const std::string& name)
-{
-    if (name.empty())
-        return only_array_of_boxes(header);
-    const auto field = header.find(name);
-    if (field == header.end() || !are_boxes(*field))
-        malformed("the header has no array of boxes named " + hive::in_quotes(name));
-    return *field;
-}
-
-/// What a finder tells of the colours in a box; what is anything else is not meant for the tracker.
+/// The colours that a finder reports for a box; any other value is not meant for the tracker.
 Look look_in(const hive::Json& value)
 {
     const auto field = value.find("colours");
@@ -59,7 +19,7 @@ Look look_in(const hive::Json& value)
         return {};
     std::vector<double> numbers;
     for (const hive::Json& part : *field) {
-        if (!part.is_number() || !(part.get<double>() >= 0 && part.get<double>() <= furthest))
+        if (!part.is_number() || !(part.get<double>() >= 0 && part.get<double>() <= box_array::max_px))
             return {};
         numbers.push_back(part);
     }
@@ -69,11 +29,8 @@ Look look_in(const hive::Json& value)
 Box checked(const hive::Json& value)
 {
     Box box{value["x"], value["y"], value["w"], value["h"]};
-    for (const double number : {box.x, box.y, box.w, box.h})
-        if (!(std::abs(number) <= furthest))
-            malformed("a box is further away than any picture reaches");
     if (!(box.w > 0 && box.h > 0))
-        malformed("a box without area");
+        box_array::malformed("a box without area");
     if (const auto score = value.find("score"); score != value.end() && score->is_number())
         box.score = *score;
     box.look = look_in(value);
@@ -86,7 +43,7 @@ double rounded(double value, double steps) { return std::round(value * steps) / 
 
 std::vector<Box> boxes_in(const hive::Json& header, const std::string& name)
 {
-    const hive::Json& array = array_of_boxes(header, name);
+    const hive::Json& array = box_array::array_of_boxes(header, name);
     if (array.size() > most_boxes)
         throw hive::Error(hive::Errc::too_large, "more than " + std::to_string(most_boxes) + " boxes in one picture");
     std::vector<Box> boxes;

@@ -67,7 +67,7 @@ public:
 private:
     struct Side {
         int side = 0;          ///< -1 left, 1 right of the line by at least the margin; 0: neither yet
-        bool through = false;  ///< it passed the line last between its two points, not beside it
+        bool through = false;  ///< its last pass was between the two points of the line, not outside
     };
     struct Path {
         std::optional<Point> last = {};

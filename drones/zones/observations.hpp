@@ -17,7 +17,8 @@ struct Frame {
 
 /// The boxes in the array `name`; without a name `tracks`, or else the only array of objects with x, y, w and h. A
 /// track that is not confirmed is left out; one with `missing` above 0 is not seen.
-/// @throws hive::Error  malformed: no width and height, no such array, or several; too_large: more than 256 boxes
+/// @throws hive::Error  malformed: no width and height, no such array, several, or a box far outside; too_large: more
+/// than 256 boxes
 Frame read_frame(const hive::Json& header, const std::string& name, Anchor anchor);
 
 }  // namespace zones

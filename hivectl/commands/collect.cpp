@@ -85,7 +85,7 @@ int run(const Options& options, Session& session)
                                   .patience = session.patience(),
                                   .reason = [&] { return reason_for_silence(application, outputs); },
                                   .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
-                                  .silence = [&] { tell_standstill("collect", application, outputs); }},
+                                  .silence = [&] { report_stall("collect", application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;

@@ -4,13 +4,13 @@
 #include "../exit_code.hpp"
 #include "../format.hpp"
 #include "../places.hpp"
-#include "../reasons.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
 #include <hive/name.hpp>
+#include <hive/stall.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +47,7 @@ std::string note(const hive::Status& status)
 {
     std::string text;
     for (const auto& part :
-         {status.condition, standstill(status), busy_text(status), exception_text(status), missing_text(status)})
+         {status.condition, hive::stall_text(status), busy_text(status), exception_text(status), missing_text(status)})
         text += (text.empty() || part.empty() ? "" : "; ") + part;
     return text;
 }

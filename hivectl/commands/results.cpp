@@ -70,15 +70,15 @@ void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losse
 /// Throws Errc::refused where nothing would ever come.
 void look_why(const Options& options, hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
-    const auto standstill = standstill_behind(application, outputs);
-    if (options.notify && standstill.held)
+    const auto stall = stall_behind(application, outputs);
+    if (options.notify && stall.held)
         throw hive::Error(hive::Errc::refused,
                           "the source is on demand, so results wait for somebody who takes them, and --notify only "
                           "watches: "
-                              + standstill.text,
+                              + stall.text,
                           "leave --notify out, or connect a receiver");
-    if (!standstill.text.empty())
-        complain("results", "nothing comes: " + standstill.text);
+    if (!stall.text.empty())
+        complain("results", "nothing comes: " + stall.text);
 }
 
 int run(const Options& options, Session& session)
@@ -92,19 +92,29 @@ int run(const Options& options, Session& session)
     const auto collector = application.collect(outputs, collecting(options));
     Progress progress(application, true);
     bool lossless = false;
-    const int code = print_lines({.verb = "results",
-                                  .count = options.count,
-                                  .patience = session.patience(),
-                                  .reason = [&] { return reason_for_silence(application, outputs); },
-                                  .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
-                                  .silence = [&] { look_why(options, application, outputs); }},
-                                 [&](auto patience) -> std::optional<std::string> {
-                                     const auto event = collector->next(patience);
-                                     lossless = lossless || (event && event->identity.lossless);
-                                     if (event && event->identity.lossless)
-                                         progress.note(event->identity);
-                                     return event ? std::optional(format.text(*event)) : std::nullopt;
-                                 });
+    const auto print = [&] {
+        return print_lines({.verb = "results",
+                            .count = options.count,
+                            .patience = session.patience(),
+                            .reason = [&] { return reason_for_silence(application, outputs); },
+                            .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
+                            .silence = [&] { look_why(options, application, outputs); }},
+                           [&](auto patience) -> std::optional<std::string> {
+                               const auto event = collector->next(patience);
+                               lossless = lossless || (event && event->identity.lossless);
+                               if (event && event->identity.lossless)
+                                   progress.note(event->identity);
+                               return event ? std::optional(format.text(*event)) : std::nullopt;
+                           });
+    };
+    int code = 0;
+    try {
+        code = print();
+    } catch (...) {
+        if (format.has_images())
+            format.finish();  // nothing that came is lost
+        throw;
+    }
     format.finish();
     const auto counts = collector->counts();
     const auto lost = losses_now(application, collector->inputs());

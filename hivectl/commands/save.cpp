@@ -93,8 +93,8 @@ std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::A
         note_progress(progress, application, launch.name(), source);
         if (!told && Clock::now() - since > 3s) {
             told = true;
-            if (const auto standstill = standstill_behind(application, {output}); !standstill.text.empty())
-                complain("save", "what the drones say: " + standstill.text);
+            if (const auto stall = stall_behind(application, {output}); !stall.text.empty())
+                complain("save", "what the drones say: " + stall.text);
         }
         if (interrupt::requested() && !std::exchange(ending, true)) {
             application.timeout(limit);

@@ -1,4 +1,4 @@
-// A status with many rows is told in pages: cutting one out, and putting them together again.
+// Cuts a status with many rows into pages, and joins them.
 #include <hive/status.hpp>
 
 #include <algorithm>

@@ -75,11 +75,11 @@ void Link::on_packet(const Packet& packet)
 /// What the peer asks of this module.
 void Link::take(const Packet& packet)
 {
-    constexpr std::size_t max_deferred = 128;
+    constexpr std::size_t max_deferred = 128, max_size = 64 * 1024;
     if (defers_ == 0)
         return events_.packet(*this, packet);
-    if (deferred_.size() == max_deferred)
-        throw Error(Errc::too_large, "more than 128 packets wait");
+    if (deferred_.size() == max_deferred || packet.size() > max_size)
+        throw Error(Errc::too_large, "it has to wait for its earlier run, and sends more than can be kept meanwhile");
     deferred_.push_back(packet);
 }
 

@@ -152,10 +152,10 @@ void Module::request(const transport::Address& address, PacketType type, Json he
               });
 }
 
-/// A drone that says hello with a larger epoch than one of the same name has probably restarted. Its earlier connection
-/// ends by itself then, at the latest when it has been silent for too long, so what the new one asks waits for that. If
-/// the earlier one answers, they are two drones of one name, and none is taken for the other. Names of applications are
-/// nobody's own, and what a viewer calls itself means nothing.
+/// A hello with the name of a connected drone and a larger epoch comes from its next run, or from another drone of that
+/// name. The connection of an earlier run ends by itself, at the latest after the time for silence; another drone
+/// answers a ping. Requests of the new one wait for either. Names of applications are not unique, and those of viewers
+/// prove nothing.
 void Module::await_earlier_run(const LinkPtr& link)
 {
     const auto& peer = link->peer();

@@ -1,4 +1,4 @@
-// What drones say of themselves. One with many connections says it in pages, so it is asked until all is told.
+// Asks drones for their status, page by page.
 #include "application_core.hpp"
 
 #include <algorithm>

@@ -85,7 +85,7 @@ void ConnectionCore::ping(std::function<void(bool)> answered)
 void ConnectionCore::take_pong()
 {
     if (pings_.empty())
-        return;  // it answers what nobody asked
+        return;  // an answer without a ping
     const auto answered = std::move(pings_.front());
     pings_.pop_front();
     answered(true);

@@ -106,7 +106,7 @@ TEST_CASE("marks: tracks that are missing or not confirmed are uncertain")
     CHECK_FALSE(marks_in(with(json::object())).all.at(0).uncertain);
 }
 
-TEST_CASE("marks: zones and lines are regions with their counts; what is no region is left out")
+TEST_CASE("marks: zones and lines are regions with their counts; other values are left out")
 {
     const json corners{{0, 0}, {0.5, 0}, {0.5, 1}};
     const auto marks = marks_in({{"zones", {{{"name", "door"}, {"points", corners}, {"occupancy", 2}}}},

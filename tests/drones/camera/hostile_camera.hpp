@@ -45,7 +45,7 @@ public:
         }
         return true;
     }
-    /// Sends the same bytes again and again, until so many were sent or the client has left.
+    /// Repeats the same bytes until this many were sent or the client has disconnected.
     void flood(const std::string& bytes, std::size_t most)
     {
         for (std::size_t sent = 0; sent < most && send(bytes); sent += bytes.size()) {

@@ -60,7 +60,7 @@ inline std::string transport_packet(unsigned pid, unsigned table, const std::str
     return packet;
 }
 
-/// The tables of one program with so many streams of H.264, again and again.
+/// The tables of one program with this many H.264 streams, repeated.
 inline std::string transport_stream(unsigned streams)
 {
     std::string map("\xE1\0\xF0\0", 4), tables;

@@ -63,7 +63,7 @@ TEST_CASE("network camera: a part that never ends is refused after 16 MiB")
     }
 }
 
-TEST_CASE("network camera: a redirection is told and not followed")
+TEST_CASE("network camera: a redirection is reported and not followed")
 {
     const Camera elsewhere(always(hostile::multipart + hostile::part(hostile::grey_jpeg(64, 48))));
     const Camera camera(always(redirection(elsewhere.url("http", "/secret?x=1"))));

@@ -5,7 +5,7 @@
 
 using namespace network;
 
-TEST_CASE("network camera: a redirection of RTSP is told and not followed")
+TEST_CASE("network camera: a redirection of RTSP is reported and not followed")
 {
     std::string to;
     const Camera elsewhere(always(""));

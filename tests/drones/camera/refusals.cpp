@@ -61,7 +61,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("camera refusals: a certificate that nobody vouches for is trusted only where it is named")
+TEST_CASE("camera refusals: a self-signed certificate is trusted only if the parameter names it")
 {
     const Swarm swarm;
     const Encrypted server(swarm);
@@ -73,7 +73,7 @@ TEST_CASE("camera refusals: a certificate that nobody vouches for is trusted onl
     CHECK(eventually([&] { return told(condition(), "no encrypted connection: its certificate is not trusted"); }));
     CHECK(swarm.hivectl({"set", "camera", "certificate=/nowhere"}).exit_code != 0);
     application.set("camera", {{"certificate", server.certificate()}});
-    // The page of that server is no video, which is told only when it has come.
+    // The page of that server is not a video, which is reported only after the connection.
     CHECK(eventually([&] { return told(condition(), server.url() + ": ") && !told(condition(), "no encrypted"); }));
 }
 

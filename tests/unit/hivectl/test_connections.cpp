@@ -1,7 +1,8 @@
 // Tests of joining both ends' counts, of rates between two looks, and of the reasons in plain words.
 #include "connections.hpp"
 #include "rates.hpp"
-#include "reasons.hpp"
+
+#include <hive/stall.hpp>
 
 #include <doctest/doctest.h>
 
@@ -269,19 +270,19 @@ TEST_CASE("rates: two receivers of one name are each compared with themselves")
     CHECK(rates.edges[1].number("acknowledged_per_s") == doctest::Approx(4));
 }
 
-TEST_CASE("standstill: an output that has been quiet for a second names its reason and the receivers it is about")
+TEST_CASE("stall: an output that has been quiet for a second names its reason and the receivers it is about")
 {
     auto status = camera(1'000'000, 5'000'000, 10, 4).status;
     auto& output = status.outputs[0];
     output.last_emitted_us = 2'000'000;
-    CHECK(standstill(status).empty());
+    CHECK(stall_text(status).empty());
     output.why = output.edges[0].why = Reason::place_kept;
-    CHECK(standstill(status) == "image: it waits for a receiver that was cut off, or has not come yet (face.image)");
+    CHECK(stall_text(status) == "image: it waits for a receiver that was cut off, or has not come yet (face.image)");
     output.last_emitted_us = 5'500'000;  // half a second ago
-    CHECK(standstill(status).empty());
+    CHECK(stall_text(status).empty());
 }
 
-TEST_CASE("standstill: of many receivers the first three are named")
+TEST_CASE("stall: of many receivers the first three are named")
 {
     auto status = camera(1, 5'000'000, 0, 0).status;
     status.outputs[0].why = Reason::not_asked;
@@ -290,23 +291,23 @@ TEST_CASE("standstill: of many receivers the first three are named")
         status.outputs[0].edges.push_back(edge_to("s" + std::to_string(i), 0, 0));
         status.outputs[0].edges.back().why = Reason::not_asked;
     }
-    CHECK(standstill(status) == "image: waits for s1, s2, s3 and 2 more to ask");
+    CHECK(stall_text(status) == "image: waits for s1, s2, s3 and 2 more to ask");
 }
 
-TEST_CASE("standstill: a detector may have an output that nobody receives, a camera may not")
+TEST_CASE("stall: a detector may have an output that nobody receives, a camera may not")
 {
     auto detector = face(5'000'000, 0, 0).status;
     detector.outputs.push_back({.name = "faces", .type = "application/json", .why = Reason::no_receiver});
-    CHECK(standstill(detector).empty());
+    CHECK(stall_text(detector).empty());
     auto source = camera(1, 5'000'000, 0, 0).status;
     source.outputs[0].why = Reason::no_receiver;
     source.outputs.push_back({.name = "exceptions", .type = "application/json", .why = Reason::no_receiver});
-    CHECK(standstill(source) == "image: nobody receives it");
+    CHECK(stall_text(source) == "image: nobody receives it");
 }
 
-TEST_CASE("standstill: an input says which sender it misses")
+TEST_CASE("stall: an input says which sender it misses")
 {
     auto status = face(5'000'000, 0, 0).status;
     status.inputs[0].why = Reason::dialing;
-    CHECK(standstill(status) == "image from camera.image: the sender is not connected");
+    CHECK(stall_text(status) == "image from camera.image: the sender is not connected");
 }
