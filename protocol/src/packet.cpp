@@ -52,6 +52,12 @@ std::string_view token(PacketType type) noexcept
     return {};
 }
 
+bool carries_body(PacketType type) noexcept
+{
+    return type == PacketType::event || type == PacketType::put || type == PacketType::reference
+           || type == PacketType::release;
+}
+
 PrefixBytes encode(const Prefix& prefix) noexcept
 {
     PrefixBytes bytes{};

@@ -211,7 +211,7 @@ TEST_CASE("hostile shared memory: what was never written is refused, and nobody 
 TEST_CASE("hostile shared memory: an event that nobody takes is given back untouched")
 {
     HostilePeer peer;
-    peer.end.wants = [](std::uint16_t channel) { return channel == 7; };
+    peer.end.wants = [](PacketType, std::uint16_t channel) { return channel == 7; };
     const int descriptor = memory(2 * largest, all_seals), kept = ::dup(descriptor);
     peer.offer({0, 2, largest}, descriptor);
     const Reference reference{{0, 1, 5}, 0, largest};

@@ -73,7 +73,7 @@ void End::start(std::shared_ptr<Connection> with)
                 code = error.code();
                 text = error.what();
             },
-        .wants = [this](std::uint16_t channel) { return !wants || wants(channel); },
+        .wants = [this](PacketType type, std::uint16_t channel) { return !wants || wants(type, channel); },
     });
 }
 

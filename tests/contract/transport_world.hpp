@@ -85,7 +85,7 @@ struct End {
     std::string text;
     bool opens = true;  ///< calls open() when the first packet comes
     std::function<void(const Packet&)> on_packet;
-    std::function<bool(std::uint16_t)> wants;
+    std::function<bool(PacketType, std::uint16_t)> wants;
 
     void start(std::shared_ptr<Connection> with);
     [[nodiscard]] bool has(std::size_t count) const { return packets.size() >= count; }

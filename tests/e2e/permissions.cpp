@@ -9,7 +9,9 @@
 #include <asio/io_context.hpp>
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <iostream>
+#include <list>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -77,6 +79,24 @@ public:
         return described_ ? Fate::taken : Fate::closed;
     }
 
+    /// From now on it has something to do here.
+    void receive()
+    {
+        if (!met_)
+            return;
+        connection_->send(hive::protocol::make_packet(
+            PacketType::register_receiver,
+            R"({"id":3,"epoch":1,"output":"exceptions","receiver":"stranger","options":{"transfer":"stream"}})", 1));
+        until([&] { return received_ || closed_; });
+    }
+    /// As of now.
+    bool is_in()
+    {
+        context_.restart();
+        context_.poll();
+        return met_ && !closed_;
+    }
+
 private:
     void on_packet(const hive::protocol::Packet& packet)
     {
@@ -85,6 +105,7 @@ private:
             connection_->open({});
         } else if (packet.type == PacketType::confirmation) {
             described_ = described_ || hive::parse_json(packet.header_text()).at("id") == 2;
+            received_ = received_ || hive::parse_json(packet.header_text()).at("id") == 3;
         }
     }
     void send(PacketType type, std::string header)
@@ -107,7 +128,7 @@ private:
     asio::io_context context_;
     std::shared_ptr<hive::transport::Connection> connection_;
     int unwritten_ = 0;
-    bool met_ = false, closed_ = false, described_ = false;
+    bool met_ = false, closed_ = false, described_ = false, received_ = false;
 };
 
 /// The drone under test; it is started again when somebody was allowed to stop it.
@@ -190,4 +211,34 @@ TEST_CASE(
         table += "\n";
     }
     std::cout << table;
+}
+
+TEST_CASE("permissions: viewers have 64 places of a drone, and when members need these too, one viewer goes for each")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"key", "new"});
+    swarm.hivectl_done({"key", "view"});
+    const auto member = swarm.key_file(), viewer = member.parent_path() / "viewer.key";
+    const Target target(swarm);
+    std::list<Try> viewers, members;
+    const auto still_in = [](std::list<Try>& peers) { return std::ranges::count_if(peers, &Try::is_in); };
+    const auto come = [&](std::list<Try>& peers, const fs::path& key, int count) {
+        for (int i = 0; i < count; ++i) {
+            peers.emplace_back(target.address(), key).receive();
+            still_in(viewers);
+            still_in(members);
+        }
+    };
+    come(viewers, viewer, 67);
+    CHECK(still_in(viewers) == 64);
+    CHECK_FALSE(viewers.back().is_in());
+    come(members, member, 256 + 32 - 64);  // 32 places are for applications
+    CHECK(still_in(viewers) == 64);
+    come(members, member, 3);
+    const auto end = Clock::now() + patient(2000ms);
+    while (still_in(viewers) > 61 && Clock::now() < end)
+        still_in(members);
+    CHECK(still_in(viewers) == 61);
+    CHECK(still_in(members) == 256 + 32 - 61);
+    CHECK(swarm.log("sleeper").find("64 viewers are connected") != std::string::npos);
 }

@@ -112,7 +112,12 @@ Heard heard(std::string_view bytes, unsigned seed)
                  ++heard.closed;
                  heard.reason = reason.what();
              },
-         .wants = [](std::uint16_t channel) { return channel != 9; }});
+         .wants =
+             [](hive::protocol::PacketType type, std::uint16_t channel) {
+                 if (type == hive::protocol::PacketType::halt)
+                     throw hive::Error(hive::Errc::not_permitted, "halt");
+                 return channel != 9;
+             }});
     while (context.poll() > 0) {
     }
     require(heard.closed == 1, "a connection ends once");

@@ -31,9 +31,10 @@ void Link::start(Events events)
 {
     events_ = std::move(events);
     const auto self = shared_from_this();
-    connection_->start({.packet = [self](Packet&& packet) { self->on_packet(packet); },
-                        .closed = [self](const Error& reason) { self->on_closed(reason); },
-                        .wants = [self](std::uint16_t channel) { return self->channels_.contains(channel); }});
+    connection_->start(
+        {.packet = [self](Packet&& packet) { self->on_packet(packet); },
+         .closed = [self](const Error& reason) { self->on_closed(reason); },
+         .wants = [self](PacketType type, std::uint16_t channel) { return self->wants(type, channel); }});
     connection_->send(protocol::make_packet(PacketType::hello, to_text(protocol::to_json(self_))));
 }
 
@@ -47,12 +48,17 @@ protocol::Direction Link::to_peer() const
     return end_ == End::dialed ? protocol::Direction::to_listener : protocol::Direction::to_dialer;
 }
 
+/// Before anything is read that the peer says.
+bool Link::wants(PacketType type, std::uint16_t channel) const
+{
+    if (const auto role = credentials().role; !permits(role, to_here(), type))
+        throw Error(Errc::not_permitted, refusal(role, to_here(), type));
+    return (type != PacketType::event && type != PacketType::reference) || channels_.contains(channel);
+}
+
 void Link::on_packet(const Packet& packet)
 {
     try {
-        // Before anything is read that the peer says.
-        if (const auto role = credentials().role; !permits(role, to_here(), packet.type))
-            throw Error(Errc::not_permitted, refusal(role, to_here(), packet.type));
         if (!open_)
             return on_hello(packet);
         if (packet.type == PacketType::event || packet.type == PacketType::notification

@@ -15,6 +15,7 @@ namespace {
 constexpr auto tick_period = std::chrono::milliseconds(20);
 constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
+const std::size_t most_viewers = defended("share-of-viewers") ? 64 : most_peers;  ///< of them
 
 /// Beside them, for the local socket, and as many for applications from elsewhere.
 const std::size_t reserved = defended("reserved-places") ? 32 : 0;
@@ -170,6 +171,7 @@ namespace {
 bool is_local(const Link& link) { return link.credentials().role == Role::owner; }
 /// Who has said what it is: of the others, the transport bounds how many there are.
 bool is_remote(const Link& link) { return !is_local(link) && link.open(); }
+bool is_viewer(const Link& link) { return is_remote(link) && link.credentials().role == Role::viewer; }
 bool is_remote_application(const Link& link) { return is_remote(link) && link.peer().kind == "application"; }
 
 }  // namespace
@@ -182,43 +184,63 @@ std::size_t Module::peers(bool (*like)(const Link&)) const
 /// Whether one more may come through the local socket; it has said nothing yet.
 bool Module::has_local_place()
 {
-    return links_.size() < most_peers || peers(is_local) < reserved || make_room([](const Link&) { return true; });
+    return links_.size() < most_peers || peers(is_local) < reserved
+           || make_room(Role::owner, [](const Link&) { return true; });
 }
 
 /// Whether a peer from elsewhere, which has said what it is, may stay. Some places are kept for applications: whoever
 /// looks what is wrong must not find the door shut by those who have their work here, nor be sent away for them.
+/// Viewers have a share of the places, so that they keep no member out.
 bool Module::has_place(const Link& newcomer)
 {
+    const auto role = newcomer.credentials().role;
+    const auto other_viewer = [&](const Link& link) { return &link != &newcomer && is_viewer(link); };
+    if (is_viewer(newcomer) && peers(is_viewer) > most_viewers && !make_room(role, other_viewer))
+        return false;
     const auto applications = peers(is_remote_application);
     if (peers(is_remote) - std::min(applications, reserved) <= most_peers)
         return true;
-    return make_room([&](const Link& link) {
+    return make_room(role, [&](const Link& link) {
         return &link != &newcomer && is_remote(link) && (applications > reserved || !is_remote_application(link));
     });
 }
 
 void Module::turn_away(const transport::Connection& connection)
 {
-    security().refused("refused " + connection.peer() + ": " + std::to_string(most_peers)
-                       + " peers are connected, and each has something to do here");
+    const bool viewer = connection.credentials().role == Role::viewer;
+    security().refused(
+        "refused " + connection.peer() + ": "
+        + (viewer ? std::to_string(most_viewers) + " viewers are" : std::to_string(most_peers) + " peers are")
+        + " connected, and each has something to do here");
 }
 
 /// Of the peers that have nothing registered and nothing under way, the one that has been idle for longest gives up its
-/// place: strangers who only hold places do not keep out who has something to say.
-bool Module::make_room(const std::function<bool(const Link&)>& may_go)
+/// place, viewers first: strangers who only hold places do not keep out who has something to say. When there is none, a
+/// viewer makes room for a member.
+bool Module::make_room(Role newcomer, const std::function<bool(const Link&)>& may_go)
 {
-    const auto registered = [](const Link& link) {
-        return [&link](const Outlet& outlet) { return outlet.receivers(link) > 0; };
+    enum Rank { idle_viewer, idle_member, busy_viewer, stays };
+    const auto rank = [&](const Link& link) {
+        const auto receives = [&link](const Outlet& outlet) { return outlet.receivers(link) > 0; };
+        const bool viewer = link.credentials().role == Role::viewer;
+        if (link.idle() && std::ranges::none_of(outlets_, receives))
+            return viewer ? idle_viewer : idle_member;
+        return viewer && newcomer != Role::viewer ? busy_viewer : stays;
     };
-    LinkPtr longest;
+    LinkPtr first;
+    auto chosen = std::pair(stays, Clock::time_point());
     for (const auto& link : links_)
-        if (link->idle() && may_go(*link) && std::ranges::none_of(outlets_, registered(*link))
-            && (!longest || link->used() < longest->used()))
-            longest = link;
-    if (!longest)
+        if (const auto order = std::pair(rank(*link), link->used());
+            order.first != stays && may_go(*link) && (!first || order < chosen)) {
+            first = link;
+            chosen = order;
+        }
+    if (!first)
         return false;
-    std::erase(links_, longest);  // at once, so that it is not chosen again before its end is told
-    longest->close(Error(Errc::refused, "it had nothing to do here, and another peer needed the place"));
+    std::erase(links_, first);  // at once, so that it is not chosen again before its end is told
+    first->close(Error(Errc::refused, chosen.first == busy_viewer
+                                          ? "a member needed the place of a viewer"
+                                          : "it had nothing to do here, and another peer needed the place"));
     return true;
 }
 

@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds exhausted_pause{100};
 /// Of the peers that shake hands, and fill the hall: nobody has to go for another one before that.
 constexpr std::chrono::milliseconds guest_patience{250};
 constexpr std::chrono::milliseconds waiting_pause{5};
-constexpr int accepted_at_once = 16;  // then the connections that exist have their turn
+constexpr int accepted_at_once = 64;  // then the connections that exist have their turn
 
 /// Where a peer comes from: an address, or the network that all addresses of one IPv6 host are in. Of link-local
 /// addresses all hosts have the same network.
@@ -105,8 +105,6 @@ bool AcceptLoop::may_accept() const
 /// whoever has been here for longest goes.
 bool AcceptLoop::make_room()
 {
-    if (!admissions_->full())
-        return true;
     const auto patient_since = std::chrono::steady_clock::now() - guest_patience;
     if (guests_.empty() || guests_.begin()->second.since > patient_since)
         return false;
@@ -137,7 +135,7 @@ AcceptLoop::Outcome AcceptLoop::accept_one()
 
 void AcceptLoop::admit_waiting()
 {
-    while (!waiting_.empty() && make_room())
+    while (!waiting_.empty() && (!admissions_->full() || (waiting_.spoken() && make_room())))
         admit(waiting_.next());
 }
 

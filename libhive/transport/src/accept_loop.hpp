@@ -37,7 +37,7 @@ private:
     void admit_waiting();
     void admit(WaitingRoom::Peer peer);
     void welcomed(std::uint64_t guest, std::unique_ptr<Stream> stream, std::shared_ptr<void> admission);
-    /// Is there room for one more, or somebody who has shaken hands for too long and makes room?
+    /// Is there somebody who has shaken hands for too long and makes room?
     bool make_room();
     [[nodiscard]] bool may_accept() const;
     void pause(std::chrono::milliseconds time);

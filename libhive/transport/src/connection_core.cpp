@@ -196,11 +196,19 @@ std::size_t ConnectionCore::deliver()
 std::optional<protocol::Packet> ConnectionCore::next_packet()
 {
     try {
-        return reader_.next();
+        return reader_.next([this](const protocol::Prefix& prefix) { return wants_body(prefix); });
     } catch (const Error& broken) {
         end(about_peer(broken));
         return {};
     }
+}
+
+/// What tells of shared memory is needed here, whoever wants the event.
+bool ConnectionCore::wants_body(const protocol::Prefix& prefix) const
+{
+    using protocol::PacketType;
+    const bool wanted = !handlers_ || !handlers_->wants || handlers_->wants(prefix.type, prefix.channel);
+    return wanted || prefix.type == PacketType::reference || prefix.type == PacketType::release;
 }
 
 void ConnectionCore::take(protocol::Packet&& packet)
@@ -247,7 +255,7 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
         return true;
     }
     const auto reference = protocol::reference_from_body(packet.body);
-    if (handlers_ && handlers_->wants && !handlers_->wants(packet.channel)) {
+    if (handlers_ && handlers_->wants && !handlers_->wants(packet.type, packet.channel)) {
         borrowing_->decline(reference, most_body_);
         return true;
     }

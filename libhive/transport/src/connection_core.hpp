@@ -52,6 +52,7 @@ private:
     void on_read(std::error_code error, std::size_t bytes);
     std::size_t deliver();
     std::optional<protocol::Packet> next_packet();
+    [[nodiscard]] bool wants_body(const protocol::Prefix& prefix) const;
     void take(protocol::Packet&& packet);
     void take_pong();
     /// What is said about shared memory. True when that was all.

@@ -12,13 +12,14 @@ namespace hive::transport {
 PacketReader::PacketReader()
     : buffer_(std::make_unique_for_overwrite<unsigned char[]>(buffer_size)),
       by_first_bytes_(defended("first-bytes")),
-      touches_no_pages_(defended("untouched-bodies"))
+      touches_no_pages_(defended("untouched-bodies")),
+      judges_(defended("judged-bodies"))
 {
 }
 
 asio::mutable_buffer PacketReader::space()
 {
-    if (part_ == Part::body && begin_ == end_)
+    if (reads_into_body())
         return {body_.get() + body_filled_, prefix_.body_size - body_filled_};
     if (begin_ != 0) {
         std::memmove(buffer_.get(), buffer_.get() + begin_, end_ - begin_);
@@ -30,22 +31,22 @@ asio::mutable_buffer PacketReader::space()
 
 void PacketReader::received(std::size_t bytes)
 {
-    if (part_ == Part::body && begin_ == end_)
+    if (reads_into_body())
         body_filled_ += bytes;
     else
         end_ += bytes;
 }
 
-std::optional<protocol::Packet> PacketReader::next()
+std::optional<protocol::Packet> PacketReader::next(const Judge& wants_body)
 {
-    if (part_ == Part::prefix && !take_prefix())
+    if (part_ == Part::prefix && !take_prefix(wants_body))
         return {};
     if (part_ == Part::header && !take_header())
         return {};
     if (!take_body())
         return {};
     part_ = Part::prefix;
-    const std::span<const std::byte> bytes(body_.get(), prefix_.body_size);
+    const std::span<const std::byte> bytes(body_.get(), collects_ ? prefix_.body_size : 0);
     auto body = bytes.empty() ? Body() : Body(bytes, std::exchange(body_, nullptr));
     return protocol::make_packet(prefix_.type, std::exchange(header_, {}), prefix_.channel, std::move(body));
 }
@@ -67,7 +68,7 @@ void PacketReader::require_hive() const
     throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
 }
 
-bool PacketReader::take_prefix()
+bool PacketReader::take_prefix(const Judge& wants_body)
 {
     const auto bytes = end_ - begin_;
     if (bytes < protocol::prefix_size) {
@@ -79,6 +80,8 @@ bool PacketReader::take_prefix()
         require_hive();
     prefix_ = protocol::decode_prefix(buffer_.get() + begin_, limits_);
     require_in_place();
+    const bool wanted = !wants_body || wants_body(prefix_);
+    collects_ = (wanted && carries_body(prefix_.type)) || !judges_;
     begin_ += protocol::prefix_size;
     header_.reserve(prefix_.header_size);
     part_ = Part::header;
@@ -110,7 +113,7 @@ void PacketReader::begin_body()
 {
     part_ = Part::body;
     body_filled_ = 0;
-    if (prefix_.body_size == 0)
+    if (prefix_.body_size == 0 || !collects_)
         return;
     try {
         // Not zero-filled: pages that the peer does not fill are never touched, so its number alone costs no memory.
@@ -124,7 +127,7 @@ void PacketReader::begin_body()
 bool PacketReader::take_body()
 {
     const auto bytes = std::min<std::size_t>(end_ - begin_, prefix_.body_size - body_filled_);
-    if (bytes != 0)
+    if (bytes != 0 && collects_)
         std::memcpy(body_.get() + body_filled_, buffer_.get() + begin_, bytes);
     begin_ += bytes;
     body_filled_ += bytes;

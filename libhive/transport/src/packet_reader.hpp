@@ -5,6 +5,7 @@
 
 #include <asio/buffer.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,8 +22,12 @@ public:
     asio::mutable_buffer space();
     /// So many bytes have been put there.
     void received(std::size_t bytes);
-    /// The next packet when it is whole. Throws Errc::malformed, version_mismatch and too_large, before allocating.
-    std::optional<protocol::Packet> next();
+    /// Judges a packet by its prefix: false passes over its body, which is neither collected nor handed over. May
+    /// throw.
+    using Judge = std::function<bool(const protocol::Prefix&)>;
+    /// The next packet when it is whole. Throws Errc::malformed, version_mismatch and too_large, and what `wants_body`
+    /// throws, before allocating. Of a type that has no body a body is passed over.
+    std::optional<protocol::Packet> next(const Judge& wants_body = {});
     /// What holds after the first packet.
     void open(const protocol::Limits& limits) { limits_ = limits; }
     /// A packet has begun and is not whole. Meaningful once next() has returned nothing.
@@ -32,21 +37,24 @@ public:
 
 private:
     enum class Part { prefix, header, body };
-    bool take_prefix();
+    bool take_prefix(const Judge& wants_body);
     void require_hive() const;
     void require_in_place();
     bool take_header();
     bool take_body();
     void begin_body();
+    /// The next bytes go to where the body stays.
+    [[nodiscard]] bool reads_into_body() const { return part_ == Part::body && begin_ == end_ && collects_; }
 
     static constexpr std::size_t buffer_size = 16 * 1024;
     std::unique_ptr<unsigned char[]> buffer_;  ///< [begin_, end_) has come and is not used yet
     std::size_t begin_ = 0, end_ = 0;
     protocol::Limits limits_ = protocol::hello_limits;
-    const bool by_first_bytes_, touches_no_pages_;  ///< false in twins of tests alone
+    const bool by_first_bytes_, touches_no_pages_, judges_;  ///< false in twins of tests alone
     bool first_ = true;
     Part part_ = Part::prefix;
     protocol::Prefix prefix_;
+    bool collects_ = false;  ///< the body of this packet
     std::string header_;
     std::shared_ptr<std::byte[]> body_;
     std::size_t body_filled_ = 0;

@@ -7,7 +7,10 @@
 
 #include <openssl/bio.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <string_view>
+#include <sys/socket.h>
 
 namespace hive::transport {
 namespace {
@@ -17,7 +20,6 @@ using ContextPtr = std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)>;
 /// With another order OpenSSL picks a suite whose hash does not fit an external key, and every handshake fails.
 constexpr const char* suites = "TLS_AES_128_GCM_SHA256:TLS_CHACHA20_POLY1305_SHA256";
 constexpr unsigned char suite_of_keys[] = {0x13, 0x01};  // TLS_AES_128_GCM_SHA256
-constexpr std::size_t read_buffer = 64 * 1024;
 
 KeyTalk& talk_of(SSL* session) { return *static_cast<KeyTalk*>(SSL_get_app_data(session)); }
 
@@ -96,7 +98,7 @@ ContextPtr make_context(TlsEnd end)
     // Packets have their sizes: a connection that breaks off needs no mark of TLS to be known as one.
     ::SSL_CTX_set_options(context.get(), SSL_OP_IGNORE_UNEXPECTED_EOF | SSL_OP_NO_TICKET);
     ::SSL_CTX_set_num_tickets(context.get(), 0);
-    ::SSL_CTX_set_default_read_buffer_len(context.get(), read_buffer);
+    ::SSL_CTX_set_default_read_buffer_len(context.get(), SocketTurn::most);
     if (end == TlsEnd::listener) {
         ::SSL_CTX_set_psk_find_session_callback(context.get(), find_key);
         return context;
@@ -113,6 +115,76 @@ SSL_CTX* context_of(TlsEnd end)
     return (end == TlsEnd::listener ? listener : dialer).get();
 }
 
+using MethodPtr = std::unique_ptr<BIO_METHOD, decltype(&::BIO_meth_free)>;
+
+MethodPtr new_method(int type, const char* name, long (*control)(BIO*, int, long, void*))
+{
+    MethodPtr method(::BIO_meth_new(::BIO_get_new_index() | type, name), ::BIO_meth_free);
+    if (!method || ::BIO_meth_set_ctrl(method.get(), control) != 1)
+        throw Error(Errc::failed, "no memory for a TLS session");
+    return method;
+}
+
+BIO* new_bio(const MethodPtr& method, void* data)
+{
+    BIO* bio = ::BIO_new(method.get());
+    if (bio) {
+        ::BIO_set_data(bio, data);
+        ::BIO_set_init(bio, 1);
+    }
+    return bio;
+}
+
+// OpenSSL's own BIO of a socket reads on without end.
+
+int take(BIO* bio, char* into, std::size_t size, std::size_t* taken)
+{
+    auto& turn = *static_cast<SocketTurn*>(::BIO_get_data(bio));
+    BIO_clear_retry_flags(bio);
+    *taken = 0;
+    ssize_t bytes = 0;
+    if (turn.left > 0)
+        do
+            bytes = ::recv(turn.socket, into, std::min(size, turn.left), MSG_DONTWAIT);
+        while (bytes < 0 && errno == EINTR);
+    if (bytes > 0) {
+        turn.left -= static_cast<std::size_t>(bytes);
+        turn.taken += static_cast<std::uint64_t>(bytes);
+        *taken = static_cast<std::size_t>(bytes);
+        return 1;
+    }
+    turn.ended = turn.left > 0 && bytes == 0;
+    if (turn.left == 0 || (bytes < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)))
+        BIO_set_retry_read(bio);
+    return 0;
+}
+
+long control_incoming(BIO* bio, int command, long, void*)
+{
+    return command == BIO_CTRL_EOF && static_cast<const SocketTurn*>(::BIO_get_data(bio))->ended ? 1 : 0;
+}
+
+BIO* new_incoming(SocketTurn& turn)
+{
+    static const MethodPtr method = [] {
+        auto made = new_method(BIO_TYPE_SOURCE_SINK, "incoming", control_incoming);
+        ::BIO_meth_set_read_ex(made.get(), take);
+        return made;
+    }();
+    return new_bio(method, &turn);
+}
+
+void on_message(int sent, int, int type, const void* bytes, std::size_t size, SSL*, void* data)
+{
+    auto& turn = *static_cast<SocketTurn*>(data);
+    if (sent != 0 || type != SSL3_RT_HANDSHAKE || size == 0
+        || *static_cast<const unsigned char*>(bytes) != SSL3_MT_KEY_UPDATE)
+        return;
+    ++turn.key_updates;
+    if (turn.flooded())
+        turn.left = 0;
+}
+
 // OpenSSL's own BIO in memory wipes its whole buffer for each message; this one appends to a vector.
 
 int append(BIO* bio, const char* bytes, std::size_t size, std::size_t* written)
@@ -126,31 +198,24 @@ try {
     return 0;
 }
 
-long control(BIO*, int command, long, void*) { return command == BIO_CTRL_FLUSH ? 1 : 0; }
+long control_outgoing(BIO*, int command, long, void*) { return command == BIO_CTRL_FLUSH ? 1 : 0; }
 
 BIO* new_outgoing(std::vector<unsigned char>& outgoing)
 {
-    static const std::unique_ptr<BIO_METHOD, decltype(&::BIO_meth_free)> method = [] {
-        std::unique_ptr<BIO_METHOD, decltype(&::BIO_meth_free)> made(
-            ::BIO_meth_new(::BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "outgoing"), ::BIO_meth_free);
-        if (!made || ::BIO_meth_set_write_ex(made.get(), append) != 1 || ::BIO_meth_set_ctrl(made.get(), control) != 1)
-            throw Error(Errc::failed, "no memory for a TLS session");
+    static const MethodPtr method = [] {
+        auto made = new_method(BIO_TYPE_SOURCE_SINK, "outgoing", control_outgoing);
+        ::BIO_meth_set_write_ex(made.get(), append);
         return made;
     }();
-    BIO* bio = ::BIO_new(method.get());
-    if (bio) {
-        ::BIO_set_data(bio, &outgoing);
-        ::BIO_set_init(bio, 1);
-    }
-    return bio;
+    return new_bio(method, &outgoing);
 }
 
 }  // namespace
 
-SslPtr make_tls_session(TlsEnd end, int socket, KeyTalk& talk, std::vector<unsigned char>& outgoing)
+SslPtr make_tls_session(TlsEnd end, SocketTurn& turn, KeyTalk& talk, std::vector<unsigned char>& outgoing)
 {
     SslPtr session(::SSL_new(context_of(end)), ::SSL_free);
-    BIO* in = ::BIO_new_socket(socket, BIO_NOCLOSE);
+    BIO* in = new_incoming(turn);
     BIO* out = new_outgoing(outgoing);
     if (!session || !in || !out) {
         ::BIO_free(in);
@@ -159,6 +224,8 @@ SslPtr make_tls_session(TlsEnd end, int socket, KeyTalk& talk, std::vector<unsig
     }
     ::SSL_set_bio(session.get(), in, out);
     SSL_set_app_data(session.get(), &talk);
+    ::SSL_set_msg_callback(session.get(), on_message);
+    SSL_set_msg_callback_arg(session.get(), &turn);
     end == TlsEnd::listener ? ::SSL_set_accept_state(session.get()) : ::SSL_set_connect_state(session.get());
     return session;
 }

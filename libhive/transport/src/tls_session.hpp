@@ -5,9 +5,12 @@
 
 #include <openssl/ssl.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hive::transport {
@@ -23,9 +26,30 @@ struct KeyTalk {
 
 using SslPtr = std::unique_ptr<SSL, decltype(&::SSL_free)>;
 
+/// How much a session may take from its socket before others have their turn. OpenSSL reads on by itself as long as
+/// records come that bring no data, so this is what ends a flood of them.
+struct SocketTurn {
+    static constexpr std::size_t most = 64 * 1024, least = 4 * 1024;
+    /// The next turn; it is longer if the last one has brought data.
+    void begin()
+    {
+        length = std::exchange(useful, false) ? std::min(2 * length, most) : least;
+        left = length;
+    }
+    /// Far more changes of the keys than anybody needs; each costs about 10 µs.
+    [[nodiscard]] bool flooded() const { return key_updates > 16 + taken / (1024 * 1024); }
+
+    int socket = -1;
+    std::size_t length = least, left = least;
+    bool useful = false;
+    std::uint64_t taken = 0;  ///< in all turns
+    std::uint64_t key_updates = 0;
+    bool ended = false;  ///< the peer sends no more
+};
+
 /// A session that reads from a connected socket (whose owner closes it) and appends what is to be sent to `outgoing`.
-/// Socket, talk and outgoing outlive it. Throws Errc::failed when OpenSSL cannot.
-SslPtr make_tls_session(TlsEnd end, int socket, KeyTalk& talk, std::vector<unsigned char>& outgoing);
+/// Turn, talk and outgoing outlive it. Throws Errc::failed when OpenSSL cannot.
+SslPtr make_tls_session(TlsEnd end, SocketTurn& turn, KeyTalk& talk, std::vector<unsigned char>& outgoing);
 
 /// After a handshake: has the peer proved the key that was shown, and not anything else?
 bool proved(const SSL& session, const KeyTalk& talk);

@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t record = 16 * 1024;          // of TLS: what is encrypted at once
 constexpr std::size_t most_written = 16 * record;  // encrypted before it is sent
-constexpr std::size_t most_read = 1024 * 1024;     // then others have their turn
 /// A hello of TLS with one key has about 400 bytes.
 constexpr std::uint64_t most_before_key = 4096;
 
@@ -45,7 +44,8 @@ TlsStream::TlsStream(Socket socket, TlsEnd end, KeyTalk talk, std::string peer, 
       talk_(std::move(talk)),
       peer_(std::move(peer)),
       local_(local),
-      session_(make_tls_session(end, socket_.native_handle(), talk_, outgoing_))
+      turn_{.socket = socket_.native_handle()},
+      session_(make_tls_session(end, turn_, talk_, outgoing_))
 {
 }
 
@@ -84,6 +84,7 @@ void TlsStream::handshake(Handler handler)
 void TlsStream::shake(Handler handler)
 {
     look_for_plain_peer();
+    turn_.begin();
     ::ERR_clear_error();
     errno = 0;
     const int result = ::SSL_do_handshake(session_.get());
@@ -103,11 +104,18 @@ void TlsStream::shake_on(bool done, std::error_code error, Handler handler)
         ::SSL_set_read_ahead(session_.get(), 1);  // from now on many records are read at once
     if (done || error)
         return handler(error, 0);
-    socket_.async_wait(Socket::wait_read, [this, handler = std::move(handler)](std::error_code failed) mutable {
+    await_turn([this, handler = std::move(handler)](std::error_code failed) mutable {
         if (failed)
             return handler(failed, 0);
         shake(std::move(handler));
     });
+}
+
+void TlsStream::await_turn(std::function<void(std::error_code)> more)
+{
+    if (turn_.left > 0)
+        return socket_.async_wait(Socket::wait_read, std::move(more));
+    asio::post(socket_.get_executor(), [more = std::move(more)] { more({}); });
 }
 
 void TlsStream::look_for_plain_peer()
@@ -123,14 +131,14 @@ void TlsStream::look_for_plain_peer()
 
 TlsStream::Step TlsStream::decrypt(asio::mutable_buffer into)
 {
-    const auto most = std::min(into.size(), most_read);
+    turn_.begin();
     Step step;
-    while (step.bytes < most) {
+    while (step.bytes < into.size() && !turn_.flooded()) {
         ::ERR_clear_error();
         errno = 0;
         std::size_t bytes = 0;
-        const int result =
-            ::SSL_read_ex(session_.get(), static_cast<char*>(into.data()) + step.bytes, most - step.bytes, &bytes);
+        const int result = ::SSL_read_ex(session_.get(), static_cast<char*>(into.data()) + step.bytes,
+                                         into.size() - step.bytes, &bytes);
         if (result != 1) {
             if (step.bytes == 0)
                 step.error = failure(result);
@@ -140,6 +148,9 @@ TlsStream::Step TlsStream::decrypt(asio::mutable_buffer into)
         }
         step.bytes += bytes;
     }
+    turn_.useful = step.bytes > 0;
+    if (turn_.flooded())
+        step.error = {SSL_R_TOO_MANY_KEY_UPDATES, tls_category()};
     return step;
 }
 
@@ -154,7 +165,7 @@ void TlsStream::read_some(asio::mutable_buffer into, Handler handler)
 
 void TlsStream::wait_to_read(asio::mutable_buffer into, Handler handler)
 {
-    socket_.async_wait(Socket::wait_read, [this, into, handler = std::move(handler)](std::error_code failed) mutable {
+    await_turn([this, into, handler = std::move(handler)](std::error_code failed) mutable {
         if (failed || !socket_.is_open())
             return handler(asio::error::operation_aborted, 0);
         const auto step = decrypt(into);

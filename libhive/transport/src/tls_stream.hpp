@@ -39,6 +39,8 @@ private:
         std::error_code error;
         [[nodiscard]] bool waits() const { return bytes == 0 && !error; }
     };
+    /// Calls `more` when the peer's next turn has come: when the socket is readable, or after the others.
+    void await_turn(std::function<void(std::error_code)> more);
     void shake(Handler handler);
     void shake_on(bool done, std::error_code error, Handler handler);
     void look_for_plain_peer();
@@ -59,6 +61,7 @@ private:
     std::vector<unsigned char> outgoing_, staged_;
     std::size_t sent_ = 0;  ///< of outgoing_
     UnsentLimit unsent_;
+    SocketTurn turn_;
     SslPtr session_;
     int reason_ = 0;
     bool plain_peer_ = false;

@@ -3,13 +3,29 @@
 
 #include <doctest/doctest.h>
 
-#include <fcntl.h>
+#include <algorithm>
+#include <list>
+#include <sys/socket.h>
+#include <unistd.h>
 
 using hive::transport::Descriptor, hive::transport::WaitingRoom;
 
 namespace {
 
-Descriptor something() { return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+struct Pair {
+    Pair()
+    {
+        int ends[2] = {-1, -1};
+        REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) == 0);
+        here = Descriptor(ends[0]);
+        there = Descriptor(ends[1]);
+    }
+    void speak() const { REQUIRE(::write(there.get(), "x", 1) == 1); }
+    Descriptor here, there;
+};
+
+/// The other end has left, which counts as having spoken.
+Descriptor something() { return std::move(Pair().here); }
 
 }  // namespace
 
@@ -47,4 +63,41 @@ TEST_CASE("waiting room: a host alone fills it and loses nobody; for another hos
     CHECK(few == 2);
     CHECK(many == WaitingRoom::most - 1);
     CHECK_FALSE(room.full());
+}
+
+TEST_CASE("waiting room: who has spoken comes before all who are silent, whenever they came")
+{
+    WaitingRoom room;
+    std::list<Pair> pairs(20);
+    int i = 0;
+    for (auto& pair : pairs)
+        room.enter({"host " + std::to_string(i++), std::move(pair.here)});
+    CHECK_FALSE(room.spoken());
+    std::next(pairs.begin(), 13)->speak();
+    CHECK(room.spoken());
+    CHECK(room.next().host == "host 13");
+    CHECK_FALSE(room.spoken());
+    room.next();
+}
+
+TEST_CASE(
+    "waiting room: when silent peers fill it, the one that has been silent for longest goes; who has spoken stays")
+{
+    WaitingRoom room;
+    std::list<Pair> pairs(3 * WaitingRoom::most);
+    pairs.front().speak();
+    int i = 0;
+    for (auto& pair : pairs) {
+        room.enter({"host " + std::to_string(i++), std::move(pair.here)});
+        CHECK_FALSE(room.full());
+    }
+    const auto went = [](const Pair& pair) {
+        char byte = 0;
+        return ::recv(pair.there.get(), &byte, 1, MSG_DONTWAIT) == 0;
+    };
+    CHECK_FALSE(went(pairs.front()));
+    CHECK(went(*std::next(pairs.begin(), 1)));
+    CHECK_FALSE(went(pairs.back()));
+    CHECK(static_cast<std::size_t>(std::ranges::count_if(pairs, went)) == 2 * WaitingRoom::most);
+    CHECK(room.next().host == "host 0");
 }

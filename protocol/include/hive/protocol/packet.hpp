@@ -50,6 +50,9 @@ enum class PacketType : std::uint8_t {
 /// The token of a type as SPEC.md writes it ("register", "event"), or empty for a number that is no type.
 std::string_view token(PacketType type) noexcept;
 
+/// Of the others a body is read and ignored.
+bool carries_body(PacketType type) noexcept;
+
 /// The sizes this end accepts; refused from the prefix, before anything is allocated.
 struct Limits {
     std::uint32_t header = 64 * 1024;

@@ -119,6 +119,7 @@ private:
         Clock::time_point asked;
         std::int64_t asked_wall_us;
     };
+    [[nodiscard]] bool wants(protocol::PacketType type, std::uint16_t channel) const;
     void on_packet(const protocol::Packet& packet);
     void take(const protocol::Packet& packet);
     void on_hello(const protocol::Packet& packet);

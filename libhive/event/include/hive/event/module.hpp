@@ -163,7 +163,7 @@ private:
     void dialed(const std::string& key, const LinkPtr& link, const Error& error);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet);
-    bool make_room(const std::function<bool(const Link&)>& may_go);
+    bool make_room(Role newcomer, const std::function<bool(const Link&)>& may_go);
     [[nodiscard]] std::size_t peers(bool (*like)(const Link&)) const;
     bool has_local_place();
     bool has_place(const Link& newcomer);

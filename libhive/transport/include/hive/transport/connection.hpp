@@ -41,9 +41,10 @@ public:
     struct Handlers {
         std::function<void(protocol::Packet&&)> packet;  ///< a whole packet came
         std::function<void(const hive::Error&)> closed;  ///< once, the last call; also after close()
-        /// Does anybody take events of this channel? Otherwise a body in shared memory is given back untouched, and
-        /// the event is not handed over. Without this handler all are wanted.
-        std::function<bool(std::uint16_t)> wants = {};
+        /// Asked when the prefix of a packet is here. False: nobody takes its body, which is passed over; a body in
+        /// shared memory is given back untouched, and its event is not handed over. What this throws ends the
+        /// connection. Without this handler all are wanted.
+        std::function<bool(protocol::PacketType, std::uint16_t channel)> wants = {};
     };
     /// Called once: true when the last byte is with the operating system, false when the connection ended before.
     using Written = std::function<void(bool)>;
