@@ -4,6 +4,7 @@
 #include <hive/protocol/defended.hpp>
 
 #include <algorithm>
+#include <span>
 
 namespace hive::event {
 namespace {
@@ -54,7 +55,8 @@ bool AnswerFilter::first(const Event& event)
     auto found = named(event, count);
     auto& work = found.first;
     auto& answer = found.second;
-    const auto& taken = answers_[work];
+    const auto known = answers_.find(work);
+    const auto taken = known == answers_.end() ? std::span<const Answer>() : std::span<const Answer>(known->second);
     const auto same = [&](const Answer& one) {
         return one.attempts == answer.attempts && one.branches == answer.branches;
     };
@@ -106,15 +108,30 @@ bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
 
 void AnswerFilter::remember(std::string work, Answer answer)
 {
-    answers_[work].push_back(std::move(answer));
-    order_.push_back(std::move(work));
-    if (order_.size() <= remembered)
-        return;
-    const auto oldest = answers_.find(order_.front());
-    oldest->second.erase(oldest->second.begin());
-    if (oldest->second.empty())
-        answers_.erase(oldest);
+    bytes_ += size_of(work, answer);
+    auto& row = *answers_.try_emplace(std::move(work)).first;
+    row.second.push_back(std::move(answer));
+    order_.push_back(&row);
+    while (order_.size() > remembered || bytes_ > remembered_bytes)
+        forget_oldest();
+}
+
+void AnswerFilter::forget_oldest()
+{
+    auto& [work, answers] = *order_.front();
     order_.pop_front();
+    bytes_ -= size_of(work, answers.front());
+    answers.erase(answers.begin());
+    if (answers.empty())
+        answers_.erase(answers_.find(work));
+}
+
+std::size_t AnswerFilter::size_of(const std::string& work, const Answer& answer)
+{
+    auto bytes = work.size() + answer.attempts.size() + answer.branches.size() * sizeof(Branch);
+    for (const auto& branch : answer.branches)
+        bytes += branch.receiver.size();
+    return bytes;
 }
 
 }  // namespace hive::event

@@ -6,6 +6,44 @@
 
 namespace hive::event {
 
+namespace {
+
+std::string origin_of(const Event& event) { return event.sender + "." + event.output; }
+
+}  // namespace
+
+void Mailbox::add(const Event& event)
+{
+    bytes_ += event.body.size();
+    if (event.identity.lossless)
+        return;
+    auto& load = live_[origin_of(event)];
+    ++load.events;
+    load.bytes += event.body.size();
+}
+
+void Mailbox::subtract(const Event& event)
+{
+    bytes_ -= event.body.size();
+    if (event.identity.lossless)
+        return;
+    const auto row = live_.find(origin_of(event));
+    row->second.bytes -= event.body.size();
+    if (--row->second.events == 0)
+        live_.erase(row);
+}
+
+/// The oldest of the output that has most; the end when nothing may be lost.
+std::deque<Event>::iterator Mailbox::to_drop(std::size_t Load::*what)
+{
+    if (live_.empty())
+        return events_.end();
+    const auto& origin =
+        std::ranges::max_element(live_, {}, [what](const auto& row) { return row.second.*what; })->first;
+    return std::ranges::find_if(
+        events_, [&](const Event& each) { return !each.identity.lossless && origin_of(each) == origin; });
+}
+
 void Mailbox::push(Command command)
 {
     const std::lock_guard lock(mutex_);
@@ -16,14 +54,14 @@ void Mailbox::push(Event&& event)
 {
     std::vector<Event> dropped;  // destroyed after the lock: receipts have work to do
     const std::lock_guard lock(mutex_);
-    bytes_ += event.body.size();
+    add(event);
     events_.push_back(std::move(event));
     while (events_.size() > most_events || (events_.size() > 2 && bytes_ > most_bytes)) {
-        const auto oldest = std::ranges::find_if(events_, [](const Event& each) { return !each.identity.lossless; });
+        const auto oldest = to_drop(events_.size() > most_events ? &Load::events : &Load::bytes);
         if (oldest == events_.end())
             break;
         conclude(*oldest, Ending::dropped);
-        bytes_ -= oldest->body.size();
+        subtract(*oldest);
         dropped.push_back(std::move(*oldest));
         events_.erase(oldest);
     }
@@ -50,7 +88,7 @@ std::optional<Mailbox::Item> Mailbox::pop(bool events)
         return command;
     }
     if (events && !events_.empty()) {
-        bytes_ -= events_.front().body.size();
+        subtract(events_.front());
         std::optional<Item> item(std::in_place, std::move(events_.front()));
         events_.pop_front();
         return item;
@@ -67,7 +105,7 @@ void Mailbox::discard(const std::function<bool(const Event&)>& fits)
     for (auto& event : events_)
         if (fits(event)) {
             conclude(event, Ending::discarded);
-            bytes_ -= event.body.size();
+            subtract(event);
             discarded.push_back(std::move(event));
         } else {
             kept.push_back(std::move(event));

@@ -208,4 +208,18 @@ TEST_CASE("answer filter: its memory is bounded")
     CHECK_FALSE(filter.first(answer({with(turn_1, most, 2)})));
 }
 
+TEST_CASE("answer filter: its memory is bounded also where the names are long")
+{
+    AnswerFilter filter;
+    const auto long_turn = [](std::int64_t turn, int attempt) {
+        auto share = with(turn_1, turn, attempt);
+        share.of = std::string(1 << 20, 'd') + ".image#workers";
+        return answer({share});
+    };
+    for (std::int64_t turn = 1; turn <= 20; ++turn)
+        CHECK(filter.first(long_turn(turn, 1)));
+    CHECK(filter.first(long_turn(1, 2)));
+    CHECK_FALSE(filter.first(long_turn(20, 2)));
+}
+
 }  // namespace hive::event

@@ -67,6 +67,33 @@ TEST_CASE("mailbox: large events are bounded by their bytes")
     CHECK(next_sequence(mailbox) == 3);
 }
 
+TEST_CASE("mailbox: over its bounds an output that floods it loses its own events, and no other output does")
+{
+    const auto from = [](const char* sender, std::int64_t sequence, std::size_t bytes = 0) {
+        auto event = numbered(sequence, false, bytes);
+        event.sender = sender;
+        event.output = "image";
+        return event;
+    };
+    const auto few_left = [](Mailbox& mailbox) {
+        return mailbox.count([](const Event& event) { return event.sender == "few"; });
+    };
+    Mailbox by_number, by_bytes;
+    for (auto* mailbox : {&by_number, &by_bytes})
+        for (int i = 0; i < 20; ++i)
+            mailbox->push(from("few", i));
+    for (std::size_t i = 0; i < 2 * Mailbox::most_events; ++i)
+        by_number.push(from("flood", 0));
+    CHECK(few_left(by_number) == 20);
+    CHECK(by_number.events() == Mailbox::most_events);
+    for (int i = 0; i < 20; ++i)
+        by_bytes.push(from("flood", 100 + i, Mailbox::most_bytes / 4));
+    CHECK(few_left(by_bytes) == 20);
+    CHECK(by_bytes.events() == 24);
+    by_bytes.discard([](const Event& event) { return event.sender == "few"; });
+    CHECK(next_sequence(by_bytes) == 116);
+}
+
 TEST_CASE("mailbox: lossless events are bounded by what their sender may have in hand, and none is dropped")
 {
     Mailbox mailbox;

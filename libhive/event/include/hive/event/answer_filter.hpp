@@ -17,6 +17,7 @@ namespace hive::event {
 class AnswerFilter {
 public:
     static constexpr std::size_t remembered = 65536;
+    static constexpr std::size_t remembered_bytes = 16u << 20;  ///< of what names the works and answers
 
     AnswerFilter();
     /// Is this to be taken? Always true for what nobody gave out twice, and for more events of an answer that was
@@ -39,9 +40,14 @@ private:
     static bool stand_for_each_other(const Answer& one, const Answer& other);
     void remember(std::string work, Answer answer);
 
-    bool off_;                                                      ///< by a test that shows what it is for
-    std::unordered_map<std::string, std::vector<Answer>> answers_;  ///< that were taken, by the work
-    std::deque<std::string> order_;                                 ///< works, one for each answer
+    void forget_oldest();
+    static std::size_t size_of(const std::string& work, const Answer& answer);
+
+    using Answers = std::unordered_map<std::string, std::vector<Answer>>;
+    bool off_;                            ///< by a test that shows what it is for
+    Answers answers_;                     ///< that were taken, by the work
+    std::deque<Answers::pointer> order_;  ///< one for each answer
+    std::size_t bytes_ = 0;               ///< of all answers, with their works
 };
 
 /// The shares that others stand behind: all but the one by which the sender itself gave the event to this input, since

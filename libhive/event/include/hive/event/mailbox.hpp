@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <variant>
 
 namespace hive::event {
@@ -22,8 +24,8 @@ public:
     static constexpr std::size_t most_bytes = 64u << 20;  ///< beyond two events
 
     void push(Command command);
-    /// Over the bounds the oldest event that may be lost is dropped. One that may not is bounded by the credit that its
-    /// sender has.
+    /// Over the bounds an event that may be lost is dropped: the oldest of the output that has most here, so that a
+    /// flood costs nobody else's events. One that may not is bounded by the credit that its sender has.
     void push(Event&& event);
     /// Makes it ready() without an item, until the next pop().
     void nudge();
@@ -41,8 +43,16 @@ public:
 private:
     mutable std::mutex mutex_;
     std::deque<Command> commands_;
+    struct Load {
+        std::size_t events = 0, bytes = 0;
+    };
+    void add(const Event& event);
+    void subtract(const Event& event);
+    std::deque<Event>::iterator to_drop(std::size_t Load::*what);
+
     std::deque<Event> events_;
     std::size_t bytes_ = 0;
+    std::map<std::string, Load> live_;  ///< of them, what may be lost, by the output that it came from
     bool nudged_ = false;
 };
 
