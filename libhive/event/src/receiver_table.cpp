@@ -225,7 +225,7 @@ void ReceiverTable::departed(const Seat& seat, Fate how)
         unregister(seat.plain->registered);
         const Plain& plain = *seat.plain;
         if (how == Fate::lost_left && !plain.unique && plain.registered.now == 0 && !plain.subscription.awaited())
-            plain_.remove_if([&](const Plain& plain) { return &plain == seat.plain; });
+            plain_.remove_if([&](const Plain& each) { return &each == seat.plain; });
         return;
     }
     const auto member = seat.group->members.find(seat.receiver);
