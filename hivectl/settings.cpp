@@ -30,7 +30,7 @@ std::string settings_text(const hive::Json& values)
         return bare(values.begin().value()) + "\n";
     std::string text;
     for (const auto& [key, value] : values.items())
-        text += key + "=" + bare(value) + "\n";
+        text += bare(key) + "=" + bare(value) + "\n";
     return text;
 }
 
@@ -38,7 +38,7 @@ std::string settings_text(const std::string& drone, const hive::Json& values)
 {
     std::string text;
     for (const auto& [key, value] : values.items())
-        text += drone + " " + key + "=" + bare(value) + "\n";
+        text += drone + " " + bare(key) + "=" + bare(value) + "\n";
     return text;
 }
 

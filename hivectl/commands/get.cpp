@@ -25,7 +25,7 @@ int get_one(const Options& options, Session& session)
         write_out(settings_text(values));
     else
         for (const auto& [key, value] : values.items())
-            write_out(key + "=" + bare(value) + "\n");
+            write_out(bare(key) + "=" + bare(value) + "\n");
     return exit_code::done;
 }
 

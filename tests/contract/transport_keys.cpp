@@ -271,6 +271,17 @@ TEST_CASE("keys: whoever has the key is in at once while a crowd from many addre
     CHECK(took < 1000);
 }
 
+TEST_CASE("keys: a key that is named has to be there; without one that is not named an end dials in the plain")
+{
+    Gate plain({}, patient);
+    const auto missing = plain.folder.path("typo.key");
+    CHECK(plain.dial({.keys = std::make_shared<KeyRing>(missing)}).connection);
+    const auto dialed = plain.dial({.keys = std::make_shared<KeyRing>(missing, true)});
+    CHECK_FALSE(dialed.connection);
+    REQUIRE(dialed.error);
+    CHECK_MESSAGE(has(dialed.error->what(), "there is no swarm key at " + missing), dialed.error->what());
+}
+
 TEST_CASE("keys: while the swarm's key is changed, old and new machines meet; then the old key ends")
 {
     Gate gate;

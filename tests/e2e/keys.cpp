@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <thread>
 #include <sys/stat.h>
 
 using namespace hive::test;
@@ -220,4 +221,16 @@ TEST_CASE("keys: hivectl key makes, shows and changes keys, and never shows a se
     const auto file = Json::parse(text_of(swarm.key_file()));
     for (const auto& key : file.at("keys"))
         CHECK_FALSE(has(shown + swarm.hivectl_done({"key", "show"}), key.at("secret").get<std::string>()));
+}
+
+TEST_CASE("keys: several changes of the key at once lose none")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"key", "new"});
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 5; ++i)
+        threads.emplace_back([&] { CHECK(swarm.hivectl({"key", "rotate"}).exit_code == 0); });
+    for (auto& thread : threads)
+        thread.join();
+    CHECK(hive::read_key_file(swarm.key_file()).size() == 6);
 }

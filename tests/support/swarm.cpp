@@ -142,7 +142,9 @@ std::string Swarm::log(const std::string& name) const { return text_of(home_ / (
 
 Application Swarm::application(Milliseconds timeout) const
 {
-    return Application({.name = {}, .home = home_, .timeout = stated(timeout), .key = key_file()});
+    ::setenv("HIVE_KEY", "none", 1);  // of this process alone; without a key in the swarm the user's own is not read
+    const auto key = fs::exists(key_file()) ? key_file() : fs::path();
+    return Application({.name = {}, .home = home_, .timeout = stated(timeout), .key = key});
 }
 
 std::optional<fs::path> shared_data(const std::string& relative)

@@ -34,7 +34,8 @@ std::string name_of(const Application::Options& options)
 std::shared_ptr<transport::KeyRing> keys_of(const Application::Options& options)
 {
     const auto file = options.key.empty() ? default_key_file() : options.key;
-    return file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file);
+    return file.empty() ? nullptr
+                        : std::make_shared<transport::KeyRing>(file, !options.key.empty() || key_file_is_named());
 }
 
 }  // namespace

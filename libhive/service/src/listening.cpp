@@ -74,7 +74,8 @@ std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish)
     if (wish.insecure)
         return nullptr;
     const auto file = wish.key.empty() ? default_key_file() : std::filesystem::path(wish.key);
-    const auto keys = file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file);
+    const auto keys =
+        file.empty() ? nullptr : std::make_shared<transport::KeyRing>(file, !wish.key.empty() || key_file_is_named());
     if (!wish.key.empty())
         keys->own();
     for (const auto& text : wish.listen)

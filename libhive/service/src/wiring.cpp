@@ -52,7 +52,14 @@ void Wiring::on_connect(const event::Incoming& incoming)
 {
     auto asked = protocol::connect_from_json(incoming.header);
     asked.address = dialable(asked.address, incoming.peer_place);
-    connect(intake_spec(asked), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
+    auto spec = intake_spec(asked);
+    if (incoming.role != Role::owner && spec.address.scheme == transport::Address::Scheme::unix_socket
+        && spec.address != home_.address(asked.drone))
+        throw Error(Errc::not_permitted,
+                    to_text(spec.address) + " is not in the home of " + module_.self().name
+                        + ", and over the network a drone is connected to drones of its home, or to tcp:// addresses",
+                    "connect it on that machine");
+    connect(std::move(spec), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 
 void Wiring::on_disconnect(const event::Incoming& incoming)

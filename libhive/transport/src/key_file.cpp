@@ -101,7 +101,7 @@ Json to_json(const std::vector<SwarmKey>& keys)
     return {{"hive_key", 1}, {"role", token(keys.front().role)}, {"keys", std::move(list)}};
 }
 
-Descriptor open_private(const fs::path& file)
+Descriptor open_regular(const fs::path& file)
 {
     Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (!opened && (errno == ENOENT || errno == ENOTDIR))
@@ -114,13 +114,21 @@ Descriptor open_private(const fs::path& file)
         throw Error(Errc::io, "cannot read the swarm key " + file.string() + ": " + os_text(errno));
     if (!S_ISREG(info.st_mode))
         throw Error(Errc::malformed, file.string() + " is no swarm key: it is not a file");
+    return opened;
+}
+
+/// Of a file that is a key: nobody is told to change the mode of another one.
+void require_private(const Descriptor& opened, const fs::path& file)
+{
+    struct stat info {};
+    if (::fstat(opened.get(), &info) != 0)
+        throw Error(Errc::io, "cannot read the swarm key " + file.string() + ": " + os_text(errno));
     if (info.st_uid != ::geteuid())
         throw Error(Errc::not_permitted, "the swarm key " + file.string() + " belongs to another user",
                     "make a copy of your own");
     if ((info.st_mode & 077) != 0)
         throw Error(Errc::not_permitted, "others may read the swarm key " + file.string(),
                     "close it: chmod 600 " + file.string());
-    return opened;
 }
 
 std::string text_of(const Descriptor& opened, const fs::path& file)
@@ -172,9 +180,20 @@ void put_in_place(const fs::path& fresh, const fs::path& file, KeyFileMode mode)
 
 }  // namespace
 
+namespace {
+
+std::string variable(const char* name) { return std::getenv(name) ? std::getenv(name) : ""; }
+
+}  // namespace
+
+bool key_file_is_named()
+{
+    const auto named = variable("HIVE_KEY");
+    return !named.empty() && named != "none";
+}
+
 fs::path default_key_file()
 {
-    const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
     if (const auto named = variable("HIVE_KEY"); !named.empty())
         return named == "none" ? fs::path() : fs::path(named);
     if (const auto config = variable("XDG_CONFIG_HOME"); !config.empty())
@@ -186,12 +205,16 @@ fs::path default_key_file()
 
 std::vector<SwarmKey> read_key_file(const fs::path& file)
 {
-    const auto text = text_of(open_private(file), file);
+    const auto opened = open_regular(file);
+    const auto text = text_of(opened, file);
+    std::vector<SwarmKey> keys;
     try {
-        return keys_from(parse_json(text, {.bytes = most_bytes, .depth = 4, .keys = 16, .string_bytes = 256}));
+        keys = keys_from(parse_json(text, {.bytes = most_bytes, .depth = 4, .keys = 16, .string_bytes = 256}));
     } catch (const Error& error) {
         throw Error(Errc::malformed, file.string() + " is no swarm key: " + error.what());
     }
+    require_private(opened, file);
+    return keys;
 }
 
 void write_key_file(const fs::path& file, const std::vector<SwarmKey>& keys, KeyFileMode mode)

@@ -149,14 +149,14 @@ private:
                     self->on_found(found, why);
             });
     }
-    /// Whoever has no key dials in the plain; a listener that wants one refuses.
+    /// Whoever has no key, and named none, dials in the plain; a listener that wants one refuses.
     void read_keys()
     {
         try {
             if (ring_)
                 keys_ = ring_->own();
         } catch (const Error& error) {
-            if (error.code() != Errc::not_found)
+            if (error.code() != Errc::not_found || ring_->required())
                 throw;
         }
     }

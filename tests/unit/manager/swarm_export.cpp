@@ -135,6 +135,17 @@ TEST_CASE("command lines: no two drones of a machine have one port, and there ar
     CHECK_THROWS_AS(CommandLines(plan, CommandLines::Machines::as_planned), Error);
 }
 
+TEST_CASE("export: a text with a line end stays one word, in a unit of systemd and in a script")
+{
+    auto plan = doorway();
+    plan.drones[3].set["title"] = "x\rExecStartPre=/bin/false\n\x1b[31m'";
+    const auto unit = file_of(export_swarm(plan, "systemd", {}), "local/hive-doorway-track.service");
+    CHECK_MESSAGE(has(unit, R"("title=x\x0dExecStartPre=/bin/false\n\x1b[31m'")"), unit);
+    plan.engines.clear();
+    const auto script = export_swarm(plan, "shell", {}).at(0).text;
+    CHECK_MESSAGE(has(script, R"($'title=x\x0dExecStartPre=/bin/false\x0a\x1b[31m\'')"), script);
+}
+
 TEST_CASE("export: a form that there is not")
 {
     CHECK_THROWS_WITH_AS(export_swarm(doorway(), "nomad"), "a swarm cannot be written as \"nomad\"", Error);

@@ -258,6 +258,19 @@ TEST_CASE("swarm file: engines for machines that no drone is on")
              "4:22: an engine is exactly one of local, ssh, systemd or slurm\n");
 }
 
+TEST_CASE("swarm file: a machine is no folder, and a directive of Slurm is one line")
+{
+    for (const char* host : {"..", ".", "me@..", "../x"})
+        CHECK_FALSE(mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"" + std::string(host) + "\"}")).empty());
+    const auto slurm = [](const std::string& settings) {
+        return mistakes(
+            with("\"a\": {\"kind\": \"k\", \"on\": \"n1\"}", "\"engines\": {\"n1\": {\"slurm\": " + settings + "}}"));
+    };
+    CHECK_EQ(slurm(R"({"partition": "gpu", "options": ["--gres=gpu:1"]})"), "");
+    CHECK(slurm(R"({"partition": "p\ntouch x"})").find("does not belong into a line") != std::string::npos);
+    CHECK(slurm(R"({"options": ["--a\nid"]})").find("does not belong into a line") != std::string::npos);
+}
+
 TEST_CASE("swarm file: with interfaces, parameters are checked")
 {
     const auto settings = [](const std::string& text) {

@@ -98,6 +98,21 @@ TEST_CASE("key file: one that others may read is refused with the command that c
     CHECK(hive::read_key_file(folder.file()).size() == 1);
 }
 
+TEST_CASE("key file: nobody is told to close a file that is no key")
+{
+    const Folder folder;
+    fs::create_directories(folder.file().parent_path());
+    std::ofstream(folder.file()) << "root:x:0:0\n";
+    REQUIRE(::chmod(folder.file().c_str(), 0644) == 0);
+    try {
+        hive::read_key_file(folder.file());
+        FAIL("it was read");
+    } catch (const hive::Error& error) {
+        CHECK(error.code() == Errc::malformed);
+        CHECK(error.advice().find("chmod") == std::string::npos);
+    }
+}
+
 TEST_CASE("key file: a fresh one is never written over another")
 {
     const Folder folder;

@@ -15,6 +15,13 @@ std::string without_specifiers(const std::string& text)
     return result;
 }
 
+std::string escaped_byte(char c)
+{
+    constexpr std::string_view digits = "0123456789abcdef";
+    const auto byte = static_cast<unsigned char>(c);
+    return {'\\', 'x', digits[byte / 16], digits[byte % 16]};
+}
+
 /// One word as systemd reads it back. In a command line a $ would name a variable.
 std::string word(const std::string& text, bool of_command)
 {
@@ -24,6 +31,8 @@ std::string word(const std::string& text, bool of_command)
             result += std::string("\\") + c;
         else if (c == '\n')
             result += "\\n";
+        else if (static_cast<unsigned char>(c) < ' ' || c == 0x7F)
+            result += escaped_byte(c);  // a line ends at a carriage return as well
         else
             result += c == '$' && of_command ? "$$" : std::string(1, c);
     return result + "\"";

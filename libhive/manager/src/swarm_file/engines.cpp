@@ -3,6 +3,7 @@
 #include "words.hpp"
 
 #include <hive/name.hpp>
+#include <hive/printable.hpp>
 
 #include <algorithm>
 
@@ -41,14 +42,23 @@ void Reader::read_engine(const std::string& glob, const Value& value)
 void Reader::read_slurm(const Value& value)
 {
     Members members(mistakes_, value, "the engine slurm", slurm_keys);
-    members.text("partition");
+    if (const auto partition = members.find("partition"))
+        read_directive(*partition);
     const auto options = members.find("options");
     if (!options)
         return;
     if (!options->json->is_array())
         return mistakes_.at_value(*options, "\"options\" must be a list of texts, not " + shown(*options->json));
     for (std::size_t i = 0; i < options->json->size(); ++i)
-        text_of(mistakes_, options->item(i));
+        read_directive(options->item(i));
+}
+
+/// What stands in a line of a batch script.
+void Reader::read_directive(const Value& value)
+{
+    const auto text = text_of(mistakes_, value);
+    if (text && printable(*text) != *text)
+        mistakes_.at_value(value, in_quotes(*text) + " has a character that does not belong into a line");
 }
 
 }  // namespace hive::swarm_file

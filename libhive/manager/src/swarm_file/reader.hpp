@@ -67,6 +67,7 @@ private:
     // --- engines.cpp ---
     void read_engine(const std::string& glob, const Value& value);
     void read_slurm(const Value& value);
+    void read_directive(const Value& value);
 
     /// Of a kind that has been asked for already, or is now; nothing when nobody knows it.
     const Interface* interface(const std::string& kind);

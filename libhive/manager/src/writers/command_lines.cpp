@@ -3,6 +3,7 @@
 
 #include "../engines/engine.hpp"
 
+#include <hive/printable.hpp>
 #include <hive/program.hpp>
 #include <hive/protocol/connect_text.hpp>
 #include <hive/remote.hpp>
@@ -17,10 +18,32 @@ constexpr std::uint16_t first_of_drones = 7700, last_of_drones = 7955;  // as a 
 
 bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
+/// As bash reads it, in $'…'.
+std::string with_escapes(const std::string& word)
+{
+    std::string text;
+    for (const char c : word)
+        text += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    return "$'"
+           + escaped(text,
+                     [](std::int32_t, std::string_view bytes) {
+                         std::string result;
+                         for (const char byte : bytes) {
+                             constexpr std::string_view digits = "0123456789abcdef";
+                             const auto number = static_cast<unsigned char>(byte);
+                             result += {'\\', 'x', digits[number / 16], digits[number % 16]};
+                         }
+                         return result;
+                     })
+           + "'";
+}
+
 }  // namespace
 
 std::string shell_word(const std::string& word)
 {
+    if (printable(word) != word)
+        return with_escapes(word);
     constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%:=,./+-";
     return !word.empty() && word.find_first_not_of(plain) == std::string::npos ? word : quoted_for_shell(word);
 }

@@ -38,6 +38,8 @@ std::string announcement_proof(const SwarmKey& key, std::string_view text);
 /// Where the keys of this user are: $HIVE_KEY, or $XDG_CONFIG_HOME/hive/swarm.key, or ~/.config/hive/swarm.key. Empty
 /// when HIVE_KEY is "none": then there is no key, whatever lies there.
 std::filesystem::path default_key_file();
+/// Did the user name that file, so that there has to be a key?
+bool key_file_is_named();
 
 /// The keys of a file, newest first, at least one; all have the same role. Throws Errc::not_found when there is no such
 /// file, Errc::not_permitted when others than its owner may read it, and Errc::malformed.
