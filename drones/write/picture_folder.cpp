@@ -1,6 +1,7 @@
 // Writes each picture beside its name first, so that nobody sees half of one; and chooses between folder and video.
 #include "picture_folder.hpp"
 
+#include "regular_file.hpp"
 #include "video_file.hpp"
 
 #include <hive/vision/image.hpp>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 void write_file(const fs::path& path, std::span<const unsigned char> bytes)
 {
     const fs::path part = path.string() + ".part";
+    require_regular_or_missing(part);
     errno = 0;
     std::ofstream file(part, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -71,6 +73,7 @@ void PictureFolder::begin()
     if (settings_.overwrite)
         remove_numbered(settings_.path);
     const fs::path table = fs::path(settings_.path) / "times.csv";
+    require_regular_or_missing(table);
     times_.open(table, std::ios::trunc);
     times_ << "file,seq,time_us\n";
     if (!times_.flush())
@@ -115,6 +118,8 @@ std::unique_ptr<Sink> open_sink(const Settings& settings)
                                    "folder of pictures");
     if (folder && fs::exists(path) && !fs::is_empty(path) && !settings.overwrite)
         throw std::runtime_error(settings.path + " is not empty; write elsewhere, or overwrite it");
+    if (!folder)
+        require_regular_or_missing(path);
     if (!folder && fs::exists(path) && !settings.overwrite)
         throw std::runtime_error(settings.path + " exists already; write elsewhere, or overwrite it");
     const fs::path whole = fs::absolute(path).lexically_normal();

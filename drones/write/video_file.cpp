@@ -1,6 +1,8 @@
 // Muxing with libavformat.
 #include "video_file.hpp"
 
+#include "regular_file.hpp"
+
 #include <algorithm>
 #include <filesystem>
 
@@ -26,6 +28,12 @@ bool is_mp4(const std::string& path)
 /// Whatever is in the way of FFmpeg's own guess: the path may have a colon, or `%d`.
 std::string url_of(const std::string& path) { return "file:" + fs::absolute(path).string(); }
 
+void open_to_write(AVIOContext*& opened, const std::string& path)
+{
+    require_regular_or_missing(path);
+    checked(avio_open(&opened, url_of(path).c_str(), AVIO_FLAG_WRITE), path);
+}
+
 cv::Mat eight_bits(const cv::Mat& picture)
 {
     if (picture.depth() != CV_16U)
@@ -47,7 +55,7 @@ public:
         checked(avcodec_parameters_copy(stream->codecpar, in_->streams[0]->codecpar), to);
         stream->codecpar->codec_tag = 0;
         stream->time_base = in_->streams[0]->time_base;
-        checked(avio_open(&out_->pb, url_of(to).c_str(), AVIO_FLAG_WRITE), to);
+        open_to_write(out_->pb, to);
     }
     ~Remuxing()
     {
@@ -118,7 +126,7 @@ void VideoFile::begin(const Picture& picture)
     stream_->avg_frame_rate = encoding.frame_rate;
     checked(avcodec_parameters_from_context(stream_->codecpar, &encoder_->context()), settings_.path);
     file_->flags |= AVFMT_FLAG_FLUSH_PACKETS;
-    checked(avio_open(&file_->pb, url_of(settings_.path).c_str(), AVIO_FLAG_WRITE), settings_.path);
+    open_to_write(file_->pb, settings_.path);
     AVDictionary* options = nullptr;
     if (is_mp4(settings_.path))
         av_dict_set(&options, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);

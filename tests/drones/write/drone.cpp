@@ -7,6 +7,8 @@
 
 #include <csignal>
 
+#include <sys/stat.h>
+
 using namespace hive::test;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
@@ -86,6 +88,35 @@ TEST_CASE("write: a rate that no source has is taken for none")
     CHECK_THROWS_AS(desk.application.set("writer", {{"fps", 1e-300}}), hive::Error);
     desk.application.set("writer", {{"fps", 0.01}});
     CHECK(desk.application.get("writer", {"fps"}).at("fps") == 0.01);
+}
+
+TEST_CASE("write: a FIFO or a device is not written to, and the drone neither waits for it nor ends")
+{
+    const media::Folder folder;
+    const auto pipe = folder.path() / "pipe.mp4", link = folder.path() / "link.mp4", out = folder.path() / "out";
+    REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    fs::create_symlink("/dev/null", link);
+    Desk desk({"overwrite=on"});
+    for (const auto& path : {pipe, link})
+        try {
+            desk.application.set("writer", {{"file", path.string()}});
+            FAIL("it was taken");
+        } catch (const hive::Error& error) {
+            CHECK(has(error.what(), path.string() + " is not a regular file"));
+        }
+
+    fs::create_directory(out);
+    REQUIRE(::mkfifo((out / "times.csv").c_str(), 0600) == 0);
+    desk.application.set("writer", {{"file", out.string() + "/"}});
+    desk.give();
+    CHECK(eventually([&] { return has(desk.swarm.log("writer"), "times.csv is not a regular file"); }));
+
+    const auto video = folder.path() / "video.mp4";
+    std::ofstream(video) << "older";
+    fs::create_symlink("video.mp4", folder.path() / "linked.mp4");
+    desk.application.set("writer", {{"file", (folder.path() / "linked.mp4").string()}});
+    desk.give();
+    CHECK(eventually([&] { return fs::file_size(video) > 100; }));
 }
 
 TEST_CASE("write: a set of another file that is aborted leaves alone what is being written, and one that holds ends it")
