@@ -12,7 +12,7 @@ namespace hive::swarm_file {
 bool is_machine(std::string_view text) noexcept
 {
     const auto host = text.substr(text.rfind('@') + 1);  // a folder may be called so
-    return !text.empty() && text.size() <= 255 && text.front() != '-' && !host.starts_with('.')
+    return !text.empty() && text.size() <= 255 && text.front() != '-' && !host.empty() && !host.starts_with('.')
            && std::ranges::all_of(text, [](unsigned char c) { return c > ' ' && c < 0x7F; })
            && text.find_first_of("'\"`$;&|<>()\\/*?") == std::string_view::npos;
 }
