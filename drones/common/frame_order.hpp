@@ -12,22 +12,27 @@ namespace frame_order {
 class Order {
 public:
     /// Does this picture go on from the last one? No for the first of a source, or of a restarted one.
-    /// @throws hive::Error  refused: it comes after a later picture of its source; then it does not count
-    bool goes_on(const hive::Identity& identity)
+    /// @throws hive::Error  refused: it comes after a later picture of its source. If the same drone sent both, it does
+    ///                      not count; otherwise the next picture may go on from it: no drone may number for another
+    bool goes_on(const hive::Event& event)
     {
+        const auto& identity = event.identity;
         const bool same = last_ && last_->source == identity.source && last_->epoch == identity.epoch;
-        if (same && identity.sequence <= last_->sequence)
+        const bool late = same && identity.sequence <= last_->sequence;
+        const auto before = last_;
+        if (!late || last_->sender != event.sender)
+            last_ = Last{event.sender, identity.source, identity.epoch, identity.sequence};
+        if (late)
             throw hive::Error(hive::Errc::refused, "picture " + std::to_string(identity.sequence) + " of "
                                                        + identity.source + " comes after picture "
-                                                       + std::to_string(last_->sequence)
+                                                       + std::to_string(before->sequence)
                                                        + ": tracks need one connection, in order");
-        last_ = Last{identity.source, identity.epoch, identity.sequence};
         return same;
     }
 
 private:
     struct Last {
-        std::string source;
+        std::string sender, source;
         std::int64_t epoch, sequence;
     };
     std::optional<Last> last_;

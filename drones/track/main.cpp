@@ -40,7 +40,7 @@ void track_drone(hive::Drone& drone)
         "boxes", "application/json",
         [&](const hive::Event& event) {
             const auto found = track::boxes_in(event.header, boxes);
-            if (!order.goes_on(event.identity))
+            if (!order.goes_on(event))
                 tracker.restart();
             tracker.width = track::number_in(event.header, "width");
             tracker.height = track::number_in(event.header, "height");

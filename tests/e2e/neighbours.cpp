@@ -290,16 +290,17 @@ TEST_CASE("neighbours: a hundred false announcements of a stranger show nothing 
     const std::string digits(32, 'a');
     const std::vector<Words> kinds{
         genuine,  // from another machine and port
-        {"txtvers=1", "name=ticker", "kind=ticker", "epoch=1", "key=" + digits, "proof=" + digits},
-        {"txtvers=1", "name=../../x", "kind=x", "epoch=1", "key=" + digits, "proof=" + digits},
+        {"txtvers=1", "name=ticker", "kind=ticker", "epoch=1", "key=" + digits, "proof=" + digits, "members=" + digits},
+        {"txtvers=1", "name=../../x", "kind=x", "epoch=1", "key=" + digits, "proof=" + digits, "members=" + digits},
         {"txtvers=1", "name=" + std::string(200, 'n'), "kind=" + std::string(200, 'k'), "epoch=999999999999999999999"},
-        {"txtvers=1", "name=x", "kind=x", "epoch=1", "key=" + std::string(240, ','), "proof=" + std::string(240, ',')},
+        {"txtvers=1", "name=x", "kind=x", "epoch=1", "key=" + std::string(240, ','), "proof=" + std::string(240, ','),
+         "members=" + digits},
         Words(60, std::string(200, 'z')),
         {},
         {"txtvers=1",
          "name=\xc2\x9b"
          "31mred",
-         "kind=x", "epoch=1", "key=" + digits, "proof=" + digits, "at=tcp://-oProxyCommand=x:1"},
+         "kind=x", "epoch=1", "key=" + digits, "proof=" + digits, "members=" + digits, "at=tcp://-oProxyCommand=x:1"},
     };
     for (int i = 0; i < 100; ++i)
         announce_falsely(stranger, i, kinds[static_cast<std::size_t>(i) % kinds.size()]);

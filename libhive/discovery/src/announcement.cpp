@@ -57,14 +57,16 @@ std::optional<std::vector<std::string>> digits_in(const std::string& text)
     return all;
 }
 
-std::optional<std::vector<KeyProof>> proofs_in(const std::string& keys, const std::string& proofs)
+std::optional<std::vector<KeyProof>> proofs_in(std::map<std::string, std::string>& fields)
 {
-    const auto fingerprints = digits_in(keys), texts = digits_in(proofs);
-    if (!fingerprints || !texts || fingerprints->size() != texts->size())
+    const auto fingerprints = digits_in(fields["key"]);
+    const auto proofs = digits_in(fields["proof"]), of_members = digits_in(fields["members"]);
+    if (!fingerprints || !proofs || !of_members || fingerprints->size() != proofs->size()
+        || fingerprints->size() != of_members->size())
         return std::nullopt;
     std::vector<KeyProof> all;
-    for (std::size_t i = 0; i < texts->size(); ++i)
-        all.push_back({(*fingerprints)[i], (*texts)[i]});
+    for (std::size_t i = 0; i < fingerprints->size(); ++i)
+        all.push_back({(*fingerprints)[i], (*proofs)[i], (*of_members)[i]});
     return all;
 }
 
@@ -130,19 +132,23 @@ auto identity(const Neighbour& neighbour) { return std::tie(neighbour.said.drone
 void prove(Announcement& announcement, const Service& service, const std::vector<SwarmKey>& keys)
 {
     announcement.proofs.clear();
+    const auto text = proved_text(announcement, service);
     for (const auto& key : keys)
         if (announcement.proofs.size() < Announcement::most_proofs)
             announcement.proofs.push_back(
-                {announced_fingerprint(key), announcement_proof(key, proved_text(announcement, service))});
+                {.fingerprint = announced_fingerprint(key),
+                 .proof = announcement_proof(key.role == Role::member ? viewers_key(key) : key, text),
+                 .members_proof = announcement_proof(key, text)});
 }
 
 bool is_proved(const Announcement& announcement, const Service& service, const std::vector<SwarmKey>& keys)
 {
     for (const auto& key : keys) {
         const auto own = announced_fingerprint(key);
-        for (const auto& [fingerprint, proof] : announcement.proofs)
+        for (const auto& [fingerprint, proof, members_proof] : announcement.proofs)
             if (fingerprint == own)
-                return proof == announcement_proof(key, proved_text(announcement, service));
+                return (key.role == Role::member ? members_proof : proof)
+                       == announcement_proof(key, proved_text(announcement, service));
     }
     return false;
 }
@@ -154,7 +160,8 @@ std::vector<std::string> to_txt(const Announcement& announcement)
                                  "kind=" + announcement.kind,
                                  "epoch=" + std::to_string(announcement.epoch),
                                  "key=" + joined(announcement.proofs, &KeyProof::fingerprint),
-                                 "proof=" + joined(announcement.proofs, &KeyProof::proof)};
+                                 "proof=" + joined(announcement.proofs, &KeyProof::proof),
+                                 "members=" + joined(announcement.proofs, &KeyProof::members_proof)};
     if (!announcement.at.empty())
         txt.push_back("at=" + announcement.at);
     return txt;
@@ -165,7 +172,7 @@ try {
     if (txt.size() > most_strings)
         return std::nullopt;
     auto fields = fields_of(txt);
-    const auto proofs = proofs_in(fields["key"], fields["proof"]);
+    const auto proofs = proofs_in(fields);
     const auto epoch = epoch_in(fields["epoch"]);
     if (fields["txtvers"] != version || !is_name(fields["name"]) || !is_name(fields["kind"]) || !proofs || !epoch
         || !is_place(fields["at"]))

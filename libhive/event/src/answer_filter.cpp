@@ -57,13 +57,8 @@ bool AnswerFilter::first(const Event& event)
     auto& answer = found.second;
     const auto known = answers_.find(work);
     const auto taken = known == answers_.end() ? std::span<const Answer>() : std::span<const Answer>(known->second);
-    const auto same = [&](const Answer& one) {
-        return one.attempts == answer.attempts && one.branches == answer.branches;
-    };
-    if (std::ranges::any_of(taken, same))
-        return true;
-    const auto before = std::ranges::find_if(
-        taken, [&](const Answer& one) { return one.attempts != answer.attempts && stand_for_each_other(one, answer); });
+    const auto before =
+        std::ranges::find_if(taken, [&](const Answer& one) { return stand_for_each_other(one, answer); });
     if (before == taken.end()) {
         remember(std::move(work), std::move(answer));
         return true;
@@ -97,10 +92,13 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
     return {work += std::to_string(event.identity.part), std::move(answer)};
 }
 
-/// Of two attempts at the same work: does either make the other superfluous? Not where a drone gave what it made of the
-/// work to several others, and these two are of different ones.
+/// Of two answers to the same work: does either make the other superfluous? Not where a drone gave what it made of the
+/// work to several others, and these two are of different ones. An attempt was given to one drone, which gives each
+/// answer once.
 bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
 {
+    if (one.attempts == other.attempts)
+        return one.branches == other.branches;
     const auto [mine, its] =
         std::ranges::mismatch(one.branches, other.branches, {}, &Branch::receiver, &Branch::receiver);
     return mine == one.branches.end() || its == other.branches.end() || !(mine->each || its->each);

@@ -17,6 +17,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
 /// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
 constexpr milliseconds last_look(200);
+/// For whom a held set has locked out. Longer than an application waits between two attempts (JointSet).
+constexpr milliseconds turn_kept(150);
 
 /// What the answer says when the drone's code threw: it understood, and said no.
 Error refusal(const Error& error)
@@ -83,7 +85,7 @@ void ParameterRequests::on_set(const Incoming& incoming)
 void ParameterRequests::propose(Proposal::Terms terms)
 {
     if (terms.token)
-        require_free();
+        require_free(terms.asker);
     const auto proposal = std::make_shared<Proposal>(std::move(terms));
     if (proposal->by_asker())
         held_ = proposal;
@@ -93,14 +95,19 @@ void ParameterRequests::propose(Proposal::Terms terms)
 }
 
 /// A second prepare is refused at once instead of waiting: two that wait for each other on two drones would wait for
-/// their deadlines.
-void ParameterRequests::require_free()
+/// their deadlines. Who was refused first has the next turn, or else who asks most often would have them all.
+void ParameterRequests::require_free(const std::string& asker)
 {
-    if (!held_)
-        return;
-    if (held_->wanted() || held_->committed())
+    if (held_ && !held_->wanted() && !held_->committed())
+        give_up(held_, Error(Errc::connection_lost, "the asker is gone"));
+    if (held_) {
+        if (next_.empty() && asker != held_->asker())
+            next_ = asker;
         throw Error(Errc::locked, parts_.module.self().name + " is just being set by " + held_->asker());
-    give_up(held_, Error(Errc::connection_lost, "the asker is gone"));
+    }
+    if (!next_.empty() && next_ != asker && Clock::now() < next_until_)
+        throw Error(Errc::locked, parts_.module.self().name + " is to be set by " + next_ + " next");
+    next_.clear();
 }
 
 ProposalPtr ParameterRequests::held(const Incoming& incoming, std::int64_t token) const
@@ -134,8 +141,10 @@ void ParameterRequests::give_up(const ProposalPtr& proposal, const Error& reason
 
 void ParameterRequests::forget(const ProposalPtr& proposal)
 {
-    if (held_ == proposal)
+    if (held_ == proposal) {
         held_.reset();
+        next_until_ = Clock::now() + turn_kept;
+    }
     under_way_.erase(proposal);
 }
 

@@ -33,7 +33,7 @@ private:
     void on_commit(const event::Incoming& incoming, std::int64_t token);
     void on_abort(const event::Incoming& incoming, std::int64_t token);
     void propose(Proposal::Terms terms);
-    void require_free();
+    void require_free(const std::string& asker);
     [[nodiscard]] ProposalPtr held(const event::Incoming& incoming, std::int64_t token) const;
     void give_up(const ProposalPtr& proposal, const Error& reason);
     void on_deadline(const ProposalPtr& proposal);
@@ -53,6 +53,8 @@ private:
     Parts parts_;
     std::map<ProposalPtr, event::Alarm> under_way_;  ///< each with the alarm of its deadline
     ProposalPtr held_;                               ///< the one prepare that locks the others out
+    std::string next_;                               ///< the first who was locked out; empty: nobody was
+    event::Clock::time_point next_until_;            ///< when nothing is held: it is locked out for others so long
 };
 
 }  // namespace hive::service

@@ -37,13 +37,15 @@ namespace {
 /// 32 hexadecimal digits that only a holder of the key can make.
 std::string announced(const SwarmKey& key, std::string_view use)
 {
-    const auto viewers = key.role == Role::member ? viewers_key(key).secret : key.secret;
-    return transport::hex(transport::derived(viewers, use).data(), 16);
+    return transport::hex(transport::derived(key.secret, use).data(), 16);
 }
 
 }  // namespace
 
-std::string announced_fingerprint(const SwarmKey& key) { return announced(key, "hive announce v1"); }
+std::string announced_fingerprint(const SwarmKey& key)
+{
+    return announced(key.role == Role::member ? viewers_key(key) : key, "hive announce v1");
+}
 
 std::string announcement_proof(const SwarmKey& key, std::string_view text)
 {

@@ -254,6 +254,30 @@ TEST_CASE("drone: while one set is prepared a second prepare is refused at once,
     CHECK(get_all(drone.other) == drone.before);
 }
 
+TEST_CASE("drone: who met a prepared set has the next turn, and loses it when it does not come")
+{
+    const subject::Home home;
+    const auto process = home.start();
+    Prepared drone(home);
+    if (drone.wanted.empty())
+        return;
+    auto second = home.meet("second");
+    const auto prepare = [&](raw::Peer& peer, int token) { return raw::error_of(drone.prepare(peer, token)); };
+    const auto abort = [](raw::Peer& peer, int token) {
+        CHECK(raw::error_of(peer.ask(raw::set, {{"abort", token}})) == "");
+    };
+    CHECK(prepare(drone.asker, 1) == "");
+    CHECK(prepare(second, 2) == "locked");
+    abort(drone.asker, 1);
+    CHECK(prepare(drone.asker, 3) == "locked");
+    CHECK(prepare(second, 4) == "");
+    CHECK(prepare(drone.asker, 5) == "locked");
+    abort(second, 4);
+    std::this_thread::sleep_for(Milliseconds(300));  // twice as long as a turn is kept
+    CHECK(prepare(second, 6) == "");
+    abort(second, 6);
+}
+
 TEST_CASE(
     "drone: a drone that is killed with a prepared set comes back with the old values, after a commit with the new")
 {

@@ -48,7 +48,7 @@ public:
     /// Starts it and does not wait for anything.
     [[nodiscard]] hive::test::Process launch(const std::vector<std::string>& arguments = {},
                                              const std::string& log = "log") const;
-    [[nodiscard]] raw::Peer meet() const { return raw::Peer::meet(file(".sock")); }
+    [[nodiscard]] raw::Peer meet(const std::string& name = "raw") const { return raw::Peer::meet(file(".sock"), name); }
     [[nodiscard]] bool answers() const;
     [[nodiscard]] std::string log(const std::string& log = "log") const;
 

@@ -4,17 +4,18 @@
 #include <doctest/doctest.h>
 
 using frame_order::Order;
-using hive::Identity;
 
 namespace {
 
-Identity picture(const std::string& source, std::int64_t epoch, std::int64_t sequence)
+hive::Event picture(const std::string& source, std::int64_t epoch, std::int64_t sequence,
+                    const std::string& sender = "face")
 {
-    Identity identity;
-    identity.source = source;
-    identity.epoch = epoch;
-    identity.sequence = sequence;
-    return identity;
+    hive::Event event;
+    event.sender = sender;
+    event.identity.source = source;
+    event.identity.epoch = epoch;
+    event.identity.sequence = sequence;
+    return event;
 }
 
 }  // namespace
@@ -39,12 +40,20 @@ TEST_CASE("order: a picture that comes late or twice is refused, and the sequenc
     CHECK(order.goes_on(picture("camera", 1, 6)));
 }
 
+TEST_CASE("order: a number that another drone said costs one picture, not all that follow")
+{
+    Order order;
+    order.goes_on(picture("camera", 1, 5));
+    CHECK(order.goes_on(picture("camera", 1, 1'000'000, "liar")));
+    CHECK_THROWS_AS(order.goes_on(picture("camera", 1, 6)), hive::Error);
+    CHECK(order.goes_on(picture("camera", 1, 7)));
+}
+
 TEST_CASE(
     "order: time is that in the file, or of the capture, not of the arrival, or counts pictures at a rate that was "
     "told")
 {
-    hive::Event event;
-    event.identity = picture("camera", 1, 45);
+    auto event = picture("camera", 1, 45);
     event.identity.monotonic_us = 2'500'000;
     CHECK(frame_order::time_of(event, 0) == doctest::Approx(2.5));
     CHECK(frame_order::time_of(event, 30) == doctest::Approx(1.5));

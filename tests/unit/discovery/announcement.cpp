@@ -51,7 +51,7 @@ TEST_CASE("announcement: what strangers write is refused unless it is whole and 
 {
     const auto txt = to_txt(camera({members_key()}));
     const std::string digits(32, 'a');
-    for (const std::string key : {"txtvers", "name", "kind", "epoch", "key", "proof"}) {
+    for (const std::string key : {"txtvers", "name", "kind", "epoch", "key", "proof", "members"}) {
         CHECK_MESSAGE(!from_txt(with(txt, key, "")), key);
         CHECK_MESSAGE(!from_txt(with(txt, key, key + "=")), key);
         CHECK_MESSAGE(!from_txt(with(txt, key, key + "=\x1b[2J")), key);
@@ -66,7 +66,8 @@ TEST_CASE("announcement: what strangers write is refused unless it is whole and 
     std::string five = digits;
     for (int i = 0; i < 4; ++i)
         five += "," + digits;
-    CHECK_FALSE(from_txt(with(with(txt, "key", "key=" + five), "proof", "proof=" + five)));
+    CHECK_FALSE(
+        from_txt(with(with(with(txt, "key", "key=" + five), "proof", "proof=" + five), "members", "members=" + five)));
     CHECK_FALSE(from_txt(std::vector<std::string>(17, "x=y")));
     CHECK_FALSE(from_txt({}));
     CHECK_FALSE(from_txt({"", "=", "name"}));
@@ -102,7 +103,15 @@ TEST_CASE("announcement: what was announced cannot be announced for another dron
     CHECK_FALSE(changed([](Announcement& copy) { copy.kind = "door"; }));
     CHECK_FALSE(changed([](Announcement& copy) { ++copy.epoch; }));
     CHECK_FALSE(changed([](Announcement& copy) { copy.at = "tcp://evil:7700"; }));
-    CHECK_FALSE(changed([](Announcement& copy) { std::ranges::reverse(copy.proofs.at(0).proof); }));
+    CHECK_FALSE(changed([](Announcement& copy) { std::ranges::reverse(copy.proofs.at(0).members_proof); }));
+}
+
+TEST_CASE("announcement: what who has the viewers' key announces is known by viewers alone")
+{
+    const auto key = members_key(), viewers = viewers_key(key);
+    const auto forged = camera({viewers});
+    CHECK(is_proved(forged, service, {viewers}));
+    CHECK_FALSE(is_proved(forged, service, {key}));
 }
 
 TEST_CASE("announcement: announced is what is advertised, or where others reach it")

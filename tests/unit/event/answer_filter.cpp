@@ -41,6 +41,17 @@ TEST_CASE("answer filter: the answer of another attempt at the same work is refu
     CHECK_FALSE(filter.first(answer({with(turn_1, 2, 1)})));
 }
 
+TEST_CASE(
+    "answer filter: an attempt is answered once, by one drone; a second event of an answer has a number of its own")
+{
+    AnswerFilter filter;
+    CHECK(filter.first(answer({turn_1})));
+    CHECK(filter.first(answer({turn_1}, "face-1", "faces", 1)));
+    CHECK_FALSE(filter.first(answer({turn_1})));
+    CHECK_FALSE(filter.first(answer({turn_1}, "face-1", "faces", 1)));
+    CHECK_FALSE(filter.first(answer({turn_1}, "liar")));
+}
+
 TEST_CASE("answer filter: a plain receiver that was replaced by a drone of another kind is the same receiver")
 {
     AnswerFilter filter;
@@ -99,7 +110,7 @@ TEST_CASE("answer filter: behind a group, who was one of several once answers fo
         CHECK(filter.first(answer_of("face-2", 1, !alone_first)));
         CHECK_FALSE(filter.first(answer_of("face-2", 2, alone_first)));
         CHECK(filter.first(answer_of("face-1", 2, alone_first)));
-        CHECK(filter.first(answer_of("face-1", 2, alone_first)));  // a second event of that answer
+        CHECK_FALSE(filter.first(answer_of("face-1", 2, alone_first)));
         CHECK_FALSE(filter.first(answer_of("face-1", 3, false)));
     }
 }
@@ -186,7 +197,7 @@ TEST_CASE("answer filter: what its sender itself gives out once more may come ag
     // The share before it still names the work.
     CHECK(shares_behind(answer({turn_1, own("face-1.faces")})) == 1);
     CHECK(filter.first(answer({turn_1, own("face-1.faces")})));
-    CHECK(filter.first(answer({turn_1, own("face-1.faces", 2)})));
+    CHECK_FALSE(filter.first(answer({turn_1, own("face-1.faces", 2)})));
     CHECK_FALSE(filter.first(answer({with(turn_1, 1, 2), own("face-2.faces")}, "face-2")));
 }
 

@@ -32,7 +32,8 @@ inline bool holds(const SwarmKey& key, std::int64_t now_s) { return key.until_s 
 /// What a drone announces on the local network to be known by holders of its key, members and viewers alike: made of
 /// the viewers' key under a use of its own, so it helps nobody to guess a key, nor to connect it with the key's id.
 std::string announced_fingerprint(const SwarmKey& key);
-/// That a text was announced by a holder of the key; different for each text.
+/// That a text was announced by a holder of the key; different for each text, and for members and viewers: who can
+/// check one could have made it.
 std::string announcement_proof(const SwarmKey& key, std::string_view text);
 
 /// Where the keys of this user are: $HIVE_KEY, or $XDG_CONFIG_HOME/hive/swarm.key, or ~/.config/hive/swarm.key. Empty

@@ -12,9 +12,10 @@ namespace hive::discovery {
 
 inline constexpr const char* service_type = "_hive._tcp";
 
-/// That a holder of a key announces this. Who holds the key knows it by its fingerprint and can check the proof.
+/// That a holder of a key announces this. Who holds the key knows it by its fingerprint and can check a proof: members
+/// that of members, which no viewer can make.
 struct KeyProof {
-    std::string fingerprint, proof;
+    std::string fingerprint, proof, members_proof;
     bool operator==(const KeyProof&) const = default;
 };
 

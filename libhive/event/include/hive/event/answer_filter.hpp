@@ -11,18 +11,17 @@
 
 namespace hive::event {
 
-/// The events that come to one input. The first answer to a piece of work is taken; what another attempt at the same
-/// work gives is refused, unless it is of a receiver that has not answered yet and does so for itself. Pure logic, for
-/// one thread.
+/// The events that come to one input. The first answer to a piece of work is taken; the same one again, and what
+/// another attempt at the work gives, is refused, unless it is of a receiver that has not answered yet and does so for
+/// itself. Pure logic, for one thread.
 class AnswerFilter {
 public:
     static constexpr std::size_t remembered = 65536;
     static constexpr std::size_t remembered_bytes = 16u << 20;  ///< of what names the works and answers
 
     AnswerFilter();
-    /// Is this to be taken? Always true for what nobody gave out twice, and for more events of an answer that was
-    /// taken. A lossless event that is refused is acknowledged no sooner than the answer that it repeats, which this
-    /// process may still lose.
+    /// Is this to be taken? Always true for what nobody gave out as a numbered piece of work. A lossless event that is
+    /// refused is acknowledged no sooner than the answer that it repeats, which this process may still lose.
     bool first(const Event& event);
 
 private:
