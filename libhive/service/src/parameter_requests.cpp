@@ -17,8 +17,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
 /// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
 constexpr milliseconds last_look(200);
-/// For whom a held set has locked out. Longer than an application waits between two attempts (JointSet).
-constexpr milliseconds turn_kept(150);
 
 /// What the answer says when the drone's code threw: it understood, and said no.
 Error refusal(const Error& error)
@@ -101,13 +99,11 @@ void ParameterRequests::require_free(const std::string& asker)
     if (held_ && !held_->wanted() && !held_->committed())
         give_up(held_, Error(Errc::connection_lost, "the asker is gone"));
     if (held_) {
-        if (next_.empty() && asker != held_->asker())
-            next_ = asker;
+        turns_.refused(asker);
         throw Error(Errc::locked, parts_.module.self().name + " is just being set by " + held_->asker());
     }
-    if (!next_.empty() && next_ != asker && Clock::now() < next_until_)
-        throw Error(Errc::locked, parts_.module.self().name + " is to be set by " + next_ + " next");
-    next_.clear();
+    if (const auto owner = turns_.taken_by(asker, Clock::now()); !owner.empty())
+        throw Error(Errc::locked, parts_.module.self().name + " is to be set by " + owner + " next");
 }
 
 ProposalPtr ParameterRequests::held(const Incoming& incoming, std::int64_t token) const
@@ -143,7 +139,7 @@ void ParameterRequests::forget(const ProposalPtr& proposal)
 {
     if (held_ == proposal) {
         held_.reset();
-        next_until_ = Clock::now() + turn_kept;
+        turns_.freed(proposal->committed(), Clock::now());
     }
     under_way_.erase(proposal);
 }

@@ -3,6 +3,7 @@
 
 #include "inbox.hpp"
 #include "proposal.hpp"
+#include "set_turns.hpp"
 #include "state_file.hpp"
 
 #include <map>
@@ -53,8 +54,7 @@ private:
     Parts parts_;
     std::map<ProposalPtr, event::Alarm> under_way_;  ///< each with the alarm of its deadline
     ProposalPtr held_;                               ///< the one prepare that locks the others out
-    std::string next_;                               ///< the first who was locked out; empty: nobody was
-    event::Clock::time_point next_until_;            ///< when nothing is held: it is locked out for others so long
+    SetTurns turns_;
 };
 
 }  // namespace hive::service

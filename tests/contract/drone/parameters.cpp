@@ -273,7 +273,7 @@ TEST_CASE("drone: who met a prepared set has the next turn, and loses it when it
     CHECK(prepare(second, 4) == "");
     CHECK(prepare(drone.asker, 5) == "locked");
     abort(second, 4);
-    std::this_thread::sleep_for(Milliseconds(300));  // twice as long as a turn is kept
+    std::this_thread::sleep_for(Milliseconds(500));  // its turn is over, and nobody comes for the next
     CHECK(prepare(second, 6) == "");
     abort(second, 6);
 }
