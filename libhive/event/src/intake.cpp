@@ -272,17 +272,18 @@ void Intake::leave_now()
 }
 
 /// Lossless and shared work is finished first; other events are not waited for. Results that wait for their first
-/// receiver are kept, so their events are acknowledged at once.
+/// receiver are kept, so their events are acknowledged at once; but not to a group in which another connection follows
+/// this one: it goes on without this answer, and who puts its results in order would not wait for one that is closed.
 void Intake::try_to_leave()
 {
-    if (connected_ && all_worked() && !in_hand_.empty() && host_.holds()) {
+    const bool shared = !spec_.options.group.empty(), followed = held_ > 0;
+    if (connected_ && all_worked() && !in_hand_.empty() && host_.holds() && !(shared && followed)) {
         ++generation_;
         done_ = arrived();
         in_hand_.clear();
         tell(asked_, done_);
     }
-    const bool owed = !spec_.options.group.empty()
-                      || std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.lossless; });
+    const bool owed = shared || std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.lossless; });
     if (left_ || (connected_ && owed && !in_hand_.empty()))
         return;
     left_ = true;

@@ -202,6 +202,9 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     if (found.empty())
         return;
     const Seat& seat = found.mapped();
+    if (seat.heir)
+        for (auto& [earlier, each] : seats_)
+            each.heir = each.heir == id ? seat.heir : each.heir;
     Subscription& subscription = seat.subscription();
     const auto heir = seat.heir ? seats_.find(*seat.heir) : seats_.end();
     if (heir == seats_.end() || &heir->second.subscription() == &subscription

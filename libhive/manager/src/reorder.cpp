@@ -136,7 +136,8 @@ void Reorder::advance(Line& line, TimePoint now)
 }
 
 /// A lossless result is acknowledged where it is received, and only then is its turn closed. So a closed turn that has
-/// no result here will have none: its worker gave none, or nobody here receives from that worker.
+/// no result here will have none: its worker gave none, or nobody here receives from that worker. A worker that left
+/// its group while nobody received from it still holds a result: that is taken when it comes.
 bool Reorder::answered(const Line& line, std::int64_t turn)
 {
     return line.lossless && (turn <= line.closed || line.finished);
@@ -182,13 +183,15 @@ void Reorder::expire(TimePoint now)
 void Reorder::give_up(const Key& key, Line& line, TimePoint now)
 {
     const auto turn = line.expected++;
-    line.passed.insert(turn);
-    if (line.passed.size() > remembered_turns)
-        line.passed.erase(line.passed.begin());
-    if (!answered(line, turn) && (turn > line.joined || line.open.contains(turn))) {
-        ++missing_;
-        if (auto& turns = missing_turns_[key.first]; turns.size() < remembered_turns)
-            turns.push_back(turn);
+    if (!answered(line, turn)) {
+        line.passed.insert(turn);
+        if (line.passed.size() > remembered_turns)
+            line.passed.erase(line.passed.begin());
+        if (turn > line.joined || line.open.contains(turn)) {
+            ++missing_;
+            if (auto& turns = missing_turns_[key.first]; turns.size() < remembered_turns)
+                turns.push_back(turn);
+        }
     }
     const auto since = line.stuck_since;
     advance(line, now);

@@ -56,6 +56,21 @@ TEST_CASE("regroup: what a plain receiver has in hand and does not do goes to th
     CHECK(world.table.asked());
 }
 
+TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, also when it changed twice meanwhile")
+{
+    World world;
+    world.add(face(1, window(2)));
+    world.offer(1, true);
+    world.offer(2, true);
+    world.add(face(2, sharing(4)));
+    world.add(face(3, window(4)));
+    world.leave(2);
+    CHECK(world.lose(1, Fate::lost_connection) == Got{{3, {1, 2}}});
+    CHECK(world.table.why() != Reason::place_kept);
+    world.ask(3, {6, 2, 2});
+    CHECK(world.table.asked());
+}
+
 TEST_CASE("regroup: a source waits for no group whose last member is received plainly now")
 {
     World world;
