@@ -266,23 +266,30 @@ void Intake::hand_over()
 
 void Intake::leave_now()
 {
+    acknowledge_held();
     ++generation_;
     in_hand_.clear();
     try_to_leave();
 }
 
-/// Lossless and shared work is finished first; other events are not waited for. Results that wait for their first
-/// receiver are kept, so their events are acknowledged at once; but not to a group in which another connection follows
-/// this one: it goes on without this answer, and who puts its results in order would not wait for one that is closed.
+/// Results that wait for their first receiver are kept, so nothing is lost when their events are acknowledged.
+void Intake::acknowledge_held()
+{
+    if (!connected_ || !all_worked() || in_hand_.empty() || !host_.holds())
+        return;
+    ++generation_;
+    done_ = arrived();
+    in_hand_.clear();
+    tell(asked_, done_);
+}
+
+/// Lossless and shared work is finished first; other events are not waited for. A group goes on without the answer of
+/// this member, but who puts its results in order would not wait for one that is acknowledged.
 void Intake::try_to_leave()
 {
-    const bool shared = !spec_.options.group.empty(), followed = held_ > 0;
-    if (connected_ && all_worked() && !in_hand_.empty() && host_.holds() && !(shared && followed)) {
-        ++generation_;
-        done_ = arrived();
-        in_hand_.clear();
-        tell(asked_, done_);
-    }
+    const bool shared = !spec_.options.group.empty();
+    if (!shared)
+        acknowledge_held();
     const bool owed = shared || std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.lossless; });
     if (left_ || (connected_ && owed && !in_hand_.empty()))
         return;

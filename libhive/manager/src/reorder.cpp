@@ -41,6 +41,8 @@ bool Reorder::push(Event event, TimePoint now)
         line.first = line.expected = std::min(line.closed + 1, share->turn);
         line.stuck_since = now;
     }
+    if (line.unanswered.erase(share->turn) > 0)
+        miss(key_of(*share), share->turn);
     if (share->turn < line.first || line.passed.contains(share->turn) || line.failed.contains(share->turn))
         return false;
     line.waiting.emplace(share->turn, std::move(event));
@@ -137,7 +139,7 @@ void Reorder::advance(Line& line, TimePoint now)
 
 /// A lossless result is acknowledged where it is received, and only then is its turn closed. So a closed turn that has
 /// no result here will have none: its worker gave none, or nobody here receives from that worker. A worker that left
-/// its group while nobody received from it still holds a result: that is taken when it comes.
+/// its group while nobody received from it still holds a result: when that comes it is missing, see push().
 bool Reorder::answered(const Line& line, std::int64_t turn)
 {
     return line.lossless && (turn <= line.closed || line.finished);
@@ -183,20 +185,25 @@ void Reorder::expire(TimePoint now)
 void Reorder::give_up(const Key& key, Line& line, TimePoint now)
 {
     const auto turn = line.expected++;
-    if (!answered(line, turn)) {
-        line.passed.insert(turn);
-        if (line.passed.size() > remembered_turns)
-            line.passed.erase(line.passed.begin());
-        if (turn > line.joined || line.open.contains(turn)) {
-            ++missing_;
-            if (auto& turns = missing_turns_[key.first]; turns.size() < remembered_turns)
-                turns.push_back(turn);
-        }
-    }
+    line.passed.insert(turn);
+    if (answered(line, turn))
+        line.unanswered.insert(turn);
+    else if (turn > line.joined || line.open.contains(turn))
+        miss(key, turn);
+    for (auto* turns : {&line.passed, &line.unanswered})
+        if (turns->size() > remembered_turns)
+            turns->erase(turns->begin());
     const auto since = line.stuck_since;
     advance(line, now);
     if (!line.waiting.empty() && line.expected == turn + 1)
         line.stuck_since = since;  // those behind it have been waited for as long
+}
+
+void Reorder::miss(const Key& key, std::int64_t turn)
+{
+    ++missing_;
+    if (auto& turns = missing_turns_[key.first]; turns.size() < remembered_turns)
+        turns.push_back(turn);
 }
 
 std::optional<Event> Reorder::pop()

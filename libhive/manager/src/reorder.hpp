@@ -75,8 +75,9 @@ private:
         bool finished = false;        ///< nothing more will come
         std::set<std::int64_t> open;  ///< of those up to joined: a worker has them in hand
         std::set<std::int64_t> failed;
-        std::set<std::int64_t> skipped;  ///< no result is waited for, but one that comes is taken
-        std::set<std::int64_t> passed;   ///< given up
+        std::set<std::int64_t> skipped;     ///< no result is waited for, but one that comes is taken
+        std::set<std::int64_t> passed;      ///< given up
+        std::set<std::int64_t> unanswered;  ///< of those, the closed ones that have no result, as it seemed
         std::multimap<std::int64_t, Event> waiting;
         TimePoint stuck_since{};
         std::map<std::string, std::int64_t> sources;  ///< and the run of each that the last event was of
@@ -94,6 +95,7 @@ private:
     void hand_out(Line& line, Event event);
     void advance(Line& line, TimePoint now);
     void give_up(const Key& key, Line& line, TimePoint now);
+    void miss(const Key& key, std::int64_t turn);
     [[nodiscard]] TimePoint due(const Line& line) const;
     [[nodiscard]] static bool answered(const Line& line, std::int64_t turn);
     static Key key_of(const Share& share) { return {share.of, share.epoch}; }

@@ -55,6 +55,7 @@ public:
     void stop(std::function<void()> left = [] {});
     /// After stop(): what is in hand is waited for no longer, its sender may give it to others.
     void leave_now();
+    void acknowledge_held();
     /// Another process goes on in its place: the sender is told what is done and nothing of an end, and gives the rest
     /// to that one. After this nothing is acknowledged.
     void hand_over();
