@@ -38,6 +38,8 @@ void Encoder::run()
 {
     sigset_t all;
     sigfillset(&all);
+    for (const int crash : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT})
+        sigdelset(&all, crash);
     ::pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the drone's own threads
     for (std::unique_lock lock(mutex_);;) {
         changed_.wait(lock, [this] { return ending_ || captioned_.asked || plain_.asked; });

@@ -172,6 +172,8 @@ void Server::Core::loop()
 {
     sigset_t all;
     sigfillset(&all);
+    for (const int crash : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT})
+        sigdelset(&all, crash);
     ::pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the drone's own threads
     const int events = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
     while (!ending_) {

@@ -134,7 +134,8 @@ Verb verb()
             .usage = "NAME [-n LINES] [--follow] [options]",
             .summary = "Prints the last lines that a drone has written, wherever it runs",
             .details = "On this machine it reads NAME.log in the directory where drones meet, which hivectl start has "
-                       "begun. The log of a drone that was started with --on is read through ssh.",
+                       "begun. It ends with the stack of a drone that died of a signal such as SIGSEGV. The log of a "
+                       "drone that was started with --on is read through ssh.",
             .examples = "hivectl logs face -n 5",
             .timeout = "how long to wait for the other machine (default 5), or to follow (default: for ever)",
             .operands = {Operand::drone},

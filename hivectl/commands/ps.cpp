@@ -102,38 +102,99 @@ Row row_of(const hive::StatusAnswer& answer)
                {"last_exception", status.last_exception ? exception_json(*status.last_exception) : hive::Json()}};
 }
 
-/// The last line of its log says most about why.
-Row failed_row(const hive::FailedDrone& failed)
+std::string crash_text(const hive::CrashedDrone& crash)
 {
+    return crash.signal + (crash.function.empty() ? "" : " in " + crash.function)
+           + (crash.source.empty() ? "" : " at " + crash.source.substr(crash.source.rfind('/') + 1));
+}
+
+hive::Json crash_json(const hive::CrashedDrone& crash)
+{
+    return {{"signal", crash.signal},
+            {"function", crash.function},
+            {"source", crash.source},
+            {"pid", crash.pid},
+            {"time_us", crash.time_us}};
+}
+
+Row crashed_row(const hive::CrashedDrone& crash)
+{
+    return Row{{"name", crash.drone},
+               {"host", hive::Place::here},
+               {"kind", nullptr},
+               {"state", "crashed"},
+               {"pid", nullptr},
+               {"uptime_us", nullptr},
+               {"busy_percent", nullptr},
+               {"note", "at " + time_text(crash.time_us) + ": " + crash_text(crash)},
+               {"crash", crash_json(crash)}};
+}
+
+/// The last line of its log says most about why, if it did not crash.
+std::string last_cause(const hive::FailedDrone& failed, const hive::CrashedDrone* crash)
+{
+    if (crash)
+        return crash_text(*crash);
     const auto last = failed.log.find_last_not_of('\n');
     const auto begin = last == std::string::npos ? 0 : failed.log.rfind('\n', last) + 1;
-    const auto line = failed.log.substr(begin, last + 1 - begin);
+    return failed.log.substr(begin, last + 1 - begin);
+}
+
+Row failed_row(const hive::FailedDrone& failed, const hive::CrashedDrone* crash)
+{
+    const auto cause = last_cause(failed, crash);
     return Row{{"name", failed.drone},    {"host", hive::Place::here},
                {"kind", nullptr},         {"state", "failed"},
                {"pid", nullptr},          {"uptime_us", nullptr},
-               {"busy_percent", nullptr}, {"note", failed.reason + (line.empty() ? "" : ": " + line)},
-               {"log", failed.log}};
+               {"busy_percent", nullptr}, {"note", failed.reason + (cause.empty() ? "" : ": " + cause)},
+               {"log", failed.log},       {"crash", crash ? crash_json(*crash) : hive::Json()}};
 }
 
-void add_failed(std::vector<Row>& rows, const std::vector<std::string>& words, hive::Application& application)
+bool is_meant(const std::string& drone, const std::vector<std::string>& words)
+{
+    return words.empty()
+           || std::ranges::any_of(words, [&](const auto& word) { return hive::matches_glob(word, drone); });
+}
+
+void add_crashed(std::vector<Row>& rows, const std::vector<std::string>& words, std::vector<hive::CrashedDrone> crashed,
+                 hive::Application& application)
 {
     for (const auto& failed : application.failed())
-        if (words.empty()
-            || std::ranges::any_of(words, [&](const auto& word) { return hive::matches_glob(word, failed.drone); }))
-            rows.push_back(failed_row(failed));
+        if (is_meant(failed.drone, words)) {
+            const auto crash = std::ranges::find(crashed, failed.drone, &hive::CrashedDrone::drone);
+            rows.push_back(failed_row(failed, crash == crashed.end() ? nullptr : &*crash));
+            if (crash != crashed.end())
+                crashed.erase(crash);
+        }
+    for (const auto& crash : crashed)
+        if (is_meant(crash.drone, words))
+            rows.push_back(crashed_row(crash));
+}
+
+/// But for those that fit crashed drones alone.
+std::vector<std::string> words_that_run(std::vector<std::string> words, const std::vector<hive::CrashedDrone>& crashed,
+                                        hive::Application& application)
+{
+    std::erase_if(words, [&](const std::string& word) {
+        return std::ranges::any_of(crashed, [&](const auto& crash) { return is_meant(crash.drone, {word}); })
+               && !runs(application, word);
+    });
+    return words;
 }
 
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application(1s);
     Outcome outcome("ps");
-    const auto names = words.empty() ? application.drones() : drones_named(application, words, outcome);
+    auto crashed = application.crashed();
+    const auto names = words.empty() ? application.drones()
+                                     : drones_named(application, words_that_run(words, crashed, application), outcome);
     std::vector<Row> rows;
     for (const auto& answer : application.status(names)) {
         rows.push_back(answer.error ? silent_row(answer) : row_of(answer));
         outcome.done();
     }
-    add_failed(rows, words, application);
+    add_crashed(rows, words, std::move(crashed), application);
     print_rows(session.json,
                {{"NAME", "name"},
                 {"HOST", "host", nullptr, hive::Place::here},
@@ -166,13 +227,18 @@ Verb verb()
         .summary = "Lists the drones that run, on this machine and on those that it knows of",
         .details =
             "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer, "
-            "or unreachable for one on another machine that does not, or failed for one that fell too often under "
+            "or unreachable for one on another machine that does not, or crashed for one of this machine that died of "
+            "a "
+            "signal such as SIGSEGV and was not started again since, or failed for one that fell too often under "
             "hivectl up --stay. HOST is where it runs; the column is left out when "
             "all run on this machine. Drones of other machines are those of the list of places (hivectl place), and "
             "those that announce themselves on the local network and have this swarm's key. "
             "BUSY is the share of its lifetime that its code was working. NOTE says what the drone reports about its "
             "world, why it or one of its outputs or inputs stands still, what has kept it busy for more than a second, "
-            "its last exception, and how many events found no partner where several inputs belong together.",
+            "its last exception, and how many events found no partner where several inputs belong together; of a "
+            "crash, when "
+            "it was, the signal, and the function of the drone's own code in which it was. The whole stack is in the "
+            "log: hivectl logs NAME.",
         .examples = "hivectl ps\n"
                     "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
         .timeout = "a drone that has not answered by then is shown as silent (default 1)",

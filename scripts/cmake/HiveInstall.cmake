@@ -77,6 +77,7 @@ set(CPACK_COMPONENT_HIVE_DESCRIPTION "distributed vision processing: hivectl and
 set(CPACK_COMPONENT_HIVE-VIEW_DESCRIPTION "distributed vision processing: shows images in a window or a browser")
 set(CPACK_COMPONENT_PYTHON3-HIVE_DESCRIPTION "distributed vision processing: drones and applications in Python")
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_DEPENDS "elfutils")  # eu-addr2line names the functions in the trace of a crash
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_RECOMMENDS "libavahi-client3")  # loaded, not linked
 set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_SUGGESTS "avahi-daemon")
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SECTION libdevel)

@@ -32,7 +32,7 @@ for file in libhive.so.0 libhive-c.so.0 libhive.so cmake/hive/hive-config.cmake 
     python3/dist-packages/hive/__init__.py; do
     [ -e "$root/usr/lib/$file" ] || fail "no package has lib/$file"
 done
-for word in libspdlog libssl libstdc++; do
+for word in libspdlog libssl libstdc++ elfutils; do
     grep -q "$word" "$place/libhive0.depends" || fail "libhive0 does not depend on $word: $(cat "$place/libhive0.depends")"
 done
 dpkg-deb -f "$place/debs"/libhive0_*.deb Recommends > "$place/recommended"

@@ -1,6 +1,8 @@
 // Connects to the daemon, and again after a while when it was lost.
 #include "daemon_thread.hpp"
 
+#include <hive/platform/crash_signals.hpp>
+
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
@@ -49,9 +51,9 @@ DaemonThread::DaemonThread(std::shared_ptr<DaemonUser> user) : state_(std::make_
 {
     state_->user = std::move(user);
     // Signals are for the threads that wait for them.
-    sigset_t all, before;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, &before);
+    const auto others = platform::signals_for_others();
+    sigset_t before;
+    ::pthread_sigmask(SIG_SETMASK, &others, &before);
     std::thread([state = state_] { run(state); }).detach();
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }

@@ -1,5 +1,6 @@
 // A thread with a queue of jobs for each peer.
 #include <hive/event/encoder_thread.hpp>
+#include <hive/platform/crash_signals.hpp>
 
 #include <utility>
 
@@ -52,6 +53,7 @@ EncoderThread::Job EncoderThread::take()
 
 void EncoderThread::run()
 {
+    const platform::CrashStack crash_stack;
     for (;;) {
         Job job;
         {

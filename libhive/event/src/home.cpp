@@ -46,7 +46,7 @@ struct flock whole_file(short type)
     return lock;
 }
 
-constexpr std::string_view name_ending = ".lock", succession_ending = ".next";
+constexpr std::string_view name_ending = ".lock", succession_ending = ".next", crash_ending = ".crash";
 
 std::int64_t number_in(const fs::path& file)
 {
@@ -125,6 +125,7 @@ void Home::forget_state(const std::string& name) const noexcept
 {
     std::error_code ignored;
     fs::remove(path(name, ".state"), ignored);
+    fs::remove(path(name, crash_ending), ignored);
 }
 
 void replace_file(const fs::path& file, const std::string& text)
@@ -166,6 +167,8 @@ NameClaim::NameClaim(const Home& home, const std::string& name, To what)
         errno = error;
         fail(Errc::io, "cannot write " + file.string());
     }
+    if (std::error_code ignored; what == To::name)
+        fs::remove(home.path(name, crash_ending), ignored);
 }
 
 NameClaim::~NameClaim() { ::close(descriptor_); }

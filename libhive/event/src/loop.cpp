@@ -1,6 +1,7 @@
 // The turn, waiting with it, and the network thread that steps in when nobody has it.
 #include <hive/error.hpp>
 #include <hive/event/loop.hpp>
+#include <hive/platform/crash_signals.hpp>
 
 #include <asio/post.hpp>
 
@@ -17,9 +18,8 @@ namespace {
 /// Signals are for the user thread.
 void block_signals()
 {
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    const auto others = platform::signals_for_others();
+    ::pthread_sigmask(SIG_BLOCK, &others, nullptr);
 }
 
 int open_timer()
@@ -258,6 +258,7 @@ void Loop::set_alarm(Clock::time_point deadline)
 void Loop::watch()
 {
     block_signals();
+    const platform::CrashStack crash_stack;
     std::uint64_t expirations = 0;
     while (::read(timer_, &expirations, sizeof expirations) > 0) {
         if (take_over()) {

@@ -1,5 +1,6 @@
 // The calls of an application: finding, configuring, control.
 #include "application_core.hpp"
+#include "crashed_drones.hpp"
 #include "joint_set.hpp"
 #include "swarm/failed_drones.hpp"
 
@@ -38,6 +39,8 @@ std::vector<FailedDrone> Application::failed()
     });
     return all;
 }
+
+std::vector<CrashedDrone> Application::crashed() { return crashed_drones(core_->directory.home()); }
 
 std::vector<std::string> Application::find(const std::string& pattern)
 {

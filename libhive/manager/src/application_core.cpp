@@ -5,7 +5,10 @@
 #include <hive/platform/process.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <set>
+#include <string_view>
 
 namespace hive {
 namespace {
@@ -13,6 +16,7 @@ namespace {
 /// With those that are connected for longer, less than the 1,024 descriptors that a process has by default.
 constexpr std::size_t most_dialed = 768, asked_at_once = 256, most_dialing = 128;
 constexpr std::size_t most_typed = 16;  ///< names that somebody may have written by hand
+constexpr std::array<std::string_view, 2> left_by_crash{".state", ".crash"};
 
 bool changes_nothing(protocol::PacketType type)
 {
@@ -77,19 +81,20 @@ bool Application::Core::remembers(const std::string& drone) const
 {
     std::error_code ignored;
     // In this order: a drone that is told to stop gives up its state first, and then its name.
-    return is_name(drone) && !directory.home().alive(drone)
-           && std::filesystem::exists(directory.home().path(drone, ".state"), ignored);
+    return is_name(drone) && !directory.home().alive(drone) && std::ranges::any_of(left_by_crash, [&](auto ending) {
+               return std::filesystem::exists(directory.home().path(drone, ending), ignored);
+           });
 }
 
 std::vector<std::string> Application::Core::remembered() const
 {
-    std::vector<std::string> names;
+    std::set<std::string> names;
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(directory.home().directory(), ignored))
-        if (entry.path().extension() == ".state" && remembers(entry.path().stem().string()))
-            names.push_back(entry.path().stem().string());
-    std::ranges::sort(names);
-    return names;
+        if (std::ranges::find(left_by_crash, entry.path().extension()) != left_by_crash.end()
+            && remembers(entry.path().stem().string()))
+            names.insert(entry.path().stem().string());
+    return {names.begin(), names.end()};
 }
 
 Place Application::Core::place(const std::string& drone) const

@@ -2,6 +2,7 @@
 #include "command_line.hpp"
 
 #include "bounded_log.hpp"
+#include "crash_trace.hpp"
 
 #include <hive/name.hpp>
 
@@ -126,6 +127,8 @@ void check(DroneSettings& settings, const Words& words)
     if (!words.policy.empty())
         settings.policy = from_token<ExceptionPolicy>(words.policy, "policy");
     start_log(settings.name, words.level);
+    if (!settings.describe)
+        service::trace_crashes(event::default_home() / (settings.name + ".crash"));
 }
 
 }  // namespace

@@ -48,6 +48,16 @@ struct StatusAnswer {
     Place place{};  ///< where it was asked; with an empty address it was not
 };
 
+/// A drone of this machine that died of a signal as SIGSEGV, while it does not run.
+struct CrashedDrone {
+    std::string drone;
+    std::int64_t pid = 0;
+    std::int64_t time_us = 0;  ///< wall clock
+    std::string signal;        ///< "SIGSEGV"
+    std::string function;      ///< of its own code where that was, else of libhive; empty: not known
+    std::string source;        ///< "/src/face.cpp:12:5"; empty: not known
+};
+
 /// A drone that fell too often to be started again.
 struct FailedDrone {
     std::string drone;
@@ -174,6 +184,8 @@ public:
     /// Names of drones that do not run and get back what they were told when they are started again: they crashed.
     /// Sorted.
     std::vector<std::string> remembered();
+    /// Drones that crashed and have left word of it, until they run again or are stopped. Sorted.
+    std::vector<CrashedDrone> crashed();
     /// Drones that whoever stays with their swarm (Swarm::stay) has given up, until they run again or are stopped.
     /// Sorted.
     std::vector<FailedDrone> failed();

@@ -67,4 +67,9 @@ private:
     std::unique_ptr<Parts> parts_;
 };
 
+/// Where the runtime of another language may write its own stack in a crash, as text, before it calls the handler that
+/// was there before its own: the trace in the log begins with it. Standard error, if no drone of this program traces
+/// crashes. Call it after EmbeddedDrone::from_command_line().
+int foreign_stack_descriptor() noexcept;
+
 }  // namespace hive

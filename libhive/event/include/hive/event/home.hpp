@@ -36,6 +36,7 @@ public:
     /// What a drone was told, kept across a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
     void write_state(const std::string& name, const Json& state) const;
+    /// And how it crashed.
     void forget_state(const std::string& name) const noexcept;
     [[nodiscard]] std::filesystem::path path(const std::string& name, std::string_view ending) const;
 

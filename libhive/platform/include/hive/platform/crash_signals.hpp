@@ -1,0 +1,62 @@
+// The signals of a crash: a thread that blocks signals leaves them alone, and has a stack for their handler.
+#pragma once
+
+#include <array>
+#include <csignal>
+#include <sys/mman.h>
+
+namespace hive::platform {
+
+inline constexpr std::array crash_signals{SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT};
+
+/// Every signal that a thread may leave to others. The kernel kills a thread that blocks the signal of its own crash,
+/// and no handler runs.
+inline sigset_t signals_for_others() noexcept
+{
+    sigset_t all;
+    sigfillset(&all);
+    for (const int signal : crash_signals)
+        sigdelset(&all, signal);
+    return all;
+}
+
+/// A stack for the handler of a crash on the thread that makes it, so that the handler also runs when the thread has
+/// used up its own stack. It takes no memory before it is used. A thread that has such a stack already keeps it.
+class CrashStack {
+public:
+    CrashStack() noexcept
+    {
+        stack_t present{};
+        if (::sigaltstack(nullptr, &present) != 0 || (present.ss_flags & SS_DISABLE) == 0)
+            return;
+        void* const memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (memory == MAP_FAILED)
+            return;
+        memory_ = memory;
+        stack_t ours{};
+        ours.ss_sp = memory;
+        ours.ss_size = bytes;
+        ::sigaltstack(&ours, nullptr);
+    }
+    ~CrashStack()
+    {
+        if (!memory_)
+            return;
+        stack_t present{};
+        if (::sigaltstack(nullptr, &present) == 0 && present.ss_sp == memory_) {
+            stack_t none{};
+            none.ss_flags = SS_DISABLE;
+            ::sigaltstack(&none, nullptr);
+        }
+        ::munmap(memory_, bytes);
+    }
+    CrashStack(const CrashStack&) = delete;
+    CrashStack& operator=(const CrashStack&) = delete;
+
+private:
+    static constexpr std::size_t bytes = 128 * 1024;
+
+    void* memory_ = nullptr;
+};
+
+}  // namespace hive::platform
