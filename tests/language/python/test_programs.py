@@ -50,6 +50,48 @@ class Programs(World):
     def run_thing(self, *words):
         return subprocess.run([sys.executable, self.script(), *words], capture_output=True, text=True, timeout=60)
 
+    CRASH = """
+        import ctypes, hive
+        drone = hive.Drone("thing", "Crashes.")
+
+        def read_nothing():
+            ctypes.string_at(0)
+
+        @drone.on_event("in", "*/*")
+        def work(event):
+            read_nothing()
+
+        drone.run()
+        """
+
+    def crash(self, **environment):
+        """Has a drone die of SIGSEGV. Returns what ps shows."""
+        script = self.script(self.CRASH)
+        thing = self.process(sys.executable, script, name="thing", env={**os.environ, **environment})
+        try:
+            self.swarm.put("thing.in", b"x", "text/plain")
+        except hive.Error:
+            pass  # it may be gone before it has answered
+        self.assertEqual(thing.wait(PATIENCE), -signal.SIGSEGV)
+        words = [os.path.join(PROGRAMS, "hivectl"), "ps", "--json"]
+        shown = subprocess.run(words, capture_output=True, text=True, timeout=60)
+        return _library.json.loads(shown.stdout)
+
+    def test_a_crash_shows_the_stack_of_python_and_of_c(self):
+        row = self.crash()[0]
+        self.assertEqual(row["state"], "crashed")
+        self.assertEqual(row["crash"]["function"], "read_nothing")
+        self.assertTrue(row["crash"]["source"].endswith("thing.py:6"), row)
+        log = self.log("thing")
+        self.assertEqual(log.count("Fatal Python error: Segmentation fault"), 1, log)
+        self.assertIn("in read_nothing", log)
+        self.assertIn("hive::service::Worker::run()", log)
+
+    def test_a_faulthandler_of_the_user_is_left_alone(self):
+        self.assertEqual(self.crash(PYTHONFAULTHANDLER="1"), [])
+        self.assertIn("in read_nothing", self.log("thing"))
+        self.assertNotIn("crashed: ", self.log("thing"))
+
     def test_the_command_line_is_that_of_every_drone(self):
         told = self.run_thing("--describe")
         self.assertEqual(told.returncode, 0, told.stderr)

@@ -160,6 +160,11 @@ HIVE_API hive_code hive_drone_new(const char* kind, const char* summary, const c
    refused, *drone is null, and the program is to end with *exit_code. */
 HIVE_API hive_code hive_drone_from_arguments(const char* kind, const char* summary, const char* options, int argc,
                                              const char* const* argv, hive_drone** drone, int* exit_code);
+/* A program that is a drone and dies of SIGSEGV, SIGBUS, SIGILL, SIGFPE or SIGABRT writes its stack to its log. The
+   runtime of another language writes its own stack to this file descriptor before it calls the handler that it has
+   replaced: the trace begins with it. Standard error if this program traces no crash. After
+   hive_drone_from_arguments(). */
+HIVE_API int hive_stack_descriptor(void);
 /* Takes the lines of the log of a drone made by hive_drone_new(), on any thread, until the drone is released. */
 HIVE_API hive_code hive_drone_on_log(hive_drone* drone, hive_log_callback callback, void* user);
 /* The same with the level of each line, in place of hive_drone_on_log(). */

@@ -119,6 +119,8 @@ hive_code hive_drone_from_arguments(const char* kind, const char* summary, const
     });
 }
 
+int hive_stack_descriptor(void) { return foreign_stack_descriptor(); }
+
 hive_code hive_drone_on_log(hive_drone* drone, hive_log_callback callback, void* user)
 {
     return guarded([&] {

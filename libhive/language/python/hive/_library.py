@@ -82,7 +82,7 @@ _TYPES: dict[str, Any] = {
 }
 _SIGNATURES = """
 error_code - c|error_text - s|error_advice - s|fail cs c|code_token c s|code_sentence c s|code_advice c s
-code_exit_code c i|version - s|abi_version - i|protocol_version - i|default_home P|retain h|release h|handle_count - n
+code_exit_code c i|version - s|abi_version - i|stack_descriptor - i|protocol_version - i|default_home P|retain h|release h|handle_count - n
 free h -|event_info hPN|event_number hsQ|event_hop hnAQQ|event_header hPN|event_bytes hPN|event_body hP|event_done h|body_new hnP|body_over hnhhP
 body_bytes hPN|body_foreign hB|loan_bytes hPN|loan_body hnP|drone_new sssP|drone_from_arguments sssiAPI
 drone_on_log hLh|drone_on_leveled_log hVh|drone_name hP|drone_given hsPB|drone_parameter hs|drone_integer hsIss|drone_number hsDss

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import faulthandler
 import json
 import os
 import sys
@@ -41,6 +42,12 @@ def _port(each: Any) -> dict[str, str]:
     name, kind, *text = each
     named = _text("the name of an input", name)
     return {"name": named, "type": _types(named, kind), "help": _text("help", text[0] if text else "")}
+
+
+def _trace_crashes() -> None:
+    """In a crash the log has the stack of Python as well."""
+    if not faulthandler.is_enabled():
+        faulthandler.enable(lib.hive_stack_descriptor())
 
 
 def _first_line(function: Any) -> str:
@@ -330,6 +337,7 @@ class Drone(Callbacks):
         try:
             if self._program:
                 sys.stdout.flush()
+                _trace_crashes()
                 lib.hive_drone_run(self._handle)
             else:
                 self.start()
