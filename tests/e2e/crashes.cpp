@@ -140,3 +140,16 @@ TEST_CASE("crash: a drone that dies as it starts is shown, and is forgotten by s
     swarm.hivectl_done({"stop", "boom"});
     CHECK(swarm.hivectl_done({"ps", "--json"}) == "[]\n");
 }
+
+TEST_CASE("crash: of a drone that fell too often ps has one row, with the frame and not the last line of the log")
+{
+    const Swarm swarm;
+    auto drone = swarm.drone("crasher", "boom");
+    CHECK(die(swarm, drone, "boom") == 128 + SIGSEGV);
+    std::ofstream(swarm.home() / "boom.failed") << R"({"reason": "fell 6 times within 60 s", "log": "last line\n"})";
+    const auto rows = Json::parse(swarm.hivectl_done({"ps", "--json"}));
+    REQUIRE(rows.size() == 1);
+    CHECK(rows.at(0).at("state") == "failed");
+    CHECK(has(rows.at(0).at("note"), "fell 6 times within 60 s: SIGSEGV in crasher::write_to_null("));
+    CHECK(rows.at(0).at("crash").at("pid") == drone.pid());
+}
