@@ -2,6 +2,7 @@
 #include "help.hpp"
 
 #include "command_line.hpp"
+#include "terminal.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -11,32 +12,11 @@ namespace {
 
 constexpr std::size_t line_width = 80;
 
-/// The words of `text` in lines of at most 80 columns, all but the first indented.
-std::string wrapped(std::string_view text, std::size_t indent)
-{
-    std::string result;
-    std::size_t column = indent;
-    std::istringstream words{std::string(text)};
-    for (std::string word; words >> word;) {
-        const bool first = column == indent;
-        if (!first && column + 1 + word.size() > line_width) {
-            result += "\n" + std::string(indent, ' ');
-            column = indent;
-        } else if (!first) {
-            result += ' ';
-            ++column;
-        }
-        result += word;
-        column += word.size();
-    }
-    return result;
-}
-
 /// What stands between empty lines is wrapped by itself.
 std::string paragraphs(std::string_view text)
 {
     const auto end = text.find("\n\n");
-    return wrapped(text.substr(0, end), 0)
+    return wrapped(text.substr(0, end), 0, 0, line_width)
            + (end == std::string_view::npos ? "" : "\n\n" + paragraphs(text.substr(end + 2)));
 }
 
@@ -45,7 +25,7 @@ std::string entry(std::string_view left, std::string_view right, std::size_t ind
 {
     std::string line = "  " + std::string(left);
     line += line.size() + 2 <= indent ? std::string(indent - line.size(), ' ') : "\n" + std::string(indent, ' ');
-    return line + wrapped(right, indent) + "\n";
+    return line + wrapped(right, indent, indent, line_width) + "\n";
 }
 
 /// "-n, --count N"
@@ -112,7 +92,7 @@ std::string overview(const std::vector<Verb>& all)
 std::string help_of(const Verb& verb, const CommandLine& line)
 {
     std::string text = "hivectl " + std::string(verb.name) + (verb.usage.empty() ? "" : " " + std::string(verb.usage))
-                       + "\n\n" + wrapped(verb.summary, 0) + ".\n";
+                       + "\n\n" + wrapped(verb.summary, 0, 0, line_width) + ".\n";
     if (!verb.details.empty())
         text += "\n" + paragraphs(verb.details) + "\n";
     std::string arguments, options;

@@ -35,6 +35,8 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
 void add_common(CommandLine& line, const Verb& verb, Session& session)
 {
     line.flag("--json", session.json, "print JSON instead of text; one object per line where it streams");
+    if (verb.table)
+        line.flag("--wide", session.wide, "print tables as wide as needed, not as the terminal");
     line.option("--timeout", session.timeout_s, std::string(verb.timeout)).type_name("SECONDS").seconds();
 }
 

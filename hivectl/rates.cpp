@@ -148,7 +148,7 @@ Rates rates_between(const std::vector<hive::StatusAnswer>& earlier, const std::v
 std::vector<Column> drone_rate_columns()
 {
     return {{"NAME", "name"},
-            {"STATE", "state"},
+            {"STATE", "state", nullptr, {}, state_colour},
             {"IN/s", "in_per_s", as_tenths},
             {"OUT/s", "out_per_s", as_tenths},
             {"BUSY", "busy_percent", as_percent},
@@ -161,22 +161,22 @@ std::vector<Column> edge_rate_columns()
     return {{"FROM", "from"},
             {"TO", "to"},
             {"KIND", "kind", nullptr, "receiver"},
-            {"STATE", "state"},
+            {"STATE", "state", nullptr, {}, state_colour},
             {"ACKNOWLEDGED/s", "acknowledged_per_s", as_tenths},
             {"SKIPPED/s", "skipped_per_s", as_tenths, nothing},
             {"PASSED-ON/s", "passed_on_per_s", as_tenths, nothing},
-            {"DROPPED/s", "dropped_per_s", as_tenths, nothing},
-            {"ABANDONED/s", "abandoned_per_s", as_tenths, nothing},
-            {"LOST/s", "lost_per_s", as_tenths, nothing},
-            {"R-DROPPED/s", "dropped_by_receiver_per_s", as_tenths, nothing},
-            {"R-ABANDONED/s", "abandoned_by_receiver_per_s", as_tenths, nothing},
+            {"DROPPED/s", "dropped_per_s", as_tenths, nothing, loss_colour},
+            {"ABANDONED/s", "abandoned_per_s", as_tenths, nothing, loss_colour},
+            {"LOST/s", "lost_per_s", as_tenths, nothing, loss_colour},
+            {"R-DROPPED/s", "dropped_by_receiver_per_s", as_tenths, nothing, loss_colour},
+            {"R-ABANDONED/s", "abandoned_by_receiver_per_s", as_tenths, nothing, loss_colour},
             {"DUPLICATES/s", "duplicates_per_s", as_tenths, nothing},
             {"IN-FLIGHT", "in_flight"},
-            {"MISSING", "missing", nullptr, nothing},
+            {"MISSING", "missing", nullptr, nothing, loss_colour},
             {"AGE", "age_us", as_duration},
             {"SKEW", "skew_us", as_duration, nothing},
             {"WHY", "why", nullptr, nothing},
-            {"", "losing", as_losing}};
+            {"", "losing", as_losing, {}, loss_colour}};
 }
 
 }  // namespace hivectl

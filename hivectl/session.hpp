@@ -1,6 +1,8 @@
 // What every verb shares: the common flags and the one application, made when it is first needed.
 #pragma once
 
+#include "terminal.hpp"
+
 #include <hive/application.hpp>
 
 #include <chrono>
@@ -13,8 +15,10 @@ namespace hivectl {
 class Session {
 public:
     bool json = false;                ///< --json
+    bool wide = false;                ///< --wide
     std::optional<double> timeout_s;  ///< --timeout
 
+    [[nodiscard]] Form form() const { return json ? Form::json : wide ? Form::wide : Form::fitted; }
     /// What --timeout said, or the verb's own default.
     [[nodiscard]] std::chrono::milliseconds timeout(std::chrono::milliseconds fallback = std::chrono::seconds(5)) const;
     /// What --timeout said; nothing: wait for ever.

@@ -5,16 +5,10 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 namespace hivectl {
 namespace {
-
-/// Code points, which is the width of everything but wide scripts.
-std::size_t width(std::string_view text)
-{
-    return static_cast<std::size_t>(
-        std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-}
 
 std::string cell(const Column& column, const hive::Json& value)
 {
@@ -39,19 +33,92 @@ bool tells(const Column& column, const std::vector<Row>& rows)
     });
 }
 
-struct Line {
-    std::vector<std::string> cells;
+/// The cells as texts, the titles first, and how each column is laid out.
+struct Grid {
+    std::vector<Column> columns;
+    std::vector<std::vector<std::string>> lines;
+    std::vector<std::size_t> widths;
+    std::vector<bool> right;
 };
 
-std::string laid_out(const Line& line, const std::vector<std::size_t>& widths, const std::vector<bool>& right)
+Grid grid_of(const std::vector<Column>& all_columns, const std::vector<Row>& rows)
+{
+    Grid grid;
+    std::ranges::copy_if(all_columns, std::back_inserter(grid.columns),
+                         [&](const Column& column) { return tells(column, rows); });
+    auto& titles = grid.lines.emplace_back();
+    for (const auto& column : grid.columns) {
+        grid.widths.push_back(width(titles.emplace_back(column.title)));
+        grid.right.push_back(std::ranges::any_of(rows, [&](const Row& row) { return row[column.key].is_number(); }));
+    }
+    for (const auto& row : rows) {
+        auto& line = grid.lines.emplace_back();
+        for (std::size_t i = 0; i < grid.columns.size(); ++i)
+            grid.widths[i] =
+                std::max(grid.widths[i], width(line.emplace_back(cell(grid.columns[i], row[grid.columns[i].key]))));
+    }
+    return grid;
+}
+
+constexpr std::size_t gap = 2;
+
+/// Narrows the widest text columns; the first stays, since it names the row. False: that is not enough.
+bool fit(Grid& grid, std::size_t columns)
+{
+    constexpr std::size_t min_text = 20;
+    for (auto used = std::accumulate(grid.widths.begin(), grid.widths.end(), gap * (grid.widths.size() - 1));
+         used > columns; --used) {
+        std::size_t widest = 0;
+        for (std::size_t i = 1; i < grid.widths.size(); ++i)
+            if (!grid.right[i] && grid.widths[i] > min_text && (widest == 0 || grid.widths[i] > grid.widths[widest]))
+                widest = i;
+        if (widest == 0)
+            return false;
+        --grid.widths[widest];
+    }
+    return true;
+}
+
+std::string painted(const Column& column, const Row* row, const std::string& text, const Page& page)
+{
+    return page.colour && row && column.colour ? coloured(text, column.colour((*row)[column.key])) : text;
+}
+
+/// @param row  null for the titles
+std::string line_text(const Grid& grid, const std::vector<std::string>& cells, const Row* row, const Page& page)
 {
     std::string text;
-    for (std::size_t i = 0; i < line.cells.size(); ++i) {
-        const std::string padding(widths[i] - width(line.cells[i]), ' ');
-        text += i == 0 ? "" : "  ";
-        text += right[i] ? padding + line.cells[i] : line.cells[i] + padding;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const auto shown = shortened(cells[i], grid.widths[i]);
+        const std::string padding(grid.widths[i] - width(shown), ' ');
+        text += i == 0 ? "" : std::string(gap, ' ');
+        text += grid.right[i] ? padding : "";
+        text += painted(grid.columns[i], row, shown, page) + (grid.right[i] ? "" : padding);
     }
     text.erase(text.find_last_not_of(' ') + 1);
+    return text + "\n";
+}
+
+/// A record for each row: its first cell, then its other cells with their titles, except those that say nothing. A
+/// field that is longer than a line is broken between words.
+std::string record_text(const Grid& grid, const std::vector<std::string>& cells, const Row& row, const Page& page)
+{
+    std::string text = painted(grid.columns[0], &row, cells[0], page);
+    std::size_t used = page.columns;
+    for (std::size_t i = 1; i < cells.size(); ++i) {
+        if (cells[i].empty() || cells[i] == "-")
+            continue;
+        const auto& title = grid.lines[0][i];
+        const auto size = gap + width(title) + 1 + width(cells[i]);
+        if (used + size > page.columns) {
+            text += "\n";
+            used = 0;
+        }
+        text += std::string(gap, ' ') + title + " ";
+        text += size <= page.columns ? painted(grid.columns[i], &row, cells[i], page)
+                                     : wrapped(cells[i], gap + width(title) + 1, 2 * gap, page.columns);
+        used += size;
+    }
     return text + "\n";
 }
 
@@ -91,29 +158,29 @@ std::string Row::json() const
     return text + "}";
 }
 
-std::string table_text(const std::vector<Column>& all_columns, const std::vector<Row>& rows)
+Colour state_colour(const hive::Json& state)
+{
+    if (state == "idle" || state == "busy" || state == "connected")
+        return Colour::green;
+    const bool down = state == "gone" || state == "silent" || state == "unreachable" || state == "failed";
+    return down ? Colour::red : state.is_string() ? Colour::yellow : Colour::none;
+}
+
+Colour loss_colour(const hive::Json& loss)
+{
+    return loss == true || (loss.is_number() && loss > 0) ? Colour::red : Colour::none;
+}
+
+std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows, const Page& page)
 {
     if (rows.empty())
         return {};
-    std::vector<Column> columns;
-    std::ranges::copy_if(all_columns, std::back_inserter(columns),
-                         [&](const Column& column) { return tells(column, rows); });
-    std::vector<Line> lines(1);
-    std::vector<std::size_t> widths;
-    std::vector<bool> right;
-    for (const auto& column : columns) {
-        lines[0].cells.emplace_back(column.title);
-        widths.push_back(width(column.title));
-        right.push_back(std::ranges::any_of(rows, [&](const Row& row) { return row[column.key].is_number(); }));
-    }
-    for (const auto& row : rows) {
-        Line& line = lines.emplace_back();
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            widths[i] = std::max(widths[i], width(line.cells.emplace_back(cell(columns[i], row[columns[i].key]))));
-    }
-    std::string text;
-    for (const auto& line : lines)
-        text += laid_out(line, widths, right);
+    auto grid = grid_of(columns, rows);
+    const bool fits = page.columns == 0 || fit(grid, page.columns);
+    std::string text = fits ? line_text(grid, grid.lines[0], nullptr, page) : "";
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        text += fits ? line_text(grid, grid.lines[i + 1], &rows[i], page)
+                     : record_text(grid, grid.lines[i + 1], rows[i], page);
     return text;
 }
 
@@ -125,9 +192,9 @@ std::string json_array(const std::vector<Row>& rows)
     return text + "]";
 }
 
-void print_rows(bool json, const std::vector<Column>& columns, const std::vector<Row>& rows)
+void print_rows(Form form, const std::vector<Column>& columns, const std::vector<Row>& rows)
 {
-    write_out(json ? json_array(rows) + "\n" : table_text(columns, rows));
+    write_out(form == Form::json ? json_array(rows) + "\n" : table_text(columns, rows, page_of(form)));
 }
 
 }  // namespace hivectl

@@ -1,6 +1,8 @@
 // Rows that are printed as a table for people or as JSON for programs.
 #pragma once
 
+#include "terminal.hpp"
+
 #include <hive/json.hpp>
 
 #include <string>
@@ -39,16 +41,24 @@ struct Column {
     Format format = nullptr;  ///< null: as it is
     /// Not empty: the column is left out unless a row has something else there than this, nothing, or 0.
     std::string_view usual = {};
+    /// On a page with colour: of a value, its colour. Null: none.
+    Colour (*colour)(const hive::Json&) = nullptr;
 };
+
+/// Of the state of a drone or a connection: green if it works, red if it does not run or answer, yellow in between.
+Colour state_colour(const hive::Json& state);
+/// Of a count of lost events, or a mark for a loss: red if there is one.
+Colour loss_colour(const hive::Json& loss);
 
 /// For a column that is left out when it is empty or 0 throughout.
 inline constexpr std::string_view nothing = "0";
 
-/// The table with a line of titles. Numbers stand right, texts left; no line ends in spaces. Empty without rows.
-std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows);
+/// The table with a line of titles. Numbers stand right, texts left; no line ends in spaces. Empty without rows. If the
+/// page is too narrow, long texts are shortened; if that is not enough, each row becomes a record of several lines.
+std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows, const Page& page = {});
 /// The rows as one JSON array.
 std::string json_array(const std::vector<Row>& rows);
 /// Writes one of the two to stdout.
-void print_rows(bool json, const std::vector<Column>& columns, const std::vector<Row>& rows);
+void print_rows(Form form, const std::vector<Column>& columns, const std::vector<Row>& rows);
 
 }  // namespace hivectl

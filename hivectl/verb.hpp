@@ -25,6 +25,7 @@ struct Verb {
     std::string_view details = {};   ///< some sentences, for the verb's own help
     std::string_view examples = {};  ///< one a line: command, two spaces or more, what it does
     std::string_view timeout = "give up after this long (default 5)";  ///< what --timeout means here
+    bool table = false;  ///< prints a table, which --wide leaves as wide as needed
     std::vector<Operand> operands = {};
     /// Declares options and arguments; what it returns is called after a successful parse.
     Run (*declare)(CommandLine& line, Session& session) = nullptr;

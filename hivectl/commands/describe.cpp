@@ -38,7 +38,8 @@ std::string section(std::string_view title, const std::string& table)
     return "\n" + std::string(title) + (table.empty() ? ": none\n" : ":\n" + table);
 }
 
-std::string text_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
+std::string text_of(const std::string& name, const hive::Interface& interface, const hive::Json& values,
+                    const Page& page)
 {
     const std::vector<Column> ports{{"NAME", "name"}, {"TYPE", "type"}, {"HELP", "help"}};
     const std::vector<Column> parameters{{"NAME", "name"},
@@ -51,9 +52,9 @@ std::string text_of(const std::string& name, const hive::Interface& interface, c
                                          {"HELP", "help"}};
     return name + ": " + printable(interface.kind) + " " + printable(interface.version)
            + (interface.stateful ? ", keeps state between events" : "") + "\n" + printable(interface.summary) + "\n"
-           + section("inputs", table_text(ports, port_rows(interface.inputs)))
-           + section("outputs", table_text(ports, port_rows(interface.outputs)))
-           + section("parameters", table_text(parameters, parameter_rows(interface, values)));
+           + section("inputs", table_text(ports, port_rows(interface.inputs), page))
+           + section("outputs", table_text(ports, port_rows(interface.outputs), page))
+           + section("parameters", table_text(parameters, parameter_rows(interface, values), page));
 }
 
 std::string json_of(const std::string& name, const hive::Interface& interface, const hive::Json& values)
@@ -73,7 +74,8 @@ int run(const std::vector<std::string>& words, Session& session)
         try {
             const auto interface = application.describe(name);
             const auto values = application.get(name);
-            write_out(session.json ? json_of(name, interface, values) : gap + text_of(name, interface, values));
+            write_out(session.json ? json_of(name, interface, values)
+                                   : gap + text_of(name, interface, values, page_of(session.form())));
             gap = "\n";
             outcome.done();
         } catch (const hive::Error& error) {
@@ -101,6 +103,7 @@ Verb verb()
                        "default, type, range and unit. With --json, one object per drone.",
             .examples = "hivectl describe face\n"
                         "hivectl describe face --json | jq .parameters",
+            .table = true,
             .operands = {Operand::drone},
             .declare = declare};
 }

@@ -81,7 +81,7 @@ int run(Session& session)
         } catch (const hive::Error& error) {
             outcome.failed(path, error);
         }
-    print_rows(session.json,
+    print_rows(session.form(),
                {{"DEVICE", "device"},
                 {"NAME", "name"},
                 {"DRIVER", "driver"},
@@ -111,6 +111,7 @@ Verb verb()
                 "One line for each format and size, with the pictures a second at which they can be had; all "
                 "three can be chosen: hivectl set camera source=DEVICE format=MJPG width=1280 height=720 fps=30.",
             .examples = "hivectl devices",
+            .table = true,
             .declare = declare};
 }
 

@@ -37,25 +37,25 @@ const std::vector<Column> columns{{"FROM", "from"},
                                   {"ROUND-TRIP", "round_trip_us", as_duration, nothing},
                                   {"ENCODING", "encoding", nullptr, nothing},
                                   {"BY", "way", nullptr, nothing},
-                                  {"STATE", "state"},
+                                  {"STATE", "state", nullptr, {}, state_colour},
                                   {"KNOWN-BY", "known_by", nullptr, "both"},
                                   {"CAME", "came"},
                                   {"ACKNOWLEDGED", "acknowledged"},
                                   {"SKIPPED", "skipped", nullptr, nothing},
-                                  {"DROPPED", "dropped", nullptr, nothing},
+                                  {"DROPPED", "dropped", nullptr, nothing, loss_colour},
                                   {"PASSED-ON", "passed_on", nullptr, nothing},
-                                  {"ABANDONED", "abandoned", nullptr, nothing},
-                                  {"LOST-CONNECTION", "lost_connection", nullptr, nothing},
-                                  {"LOST-KILLED", "lost_killed", nullptr, nothing},
-                                  {"LOST-CUT-OFF", "lost_cut_off", nullptr, nothing},
-                                  {"LOST-LEFT", "lost_left", nullptr, nothing},
+                                  {"ABANDONED", "abandoned", nullptr, nothing, loss_colour},
+                                  {"LOST-CONNECTION", "lost_connection", nullptr, nothing, loss_colour},
+                                  {"LOST-KILLED", "lost_killed", nullptr, nothing, loss_colour},
+                                  {"LOST-CUT-OFF", "lost_cut_off", nullptr, nothing, loss_colour},
+                                  {"LOST-LEFT", "lost_left", nullptr, nothing, loss_colour},
                                   {"IN-FLIGHT", "in_flight"},
-                                  {"R-DROPPED", "dropped_by_receiver", nullptr, nothing},
-                                  {"R-ABANDONED", "abandoned_by_receiver", nullptr, nothing},
+                                  {"R-DROPPED", "dropped_by_receiver", nullptr, nothing, loss_colour},
+                                  {"R-ABANDONED", "abandoned_by_receiver", nullptr, nothing, loss_colour},
                                   {"DUPLICATES", "duplicates", nullptr, nothing},
                                   {"DISCARDED", "discarded", nullptr, nothing},
                                   {"UNMATCHED", "unmatched", nullptr, nothing},
-                                  {"MISSING", "missing", nullptr, nothing},
+                                  {"MISSING", "missing", nullptr, nothing, loss_colour},
                                   {"WHY", "why", nullptr, nothing}};
 
 /// Across a distance a receiver that asks for one event at a time waits most of the time.
@@ -92,7 +92,7 @@ int run(const std::vector<std::string>& words, Session& session)
     outcome.done();
     if (!session.json)
         advise_windows(rows);
-    print_rows(session.json, columns, rows);
+    print_rows(session.form(), columns, rows);
     return outcome.exit_code();
 }
 
@@ -143,6 +143,7 @@ Verb verb()
         .examples = "hivectl edges\n"
                     "hivectl edges camera --json | jq -r '.[].to'",
         .timeout = "how long to wait for drones that do not answer (default 1)",
+        .table = true,
         .operands = {Operand::drone},
         .declare = declare};
 }

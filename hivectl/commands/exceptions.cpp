@@ -36,7 +36,7 @@ int show_last(const std::vector<std::string>& drones, Session& session, Outcome&
         for (const auto& [key, value] : exception.items())
             row.add(key, value);
     }
-    print_rows(session.json, columns, rows);
+    print_rows(session.form(), columns, rows);
     return outcome.exit_code();
 }
 
@@ -135,6 +135,7 @@ Verb verb()
                     "hivectl exceptions 'face-*' --on-exception halt",
         .timeout =
             "give up after this long (default 5); with --follow: after this long without an exception (default: never)",
+        .table = true,
         .operands = {Operand::drone},
         .declare = declare};
 }

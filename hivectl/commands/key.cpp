@@ -154,7 +154,7 @@ int show(const Options& options, const Session& session)
         if (key.until_s != 0)
             row.add("holds_for_us", std::max<std::int64_t>(left_s, 0) * 1'000'000);
     }
-    print_rows(session.json,
+    print_rows(session.form(),
                {{"KEY", "id"},
                 {"ROLE", "role"},
                 {"CREATED", "created_us", as_time},
@@ -211,6 +211,7 @@ Verb verb()
                         "hivectl key view  for who may look only\n"
                         "hivectl key rotate --keep 3600  the old key holds for one more hour",
             .timeout = "has no effect here",
+            .table = true,
             .operands = {Operand::other},
             .declare = declare};
 }

@@ -37,7 +37,7 @@ int list(Session& session)
     std::vector<Row> rows;
     for (const auto& place : session.application().listed_places())
         rows.push_back(row_of(place));
-    print_rows(session.json,
+    print_rows(session.form(),
                {{"NAME", "drone"},
                 {"HOST", "host"},
                 {"ADDRESS", "address"},
@@ -162,6 +162,7 @@ Verb verb()
             .examples = "hivectl place list\n"
                         "hivectl place list --json | jq -r '.[].address'",
             .timeout = "how long to wait for the drone that is added (default 2)",
+            .table = true,
             .operands = {Operand::other, Operand::drone},
             .declare = declare};
 }

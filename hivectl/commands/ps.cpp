@@ -195,11 +195,11 @@ int run(const std::vector<std::string>& words, Session& session)
         outcome.done();
     }
     add_crashed(rows, words, std::move(crashed), application);
-    print_rows(session.json,
+    print_rows(session.form(),
                {{"NAME", "name"},
                 {"HOST", "host", nullptr, hive::Place::here},
                 {"KIND", "kind"},
-                {"STATE", "state"},
+                {"STATE", "state", nullptr, {}, state_colour},
                 {"PID", "pid"},
                 {"UPTIME", "uptime_us", as_duration},
                 {"BUSY", "busy_percent", as_percent},
@@ -242,6 +242,7 @@ Verb verb()
         .examples = "hivectl ps\n"
                     "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
         .timeout = "a drone that has not answered by then is shown as silent (default 1)",
+        .table = true,
         .operands = {Operand::drone},
         .declare = declare};
 }

@@ -70,14 +70,14 @@ void print_json(const std::string& file, const hive::recording::Reader& reader)
               + "\n");
 }
 
-void print_text(const std::string& file, const hive::recording::Reader& reader)
+void print_text(const std::string& file, const hive::recording::Reader& reader, const Page& page)
 {
     const auto& summary = reader.summary();
     write_out(printable(file) + ": " + count_text(summary.events(), "event") + " in "
               + duration_text(summary.duration_us) + ", " + size_text(static_cast<std::int64_t>(reader.size()))
               + (summary.begun_us > 0 ? ", begun " + time_text(summary.begun_us) : "")
               + (summary.ended.empty() ? "" : ", ended: " + printable(summary.ended)) + "\n");
-    write_out(table_text(columns, output_rows(summary)));
+    write_out(table_text(columns, output_rows(summary), page));
     for (const auto& loss : summary.lost)
         write_out("lost: " + printable(loss.from) + ": "
                   + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason) + "\n");
@@ -105,7 +105,7 @@ int run(const Options& options, Session& session)
         complain("replay", printable(options.file) + ": " + reader.problem()
                                + "; whole events before that: " + std::to_string(reader.summary().events()));
     if (options.info) {
-        session.json ? print_json(options.file, reader) : print_text(options.file, reader);
+        session.json ? print_json(options.file, reader) : print_text(options.file, reader, page_of(session.form()));
         return reader.problem().empty() ? exit_code::done : exit_code::partly_done;
     }
     return start_in_background(session, {"replay", "replay", options.name, settings(options)});
@@ -148,6 +148,7 @@ Verb verb()
                         "hivectl replay run.hive --pace demand\n"
                         "hivectl connect replay.image face",
             .timeout = "end it if it does not answer within this long (default 10)",
+            .table = true,
             .operands = {Operand::file},
             .declare = declare};
 }

@@ -22,13 +22,13 @@ std::vector<hive::StatusAnswer> look(hive::Application& application)
     return application.status(application.drones());
 }
 
-std::string shown(const Rates& rates, bool json)
+std::string shown(const Rates& rates, Form form)
 {
-    if (json)
+    if (form == Form::json)
         return "{\"interval_ms\":" + std::to_string(rates.interval / 1ms) + ",\"drones\":" + json_array(rates.drones)
                + ",\"edges\":" + json_array(rates.edges) + "}\n";
-    const std::string drones = table_text(drone_rate_columns(), rates.drones);
-    const std::string edges = table_text(edge_rate_columns(), rates.edges);
+    const std::string drones = table_text(drone_rate_columns(), rates.drones, page_of(form));
+    const std::string edges = table_text(edge_rate_columns(), rates.edges, page_of(form));
     return (drones.empty() ? "no drone runs; start one: hivectl start KIND\n" : drones)
            + (edges.empty() ? "" : "\n" + edges);
 }
@@ -45,7 +45,7 @@ int run(const Options& options, Session& session)
          first = false) {
         auto now = look(application);
         const auto now_at = std::chrono::steady_clock::now();
-        const std::string text = shown(rates_between(earlier, now, now_at - earlier_at), session.json);
+        const std::string text = shown(rates_between(earlier, now, now_at - earlier_at), session.form());
         write_out((redraw ? "\x1b[H\x1b[J" : first || session.json ? "" : "\n") + text);
         if (options.once)
             return exit_code::done;
@@ -82,6 +82,7 @@ Verb verb()
             .examples = "hivectl top\n"
                         "hivectl top --once --interval 5",
             .timeout = "a drone that has not answered by then is shown as silent (default 1)",
+            .table = true,
             .operands = {},
             .declare = declare};
 }

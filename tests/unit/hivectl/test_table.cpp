@@ -48,3 +48,43 @@ TEST_CASE("table: a column that may be left out is, unless a row has something e
     CHECK(table_text(some, {{{"name", "a"}, {"lost", 0}, {"by", "sender"}}, {{"name", "b"}, {"lost", 2}}})
           == "NAME  LOST  BY\na        0  sender\nb        2  -\n");
 }
+
+namespace {
+
+const std::vector<Column> broad{
+    {"NAME", "name"}, {"N", "n"}, {"STATE", "state", nullptr, {}, state_colour}, {"NOTE", "note"}};
+const std::vector<Row> notes{
+    {{"name", "camera"}, {"n", 7}, {"state", "idle"}, {"note", "the file clip.mp4 is missing or cannot be read"}},
+    {{"name", "face"}, {"n", 12}, {"state", "gone"}, {"note", nullptr}}};
+
+}  // namespace
+
+TEST_CASE("table: a long text is shortened to the width of the terminal")
+{
+    CHECK(table_text(broad, notes, {.columns = 45})
+          == "NAME     N  STATE  NOTE\n"
+             "camera   7  idle   the file clip.mp4 is miss\xE2\x80\xA6\n"
+             "face    12  gone   -\n");
+    CHECK(table_text(broad, notes, {.columns = 66}) == table_text(broad, notes));
+}
+
+TEST_CASE("table: rows that do not fit even with shortened texts become records, with whole texts")
+{
+    CHECK(table_text(broad, notes, {.columns = 32})
+          == "camera\n"
+             "  N 7  STATE idle\n"
+             "  NOTE the file clip.mp4 is\n"
+             "    missing or cannot be read\n"
+             "face\n"
+             "  N 12  STATE gone\n");
+}
+
+TEST_CASE("table: the state and losses are coloured where the page has colour, and take no more room")
+{
+    const auto text = table_text(broad, notes, {.columns = 45, .colour = true});
+    CHECK(text.find("  7  \x1b[32midle\x1b[0m   the") != std::string::npos);
+    CHECK(text.find(" 12  \x1b[31mgone\x1b[0m   -") != std::string::npos);
+    CHECK(loss_colour(3) == Colour::red);
+    CHECK(loss_colour(0) == Colour::none);
+    CHECK(loss_colour(nullptr) == Colour::none);
+}
