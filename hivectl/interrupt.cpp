@@ -2,6 +2,7 @@
 #include "interrupt.hpp"
 
 #include "exit_code.hpp"
+#include "status_line.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -29,16 +30,22 @@ std::int64_t now_ns()
     return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
+[[noreturn]] void end_at_once(int signal)
+{
+    status_line::erase();
+    ::_exit(128 + signal);
+}
+
 void on_signal(int signal)
 {
     const auto now = now_ns();
     std::int64_t earlier = 0;
     if (deferred == 0)
-        ::_exit(128 + signal);
+        end_at_once(signal);
     if (first_at_ns.compare_exchange_strong(earlier, now))
         first = signal;
     else if (now - earlier > one_press_ns)
-        ::_exit(128 + signal);
+        end_at_once(signal);
 }
 static_assert(exit_code::interrupted == 128 + SIGINT);
 

@@ -7,6 +7,7 @@
 #include "output.hpp"
 #include "places.hpp"
 #include "session.hpp"
+#include "status_line.hpp"
 #include "table.hpp"
 #include "targets.hpp"
 
@@ -79,6 +80,7 @@ std::optional<int> Launch::await(std::chrono::milliseconds limit)
 {
     const interrupt::Deferred deferred;
     const auto end = std::chrono::steady_clock::now() + limit;
+    const Waiting waiting(plan_.name + " to be ready");
     session_.application().timeout(500ms);
     while (!ready()) {
         if (const auto status = process_.ended()) {
@@ -160,6 +162,7 @@ void print_started(Session& session, const std::string& name, bool found)
 bool found_here(Session& session, const LaunchPlan& plan)
 {
     const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
+    const Waiting waiting(plan.name + " to be ready");
     do {
         const auto answer = session.application().status(std::vector{plan.name + "@" + hive::Place::here}).at(0);
         if (!answer.error && answer.status.state != hive::State::starting)

@@ -1,12 +1,15 @@
 // Writing to the two streams.
 #include "output.hpp"
 
+#include "status_line.hpp"
+
 #include <hive/error.hpp>
 
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <unistd.h>
 
 namespace hivectl {
@@ -30,12 +33,19 @@ void write_all(int descriptor, std::string_view text)
 
 }  // namespace
 
-void write_out(std::string_view text) { write_all(STDOUT_FILENO, text); }
+void write_out(std::string_view text)
+{
+    std::optional<status_line::Interruption> interruption;
+    if (on_terminal())
+        interruption.emplace();
+    write_all(STDOUT_FILENO, text);
+}
 
 void complain(std::string_view verb, std::string_view text)
 {
     const std::string line =
         "hivectl" + (verb.empty() ? "" : " " + std::string(verb)) + ": " + std::string(text) + "\n";
+    const status_line::Interruption interruption;
     // Nobody is left to be told when stderr fails.
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
 }

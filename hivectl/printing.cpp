@@ -5,6 +5,7 @@
 #include "format.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
+#include "status_line.hpp"
 
 #include <algorithm>
 
@@ -27,6 +28,7 @@ int print_lines(const PrintUntil& until,
     const interrupt::Deferred deferred;
     constexpr auto silence = 3s;
     auto last = Clock::now();
+    Waiting waiting(until.what);
     bool told = false;
     for (std::int64_t printed = 0; !interrupt::requested();) {
         if (const auto line = next(std::min(until.patience.value_or(100ms), 100ms))) {
@@ -34,6 +36,7 @@ int print_lines(const PrintUntil& until,
             if (++printed == until.count)
                 return exit_code::done;
             last = Clock::now();
+            waiting.again();
             told = false;
         } else if (const auto end = until.ended ? until.ended() : std::nullopt) {
             return exit_code_at_end(until.verb, *end);

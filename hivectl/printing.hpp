@@ -16,6 +16,7 @@ struct PrintUntil {
     std::function<std::string()> reason = {};  ///< asked when nothing comes: what may be the cause, or what to look at
     /// Asked when nothing comes: what is said about the end, if everything has ended. Empty: it goes on all the same.
     std::function<std::optional<std::string>()> ended = {};
+    std::string what = {};  ///< for the status line: what comes
     /// Called once in each silence of a few seconds.
     std::function<void()> silence = {};
 };

@@ -3,11 +3,10 @@
 
 #include "format.hpp"
 #include "output.hpp"
+#include "status_line.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
-#include <unistd.h>
 
 namespace hivectl {
 
@@ -29,14 +28,14 @@ std::string progress_text(std::int64_t done, std::int64_t all, double per_second
 }
 
 Progress::Progress(hive::Application& application, bool beside_results)
-    : application_(application), shown_(::isatty(STDERR_FILENO) == 1 && !(beside_results && on_terminal()))
+    : application_(application), shown_(status_line::possible() && !(beside_results && on_terminal()))
 {
 }
 
 Progress::~Progress()
 {
     if (shown_)
-        std::cerr << "\r\033[K" << std::flush;
+        status_line::erase();
 }
 
 void Progress::note(const hive::Identity& identity)
@@ -64,7 +63,7 @@ void Progress::show()
     per_second_ = per_second_ > 0 ? 0.7 * per_second_ + 0.3 * rate : rate;
     before_ = done_;
     last_ = now;
-    std::cerr << '\r' << progress_text(done_, all_of(source_), per_second_) << "\033[K" << std::flush;
+    status_line::show(progress_text(done_, all_of(source_), per_second_));
 }
 
 /// Asked once; a source that does not answer in time has no number.

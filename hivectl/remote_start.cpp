@@ -7,6 +7,7 @@
 #include "output.hpp"
 #include "places.hpp"
 #include "session.hpp"
+#include "status_line.hpp"
 #include "table.hpp"
 
 #include <hive/name.hpp>
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <future>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -66,12 +68,14 @@ int start_remotely(Session& session, const RemotePlan& plan)
                                    std::to_string(std::max<std::int64_t>(1, limit / 1s))};
     words.insert(words.end(), plan.words.begin(), plan.words.end());
     interrupt::defer_until_exit();  // a drone that is starting there comes up even if this exits
+    std::optional<Waiting> waiting(plan.name + " to be ready on " + remote.host());
     auto starting = std::async(std::launch::async, [&] { return remote.hivectl(words, limit + 12s); });
     for (bool told = false; starting.wait_for(50ms) != std::future_status::ready;)
         if (interrupt::requested() && !std::exchange(told, true))
             complain("start", "interrupted: " + plan.name + " is ended as soon as " + remote.host()
                                   + " has started it; Ctrl-C again leaves it there");
     const auto result = starting.get();
+    waiting.reset();
     repeat_complaints("start", remote.host(), result.err);
     if (result.exit_code != exit_code::done) {
         advise_key(plan, result);
@@ -110,6 +114,7 @@ int start_remotely(Session& session, const RemotePlan& plan)
 int stop_remotely(Session& session, const hive::Place& place)
 {
     const hive::Remote remote(place.ssh, session.home());
+    const Waiting waiting(place.drone + " to exit on " + remote.host());
     const auto result = remote.hivectl({"stop", place.drone}, session.timeout() + 12s);
     repeat_complaints("stop", remote.host(), result.err);
     if (result.exit_code == exit_code::done || result.exit_code == exit_code::not_found)

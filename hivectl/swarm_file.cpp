@@ -3,6 +3,7 @@
 
 #include "file_text.hpp"
 #include "output.hpp"
+#include "status_line.hpp"
 
 #include <hive/printable.hpp>
 
@@ -40,7 +41,9 @@ std::string size_text(const hive::SwarmPlan& plan)
 
 std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const std::string& file)
 {
+    std::optional<Waiting> waiting("the programs of the drones to describe themselves");
     auto reading = hive::check_swarm(swarm_text(file), std::chrono::seconds(10));
+    waiting.reset();
     for (const auto& mistake : reading.mistakes)
         complain(verb, mistake_text(file, mistake));
     if (!reading.mistakes.empty())

@@ -5,10 +5,7 @@
 #include "output.hpp"
 #include "table.hpp"
 
-#include <iostream>
 #include <sstream>
-#include <unistd.h>
-#include <utility>
 
 namespace hivectl {
 namespace {
@@ -32,24 +29,18 @@ std::string with_advice(const hive::Error& error)
 SwarmWork::SwarmWork(const std::string& verb)
 {
     watch_.cancelled = interrupt::requested;
-    watch_.told = [this, verb](const std::string& text) {
-        clear();
-        complain(verb, printable(text));
+    watch_.told = [verb](const std::string& text) { complain(verb, printable(text)); };
+    watch_.on_progress = [this](std::size_t done, std::size_t all, const std::string& what) {
+        progress_ = " (" + std::to_string(done) + " of " + std::to_string(all) + " " + what + ")";
+        show();
     };
-    if (::isatty(STDERR_FILENO) != 0)
-        watch_.on_progress = [this](std::size_t done, std::size_t all, const std::string& what) {
-            shown_ = true;
-            std::cerr << '\r' << done << " of " << all << ' ' << what << "\x1b[K" << std::flush;
-        };
+    watch_.on_waiting = [this](const std::vector<std::string>& drones) {
+        drones_ = names_text(drones);
+        show();
+    };
 }
 
-SwarmWork::~SwarmWork() { clear(); }
-
-void SwarmWork::clear()
-{
-    if (std::exchange(shown_, false))
-        std::cerr << "\r\x1b[K" << std::flush;
-}
+void SwarmWork::show() { waiting_.now_for(drones_ + progress_); }
 
 int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {

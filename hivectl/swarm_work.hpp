@@ -2,6 +2,7 @@
 #pragma once
 
 #include "interrupt.hpp"
+#include "status_line.hpp"
 
 #include <hive/swarm.hpp>
 
@@ -10,23 +11,21 @@
 
 namespace hivectl {
 
-/// The first Ctrl-C undoes what was begun. On a terminal, stderr has a line of progress, which goes with this. What
-/// is waited for is said there, too.
+/// The first Ctrl-C undoes what was begun. On a terminal, the status line says how far it is and for which drones it
+/// waits.
 class SwarmWork {
 public:
     explicit SwarmWork(const std::string& verb);
-    ~SwarmWork();
-    SwarmWork(const SwarmWork&) = delete;
-    SwarmWork& operator=(const SwarmWork&) = delete;
 
     [[nodiscard]] const hive::SwarmWatch& watch() const { return watch_; }
 
 private:
-    void clear();
+    void show();
 
     interrupt::Deferred deferred_;
     hive::SwarmWatch watch_;
-    bool shown_ = false;
+    std::string progress_, drones_ = "the swarm";
+    Waiting waiting_{drones_};
 };
 
 /// Says on stderr what failed and what remains of it. Returns the exit code.

@@ -57,6 +57,13 @@ std::string to_text(const hive::Endpoint& endpoint)
     return endpoint.port.empty() ? endpoint.drone : endpoint.drone + "." + endpoint.port;
 }
 
+std::vector<std::string> texts_of(const std::vector<hive::Endpoint>& endpoints)
+{
+    std::vector<std::string> texts;
+    std::ranges::transform(endpoints, std::back_inserter(texts), to_text);
+    return texts;
+}
+
 void add_new(std::vector<std::string>& names, std::vector<std::string> more)
 {
     for (auto& name : more)

@@ -15,8 +15,7 @@ namespace {
 bool wants_colour()
 {
     const char* const no_colour = std::getenv("NO_COLOR");
-    const char* const terminal = std::getenv("TERM");
-    return !(no_colour && *no_colour) && std::string_view(terminal ? terminal : "") != "dumb";
+    return !(no_colour && *no_colour) && !is_dumb_terminal();
 }
 
 bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
@@ -34,6 +33,12 @@ std::size_t columns_of(int descriptor)
 {
     winsize size{};
     return ::ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+bool is_dumb_terminal()
+{
+    const char* const terminal = std::getenv("TERM");
+    return std::string_view(terminal ? terminal : "") == "dumb";
 }
 
 std::string coloured(std::string_view text, Colour colour)

@@ -25,6 +25,9 @@ Page page_of(Form form);
 /// Columns of the terminal behind a descriptor; 80 if it does not say.
 std::size_t columns_of(int descriptor);
 
+/// $TERM says that the terminal only prints.
+bool is_dumb_terminal();
+
 enum class Colour { none, green, yellow, red };
 /// The text in that colour.
 std::string coloured(std::string_view text, Colour colour);

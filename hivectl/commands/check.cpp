@@ -4,8 +4,11 @@
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../swarm_file.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../verbs.hpp"
+
+#include <optional>
 
 namespace hivectl::check_verb {
 namespace {
@@ -33,7 +36,9 @@ void print_json(const std::string& file, const hive::SwarmReading& reading)
 
 int run(const std::string& file, Session& session)
 {
+    std::optional<Waiting> waiting("the programs of the drones to describe themselves");
     const auto reading = hive::check_swarm(swarm_text(file), session.timeout(std::chrono::seconds(10)));
+    waiting.reset();
     session.json ? print_json(file, reading) : print(file, reading);
     for (const auto& note : reading.notes)
         complain("check", mistake_text(file, note));

@@ -6,8 +6,10 @@
 #include "../losses.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
+#include "../progress.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
+#include "../status_line.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
@@ -80,16 +82,21 @@ int run(const Options& options, Session& session)
     hive::CollectOptions collecting;
     collecting.connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
     const auto collector = application.collect_matched(outputs, rule(options), collecting);
+    std::optional<Progress> progress(std::in_place, application, true);
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
                                   .patience = session.patience(),
                                   .reason = [&] { return reason_for_silence(application, outputs); },
                                   .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
+                                  .what = names_text(texts_of(outputs)),
                                   .silence = [&] { report_stall("collect", application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
+                                     if (set && set->front().identity.lossless)
+                                         progress->note(set->front().identity);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;
                                  });
+    progress.reset();
     summarize(*collector, losses_now(application, collector->inputs()));
     return code;
 }

@@ -6,6 +6,7 @@
 #include "../places.hpp"
 #include "../remote_start.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -15,6 +16,7 @@
 
 #include <deque>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 namespace hivectl::logs_verb {
@@ -98,7 +100,9 @@ int read_there(const hive::Place& place, const Options& options, Session& sessio
         words.emplace_back("--follow");
         return remote.hivectl_attached(words);
     }
+    std::optional<Waiting> waiting("the log of " + place.drone + " on " + remote.host());
     const auto result = remote.hivectl(words, session.timeout() + 12s);
+    waiting.reset();
     write_out(result.out);
     repeat_complaints("logs", remote.host(), result.err);
     return result.exit_code;

@@ -5,6 +5,7 @@
 #include "../media_type.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -44,6 +45,7 @@ int run(const Options& options, Session& session)
     if (input.port.empty())
         input.port = usual_input(application.describe(input.drone), input.drone, type);
     const auto size = content.size();
+    const Waiting waiting(to_text(input) + " to take " + options.file);
     application.put(input, header, hive::Body(std::move(content)), type);
     if (session.json)
         write_out(Row{{"to", to_text(input)}, {"type", type}, {"size", size}}.json() + "\n");

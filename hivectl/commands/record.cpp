@@ -9,6 +9,7 @@
 #include "../progress.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -74,8 +75,9 @@ hive::CollectOptions collecting(const Options& options)
 }
 
 /// How it ended is in the writer; the exit code tells about what else went wrong.
-int take_events(hive::Collector& collector, hive::recording::Writer& writer, Progress& progress, const Options& options,
-                std::optional<std::chrono::milliseconds> patience, const std::function<std::string()>& reason)
+int take_events(hive::Collector& collector, hive::recording::Writer& writer, Progress& progress, Waiting& waiting,
+                const Options& options, std::optional<std::chrono::milliseconds> patience,
+                const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds
                            ? Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(*options.seconds * 1e6))
@@ -91,6 +93,7 @@ int take_events(hive::Collector& collector, hive::recording::Writer& writer, Pro
             if (writer.summary().events() == options.count)
                 writer.finish("count reached");
             last = Clock::now();
+            waiting.again();
         } else if (const auto end = options.stay ? std::nullopt : collector.ended()) {
             writer.finish(end->empty() ? "end of source" : "end of source: " + *end);
             return exit_code_at_end("record", *end);
@@ -173,7 +176,8 @@ int run(const Options& options, Session& session)
     const interrupt::Deferred deferred;
     const int code = [&] {
         Progress progress(application, false);
-        return take_events(*collector, writer, progress, options, session.patience(),
+        Waiting waiting(names_text(texts_of(outputs)));
+        return take_events(*collector, writer, progress, waiting, options, session.patience(),
                            [&] { return reason_for_silence(application, outputs); });
     }();
     note_losses(application, *collector, writer);

@@ -6,6 +6,7 @@
 #include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../verbs.hpp"
 
@@ -52,6 +53,7 @@ int replace_there(const hive::Place& place, const Options& options, Session& ses
     auto words = words_for(place.drone, options, limit);
     if (session.json)
         words.emplace_back("--json");
+    const Waiting waiting("the new " + place.drone + " to be ready on " + remote.host());
     const auto result = remote.hivectl(words, limit + 60s);  // the old one may be inside a long callback
     write_out(result.out);
     repeat_complaints("replace", remote.host(), result.err);
@@ -80,6 +82,7 @@ int run(const Options& options, Session& session)
     auto& application = session.application();
     if (const auto place = application.place(options.name); is_elsewhere(place))
         return replace_there(place, options, session);
+    const Waiting waiting("the new " + options.name + " to be ready");
     const auto done = hive::replace(application, options.name, wanted);
     const Row row{{"drone", done.drone},
                   {"kind", done.kind},

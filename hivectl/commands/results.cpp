@@ -8,6 +8,7 @@
 #include "../result_format.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -90,7 +91,7 @@ int run(const Options& options, Session& session)
     if (outputs.empty())
         return outcome.exit_code();
     const auto collector = application.collect(outputs, collecting(options));
-    Progress progress(application, true);
+    Progress progress(application, !format.has_images());
     bool lossless = false;
     const auto print = [&] {
         return print_lines({.verb = "results",
@@ -98,6 +99,7 @@ int run(const Options& options, Session& session)
                             .patience = session.patience(),
                             .reason = [&] { return reason_for_silence(application, outputs); },
                             .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
+                            .what = names_text(texts_of(outputs)),
                             .silence = [&] { look_why(options, application, outputs); }},
                            [&](auto patience) -> std::optional<std::string> {
                                const auto event = collector->next(patience);

@@ -8,11 +8,13 @@
 #include "../progress.hpp"
 #include "../session.hpp"
 #include "../silence.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sys/wait.h>
 
 namespace hivectl::save_verb {
@@ -83,6 +85,7 @@ std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::A
 {
     Progress progress(application, false);
     const auto source = source_of(application, output.drone);
+    std::optional<Waiting> waiting;
     bool told = false, ending = false;
     auto until = Clock::time_point::max();
     for (auto since = Clock::now(); Clock::now() < until;) {
@@ -90,7 +93,8 @@ std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::A
             return event;
         if (launch.process().ended())
             return std::nullopt;
-        note_progress(progress, application, launch.name(), source);
+        if (!ending)
+            note_progress(progress, application, launch.name(), source);
         if (!told && Clock::now() - since > 3s) {
             told = true;
             if (const auto stall = stall_behind(application, {output}); !stall.text.empty())
@@ -98,6 +102,7 @@ std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::A
         }
         if (interrupt::requested() && !std::exchange(ending, true)) {
             application.timeout(limit);
+            waiting.emplace("the file to be completed");
             application.set(launch.name(), {{"file", ""}});
             until = Clock::now() + limit;
         }

@@ -4,6 +4,7 @@
 #include "../media_type.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -11,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <unistd.h>
 
 namespace hivectl::snap_verb {
@@ -40,7 +42,9 @@ std::unique_ptr<hive::Collector> collect(const hive::Endpoint& output, const std
 hive::Event next_event(const hive::Endpoint& output, const std::string& file, Session& session)
 {
     const auto collector = collect(output, file, session);
+    std::optional<Waiting> waiting(to_text(output) + " to send");
     const auto event = collector->next(session.timeout());
+    waiting.reset();
     if (const auto end = event ? std::nullopt : collector->ended())
         throw hive::Error(hive::Errc::not_found,
                           to_text(output) + " has come to its end" + (end->empty() ? "" : ": " + *end),

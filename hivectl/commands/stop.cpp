@@ -5,11 +5,14 @@
 #include "../places.hpp"
 #include "../remote_start.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
 #include <hive/name.hpp>
+
+#include <optional>
 
 namespace hivectl::stop_verb {
 namespace {
@@ -63,38 +66,47 @@ std::vector<std::string> meant_by(const Options& options, hive::Application& app
     return names;
 }
 
-/// One on another machine that does not answer has crashed, or is cut off: ssh may get there all the same.
-void stop_anywhere(const std::string& name, Session& session)
+/// A drone to stop, and where it runs; nowhere if it crashed.
+struct Target {
+    std::string name;
+    std::optional<hive::Place> place;
+};
+
+std::vector<Target> targets_of(const std::vector<std::string>& names, hive::Application& application)
 {
-    auto& application = session.application();
-    const auto place = runs(application, name) ? application.place(name) : hive::Place{};
-    try {
-        application.stop(name);
-    } catch (const hive::Error& error) {
-        const bool silent = error.code() == hive::Errc::unreachable || error.code() == hive::Errc::timeout;
-        if (!is_elsewhere(place) || !silent)
-            throw;
-        if (place.announced)
-            throw;
-        if (place.ssh.empty())
-            throw hive::Error(error.code(), error.what(), "if it is gone for good: hivectl place remove " + name);
-        if (const int code = stop_remotely(session, place); code != exit_code::done && code != exit_code::not_found)
-            throw hive::Error(error.code(), name + " could not be stopped on " + place.host,
-                              "see why it does not answer: hivectl logs " + name);
-    }
+    std::vector<Target> targets;
+    for (const auto& name : names)
+        targets.push_back({name, runs(application, name) ? std::optional(application.place(name)) : std::nullopt});
+    return targets;
 }
 
-void stop(const std::string& name, Session& session)
+/// One on another machine that does not answer has crashed, or is cut off: ssh may get there all the same.
+void stop_through_ssh(const Target& target, const hive::Error& error, Session& session)
 {
-    auto& application = session.application();
-    const bool ran = runs(application, name);
-    stop_anywhere(name, session);
+    const bool silent = error.code() == hive::Errc::unreachable || error.code() == hive::Errc::timeout;
+    if (!silent || !target.place || !is_elsewhere(*target.place) || target.place->announced)
+        throw error;
+    if (target.place->ssh.empty())
+        throw hive::Error(error.code(), error.what(), "if it is gone for good: hivectl place remove " + target.name);
+    if (const int code = stop_remotely(session, *target.place); code != exit_code::done && code != exit_code::not_found)
+        throw hive::Error(error.code(), target.name + " could not be stopped on " + target.place->host,
+                          "see why it does not answer: hivectl logs " + target.name);
+}
+
+void report(const Target& target, Session& session)
+{
     if (session.json)
-        write_out(Row{{ran ? "stopped" : "forgotten", name}}.json() + "\n");
-    else if (ran)
-        write_out(name + "\n");
+        write_out(Row{{target.place ? "stopped" : "forgotten", target.name}}.json() + "\n");
+    else if (target.place)
+        write_out(target.name + "\n");
     else
-        complain("stop", name + " did not run; what it was told before it crashed is forgotten");
+        complain("stop", target.name + " did not run; what it was told before it crashed is forgotten");
+}
+
+std::vector<hive::Answer> stop_together(const std::vector<std::string>& names, hive::Application& application)
+{
+    const Waiting waiting(names_text(names) + " to exit");
+    return application.stop(names);
 }
 
 int run(const Options& options, Session& session)
@@ -104,14 +116,19 @@ int run(const Options& options, Session& session)
             hive::Errc::invalid_argument, options.all ? "both names and --all are given" : "no drones are named",
             options.all ? "give the one or the other" : "give names, or --all; see what runs: hivectl ps");
     Outcome outcome("stop");
-    for (const auto& name : meant_by(options, session.application(), outcome)) {
+    auto& application = session.application();
+    const auto names = meant_by(options, application, outcome);
+    const auto targets = targets_of(names, application);
+    const auto answers = stop_together(names, application);
+    for (std::size_t i = 0; i < targets.size(); ++i)
         try {
-            stop(name, session);
+            if (answers[i].error)
+                stop_through_ssh(targets[i], *answers[i].error, session);
+            report(targets[i], session);
             outcome.done();
         } catch (const hive::Error& error) {
-            outcome.failed(name, error);
+            outcome.failed(targets[i].name, error);
         }
-    }
     return outcome.exit_code();
 }
 

@@ -6,6 +6,7 @@
 #include "../output.hpp"
 #include "../places.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -42,7 +43,8 @@ bool reached(const std::string& goal, const std::string& state)
     return goal == "running" ? state == "idle" || state == "busy" || state == "halted" : state == goal;
 }
 
-int await(const std::string& name, const std::string& goal, Session& session, std::chrono::steady_clock::time_point end)
+int await(const std::string& name, const std::string& goal, Session& session, std::chrono::steady_clock::time_point end,
+          Waiting& waiting)
 {
     for (;;) {
         const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
@@ -50,6 +52,7 @@ int await(const std::string& name, const std::string& goal, Session& session, st
         const std::string state = state_of(session.application(), name);
         if (reached(goal, state))
             return exit_code::done;
+        waiting.now_for(name + " to be " + goal + " (now " + state + ")");
         if (std::chrono::steady_clock::now() >= end) {
             complain("wait", name + " did not become " + goal + " in time; it is " + printable(state)
                                  + (state == "halted" ? "; let it go on: hivectl resume " + name : ""));
@@ -64,8 +67,9 @@ int run(const Options& options, Session& session)
     for (const auto& name : options.names)
         hive::require_name(name.substr(0, name.find('@')), "drone");
     const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
+    Waiting waiting("");
     for (const auto& name : options.names)
-        if (const int code = await(name, options.goal, session, end); code != exit_code::done)
+        if (const int code = await(name, options.goal, session, end, waiting); code != exit_code::done)
             return code;
     if (session.json)
         for (const auto& name : options.names)

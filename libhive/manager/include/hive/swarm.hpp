@@ -42,6 +42,8 @@ struct SwarmWatch {
     std::function<void(std::size_t done, std::size_t all, const std::string& what)> on_progress{};
     std::function<bool()> cancelled{};                    ///< asked often; true: what was begun is undone
     std::function<void(const std::string& text)> told{};  ///< hears what it waits for, as a sentence
+    /// Called often, with the drones that are not ready yet, or that still run.
+    std::function<void(const std::vector<std::string>& drones)> on_waiting{};
 };
 
 /// The drones that belong together by the name of their swarm. A home remembers, in NAME.swarm, the plan that was

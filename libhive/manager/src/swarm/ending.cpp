@@ -13,6 +13,19 @@ namespace hive::swarm {
 
 using namespace std::chrono_literals;
 
+namespace {
+
+std::vector<std::string> without(const std::vector<StatusAnswer>& all, const std::vector<std::string>& some)
+{
+    std::vector<std::string> names;
+    for (const auto& answer : all)
+        if (std::ranges::find(some, answer.drone) == some.end())
+            names.push_back(answer.drone);
+    return names;
+}
+
+}  // namespace
+
 SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& watch)
 {
     const auto end = event::Clock::now() + patience;
@@ -34,6 +47,8 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
         stop(names);
         if (watch.on_progress)
             watch.on_progress(all - left.size() + names.size(), all, "ended");
+        if (watch.on_waiting)
+            watch.on_waiting(without(left, names));
         if (late)
             break;
         if (names.empty())

@@ -26,6 +26,8 @@ std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, 
         look_who_is_ready();
         if (watch.on_progress)
             watch.on_progress(drones.size() - waiting_.size(), drones.size(), "started");
+        if (watch.on_waiting)
+            watch.on_waiting({waiting_.begin(), waiting_.end()});
         if (watch.cancelled && watch.cancelled())
             failed(waiting_.empty() ? plan_.name : *waiting_.begin(), Error(Errc::stopped, "interrupted"));
         else if (event::Clock::now() >= end)
