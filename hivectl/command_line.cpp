@@ -6,8 +6,11 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 
+#include <hive/json.hpp>
+#include <hive/printable.hpp>
 #include <hive/transfer.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
@@ -21,13 +24,28 @@ Option Option::needs(Option other) const { return Option(option_->needs(other.op
 Option Option::one_each() const { return Option(option_->allow_extra_args(false)); }
 Option Option::one_of(const std::vector<std::string>& words) const
 {
-    return Option(option_->check(CLI::IsMember(words)));
+    std::string list;
+    for (const auto& word : words)
+        list += (list.empty() ? "" : word == words.back() ? " or " : ", ") + word;
+    const auto problem = [=](const std::string& text) {
+        return std::ranges::find(words, text) != words.end() ? std::string()
+                                                             : hive::in_quotes(text) + " is not " + list;
+    };
+    return Option(option_->check(problem, "", "one of"));
 }
 
 template <typename Number>
 Option Option::between(Number least, Number most) const
 {
-    return Option(option_->check(CLI::Range(least, most)));
+    const auto problem = [=](const std::string& text) {
+        Number value{};
+        const bool number = CLI::detail::lexical_cast(text, value);
+        return number && value >= least && value <= most
+                   ? std::string()
+                   : hive::in_quotes(text) + " is not a number from " + hive::to_text(hive::Json(least)) + " to "
+                         + hive::to_text(hive::Json(most));
+    };
+    return Option(option_->check(problem, "", "range"));
 }
 template Option Option::between(int, int) const;
 template Option Option::between(std::int64_t, std::int64_t) const;
@@ -57,6 +75,25 @@ Option Option::encoding() const
     return Option(option_->check(problem, "", "encoding"));
 }
 
+namespace {
+
+/// "--as: 1 required NAME missing" and the like, as hivectl says it.
+std::string reworded(const CLI::ParseError& error)
+{
+    const std::string text = error.what();
+    const std::string name = text.substr(0, text.find_first_of(": "));
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
+        return name + " needs a value";
+    const std::string other = text.substr(text.rfind(' ') + 1);
+    if (dynamic_cast<const CLI::ExcludesError*>(&error))
+        return name + " cannot be combined with " + other;
+    if (dynamic_cast<const CLI::RequiresError*>(&error))
+        return name + " is only used with " + other;
+    return text;
+}
+
+}  // namespace
+
 CommandLine::CommandLine() : app_(std::make_unique<CLI::App>()) { app_->set_help_flag("-h,--help", "print this"); }
 CommandLine::~CommandLine() = default;
 
@@ -85,8 +122,11 @@ bool CommandLine::read(int argc, char** argv)
         return true;
     } catch (const CLI::CallForHelp&) {
         return false;
+    } catch (const CLI::ExtrasError&) {
+        const auto wrong = app_->remaining().front();
+        throw UsageError((wrong.starts_with('-') ? "no option " : "unexpected argument ") + hive::in_quotes(wrong));
     } catch (const CLI::ParseError& error) {
-        throw UsageError(error.what());
+        throw UsageError(reworded(error));
     }
 }
 

@@ -14,18 +14,18 @@ using hive::Errc;
 
 struct Entry {
     Errc code;
-    std::string_view advice;  ///< what to do at a shell; empty when only the text can tell
+    std::string_view advice;  ///< what to do at a shell, with DRONE for its name; empty when only the text can tell
 };
 
 constexpr std::array table{
     Entry{Errc::invalid_argument, ""},
-    Entry{Errc::not_found, "see the names: hivectl ps, hivectl describe NAME"},
+    Entry{Errc::not_found, "see the names: hivectl ps, hivectl describe DRONE"},
     Entry{Errc::unreachable, "see what runs: hivectl ps"},
     Entry{Errc::connection_lost, "see whether it still runs: hivectl ps"},
     Entry{Errc::timeout, "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS"},
     Entry{Errc::refused, ""},
-    Entry{Errc::type_mismatch, "see the ports: hivectl describe NAME"},
-    Entry{Errc::halted, "let it go on: hivectl resume NAME"},
+    Entry{Errc::type_mismatch, "see the ports: hivectl describe DRONE"},
+    Entry{Errc::halted, "let it go on: hivectl resume DRONE"},
     Entry{Errc::locked, "try again, or allow more time: --timeout SECONDS"},
     Entry{Errc::name_taken, "choose another name: --as NAME, or stop the holder: hivectl stop NAME"},
     Entry{Errc::not_permitted, "use the account that started the drone"},
@@ -33,7 +33,7 @@ constexpr std::array table{
     Entry{Errc::malformed, ""},
     Entry{Errc::version_mismatch, "use a hivectl and drones of the same version"},
     Entry{Errc::unsupported, "use a hivectl and drones of the same version"},
-    Entry{Errc::failed, "see its exceptions: hivectl exceptions NAME"},
+    Entry{Errc::failed, "see its exceptions: hivectl exceptions DRONE"},
     Entry{Errc::abandoned, "see the exceptions: hivectl exceptions"},
     Entry{Errc::stopped, "start it again: hivectl start KIND"},
     Entry{Errc::io, ""},
@@ -61,7 +61,16 @@ std::string kind_of(const std::string& drone)
     return {};
 }
 
-const Entry& entry(Errc code) noexcept { return table[static_cast<std::size_t>(code)]; }
+/// @param subject  "face" or "face.image"; empty: not known
+std::string usual_advice(Errc code, std::string_view subject)
+{
+    constexpr std::string_view place = "DRONE";
+    std::string advice(table[static_cast<std::size_t>(code)].advice);
+    const std::string drone(subject.empty() ? "NAME" : subject.substr(0, subject.find('.')));
+    if (const auto at = advice.find(place); at != std::string::npos)
+        advice.replace(at, place.size(), drone);
+    return advice;
+}
 
 }  // namespace
 
@@ -74,9 +83,9 @@ std::string advice_for_missing(const std::string& drone)
                         : "start it: hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
 }
 
-std::string explained(const hive::Error& error)
+std::string explained(const hive::Error& error, std::string_view subject)
 {
-    const std::string advice = error.advice().empty() ? std::string(entry(error.code()).advice) : error.advice();
+    const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
     return printable(error.what() + (advice.empty() ? "" : "; " + advice));
 }
 
@@ -85,7 +94,14 @@ void Outcome::failed(std::string_view subject, const hive::Error& error)
     codes_.insert(exit_code_of(error.code()));
     const std::string_view text = error.what();
     const bool named = text.find(subject) != std::string_view::npos;
-    complain(verb_, (named ? "" : printable(subject) + ": ") + explained(error));
+    complain(verb_, (named ? "" : printable(subject) + ": ") + explained(error, subject));
+}
+
+int exit_code_of_failure(std::string_view verb, std::string_view subject, const hive::Error& error)
+{
+    Outcome outcome(verb);
+    outcome.failed(subject, error);
+    return outcome.exit_code();
 }
 
 int Outcome::exit_code(int code) const

@@ -29,7 +29,8 @@ int exit_code_of(hive::Errc code) noexcept;
 /// How to get a drone that does not run: by starting it, when there is a program of its kind.
 std::string advice_for_missing(const std::string& drone);
 /// The error's text and what to do about it, safe to print.
-std::string explained(const hive::Error& error);
+/// @param subject  the drone or port that it is about, if that is known
+std::string explained(const hive::Error& error, std::string_view subject = {});
 
 /// How something asked of several drones went, drone by drone. Failures go to stderr as they come.
 class Outcome {
@@ -47,5 +48,8 @@ private:
     int done_ = 0;
     std::set<int> codes_;
 };
+
+/// The exit code of a verb that has failed with its only subject; stderr says why.
+int exit_code_of_failure(std::string_view verb, std::string_view subject, const hive::Error& error);
 
 }  // namespace hivectl

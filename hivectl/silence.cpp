@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 hive::Stall stall_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
     application.timeout(500ms);
-    return hive::stall_behind(application, outputs, explained);
+    return hive::stall_behind(application, outputs, [](const hive::Error& error) { return explained(error); });
 }
 
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs)

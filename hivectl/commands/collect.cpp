@@ -124,7 +124,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "collect",
-            .group = "look",
+            .group = "results",
             .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
             .summary = "Prints what several drones find in the same picture, one JSON object per line",
             .details =

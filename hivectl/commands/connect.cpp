@@ -46,6 +46,7 @@ int run(const Options& options, Session& session)
 {
     auto& application = session.application();
     const auto sender = application.endpoint(options.sender);
+    application.find(sender.drone);  // one error about the sender, not one for each receiver
     const auto connection = connection_of(options, sender.drone);
     Outcome outcome("connect");
     for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
@@ -109,7 +110,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "connect",
-            .group = "wire them",
+            .group = "connections",
             .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
             .summary = "Sends the events of one drone to others",
             .details = "Returns when both ends have confirmed the connection, and prints the ports that were "

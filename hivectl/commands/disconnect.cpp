@@ -47,7 +47,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "disconnect",
-            .group = "wire them",
+            .group = "connections",
             .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
             .summary = "Ends a connection",
             .details = "Without ports, it ends every connection between the two drones. A receiver that does not run "

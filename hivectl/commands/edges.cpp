@@ -109,7 +109,7 @@ Verb verb()
 {
     return {
         .name = "edges",
-        .group = "wire them",
+        .group = "connections",
         .usage = "[NAME...] [options]",
         .summary = "Lists the connections (edges), with what both ends have counted",
         .details =

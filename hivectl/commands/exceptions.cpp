@@ -125,7 +125,7 @@ Verb verb()
 {
     return {
         .name = "exceptions",
-        .group = "when something goes wrong",
+        .group = "errors",
         .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
         .summary = "Shows what went wrong in drones, or changes what they do then",
         .details = "When a drone's code throws, the drone reports an exception. Without options, this shows the last "

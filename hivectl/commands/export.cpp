@@ -92,6 +92,8 @@ int run(const Options& options, Session& session)
         plan = running_plan(options, session, outcome);
         if (!options.names.empty() && plan.drones.empty())
             return outcome.exit_code();  // an empty swarm, brought up, would end all that has its name
+        if (!options.form.empty() && plan.drones.empty())
+            throw hive::Error(hive::Errc::not_found, "no drones to export", "start one: hivectl start KIND");
     } else {
         const auto reading = hive::check_swarm(swarm_text(options.from), session.timeout(std::chrono::seconds(10)));
         for (const auto& mistake : reading.mistakes)

@@ -17,7 +17,7 @@ struct Options {
 };
 
 int get_one(const Options& options, Session& session)
-{
+try {
     const auto values = session.application().get(options.target, options.names);
     if (session.json)
         write_out(json_text(values) + "\n");
@@ -27,6 +27,8 @@ int get_one(const Options& options, Session& session)
         for (const auto& [key, value] : values.items())
             write_out(bare(key) + "=" + bare(value) + "\n");
     return exit_code::done;
+} catch (const hive::Error& error) {
+    return exit_code_of_failure("get", options.target, error);
 }
 
 int get_many(const Options& options, Session& session)
@@ -60,7 +62,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "get",
-            .group = "configure them",
+            .group = "parameters",
             .usage = "NAME [PARAMETER...] [options]",
             .summary = "Reads parameters",
             .details = "A single parameter of one drone is printed as it is, several as key=value, and those of a glob "

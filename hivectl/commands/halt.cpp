@@ -7,7 +7,7 @@ namespace hivectl::halt_verb {
 Verb verb()
 {
     return {.name = "halt",
-            .group = "when something goes wrong",
+            .group = "errors",
             .usage = "NAME... [options]",
             .summary = "Makes drones stop taking events until they are resumed",
             .details = "Prints the names of the drones. They finish what they are working on. Parameters can still be "

@@ -3,6 +3,7 @@
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
+#include "../output.hpp"
 #include "../places.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
@@ -195,6 +196,8 @@ int run(const std::vector<std::string>& words, Session& session)
         outcome.done();
     }
     add_crashed(rows, words, std::move(crashed), application);
+    if (rows.empty() && words.empty() && !session.json)
+        complain("ps", "no drones; start one: hivectl start KIND");
     print_rows(session.form(),
                {{"NAME", "name"},
                 {"HOST", "host", nullptr, hive::Place::here},

@@ -69,7 +69,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "put",
-            .group = "look",
+            .group = "results",
             .usage = "NAME[.INPUT] FILE [options]",
             .summary = "Sends one file into a drone, as if another drone had sent it",
             .details = "Returns when the drone has put the file into its queue. The results go to whoever receives "

@@ -221,7 +221,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "record",
-            .group = "keep",
+            .group = "recordings",
             .usage = "NAME[.OUTPUT]... -o FILE [-n N] [--for SECONDS] [options]",
             .summary = "Records what drones send into a file",
             .details = "Records until every source has come to its end, until Ctrl-C, or as long as -n, --for and "

@@ -136,7 +136,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "replay",
-            .group = "keep",
+            .group = "recordings",
             .usage = "FILE [--as NAME] [--pace real|demand] [--halted] [options]",
             .summary = "Plays a recording, as a drone with the outputs that were recorded",
             .details = "Starts the drone and prints its name. It begins to play when it has its first receiver. The "

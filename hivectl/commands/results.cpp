@@ -157,7 +157,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "results",
-            .group = "look",
+            .group = "results",
             .usage = "NAME[.OUTPUT]... [-n N] [options]",
             .summary = "Prints what drones find, one JSON object per line",
             .details =

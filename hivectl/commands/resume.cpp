@@ -7,7 +7,7 @@ namespace hivectl::resume_verb {
 Verb verb()
 {
     return {.name = "resume",
-            .group = "when something goes wrong",
+            .group = "errors",
             .usage = "NAME... [options]",
             .summary = "Lets halted drones go on",
             .details = "Prints the names of the drones. It does not matter whether they halted because their code "

@@ -194,7 +194,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "save",
-            .group = "keep",
+            .group = "recordings",
             .usage = "NAME[.OUTPUT] FILE [-n N] [options]",
             .summary = "Writes the pictures that a drone sends to a video file",
             .details =

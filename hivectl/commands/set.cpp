@@ -47,16 +47,14 @@ try {
     write_out(session.json ? json_text(applied) + "\n" : settings_text(applied));
     return exit_code::done;
 } catch (const hive::Error& error) {
-    if (error.code() != hive::Errc::not_permitted)
-        throw;
-    const auto place = session.application().place(options.target);
-    if (!is_elsewhere(place) || place.ssh.empty())
-        throw;
-    return set_there(place, options, session);
+    if (error.code() == hive::Errc::not_permitted)
+        if (const auto place = session.application().place(options.target); is_elsewhere(place) && !place.ssh.empty())
+            return set_there(place, options, session);
+    return exit_code_of_failure("set", options.target, error);
 }
 
 /// Of a set that has changed nothing: those that only stood back refuse, so the code is that of the cause.
-int exit_code_of_failure(const std::vector<hive::Answer>& answers)
+int exit_code_of_refusal(const std::vector<hive::Answer>& answers)
 {
     complain("set", "nothing has changed on any of them");
     if (interrupt::requested())
@@ -82,7 +80,7 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
             write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
                                    : settings_text(answer.drone, answer.result));
         }
-    return result.changed == hive::SetResult::Changed::none ? exit_code_of_failure(result.answers)
+    return result.changed == hive::SetResult::Changed::none ? exit_code_of_refusal(result.answers)
                                                             : outcome.exit_code();
 }
 
@@ -103,7 +101,7 @@ Verb verb()
 {
     return {
         .name = "set",
-        .group = "configure them",
+        .group = "parameters",
         .usage = "NAME key=value... [options]",
         .summary = "Changes parameters while the drone runs",
         .details =

@@ -125,7 +125,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "snap",
-            .group = "look",
+            .group = "results",
             .usage = "NAME[.OUTPUT] FILE [options]",
             .summary = "Saves one picture that a drone sends",
             .details = "The picture is saved as PNG if the name of the file ends in .png, otherwise as JPEG. An event "

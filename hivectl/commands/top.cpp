@@ -70,7 +70,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "top",
-            .group = "look",
+            .group = "results",
             .usage = "[--once] [--interval SECONDS] [options]",
             .summary = "Shows the rates, ages and losses of drones and connections until Ctrl-C",
             .details = "IN/s and OUT/s are events per second since the last look; BUSY is how much of that time the "

@@ -163,7 +163,7 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {.name = "view",
-            .group = "look",
+            .group = "results",
             .usage = "NAME[.OUTPUT] [--http PORT] [options]",
             .summary = "Shows the pictures that a drone sends, in a window or a browser",
             .details = "Runs a drone of the kind view until Ctrl-C, or until its window is closed (the key q closes it "

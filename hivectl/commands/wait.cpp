@@ -43,6 +43,15 @@ bool reached(const std::string& goal, const std::string& state)
     return goal == "running" ? state == "idle" || state == "busy" || state == "halted" : state == goal;
 }
 
+std::string late_text(const std::string& name, const std::string& goal, const std::string& state,
+                      std::chrono::milliseconds limit)
+{
+    const std::string text = name + " is not " + goal + " after " + duration_text(limit / 1us);
+    if (state == "gone")
+        return text + "; " + advice_for_missing(name);
+    return text + ", but " + printable(state) + (state == "halted" ? "; let it go on: hivectl resume " + name : "");
+}
+
 int await(const std::string& name, const std::string& goal, Session& session, std::chrono::steady_clock::time_point end,
           Waiting& waiting)
 {
@@ -54,8 +63,7 @@ int await(const std::string& name, const std::string& goal, Session& session, st
             return exit_code::done;
         waiting.now_for(name + " to be " + goal + " (now " + state + ")");
         if (std::chrono::steady_clock::now() >= end) {
-            complain("wait", name + " did not become " + goal + " in time; it is " + printable(state)
-                                 + (state == "halted" ? "; let it go on: hivectl resume " + name : ""));
+            complain("wait", late_text(name, goal, state, session.timeout(10s)));
             return exit_code::timed_out;
         }
         interrupt::sleep(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));

@@ -13,7 +13,7 @@ constexpr std::array table{
     ErrorInfo{Errc::unreachable, "unreachable", "nobody answers there", "start it, or check the address", 4},
     ErrorInfo{Errc::connection_lost, "connection_lost", "the peer went away", "try again; the outcome is not known", 4},
     ErrorInfo{Errc::timeout, "timeout", "no answer in time", "allow more time, or look what it is busy with", 124},
-    ErrorInfo{Errc::refused, "refused", "the drone said no", "read the reason", 5},
+    ErrorInfo{Errc::refused, "refused", "the drone said no", "", 5},
     ErrorInfo{Errc::type_mismatch, "type_mismatch", "output and input do not fit", "connect other ports", 6},
     ErrorInfo{Errc::halted, "halted", "the drone has halted", "resume it", 7},
     ErrorInfo{Errc::locked, "locked", "another set is being decided there", "try again in a moment", 5},

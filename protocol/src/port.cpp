@@ -25,7 +25,8 @@ const Port& port_named(const std::vector<Port>& ports, const std::string& drone,
         return *found;
     std::vector<std::string> names;
     std::ranges::transform(ports, std::back_inserter(names), &Port::name);
-    throw no_such(drone + " has no " + std::string(what) + " " + std::string(name), name, names);
+    throw no_such(drone + " has no " + std::string(what) + " " + std::string(name), name, names,
+                  "see its ports: hivectl describe " + drone);
 }
 
 const Port& port_meant(const std::vector<Port>& ports, const std::string& drone, std::string_view what,

@@ -97,7 +97,7 @@ TEST_CASE("README: hivectl --help has each heading once")
     for (std::string line; std::getline(help, line);)
         if (line.ends_with(":") && !line.starts_with(" "))
             CHECK_MESSAGE(headings.insert(line).second, line, " stands there twice");
-    CHECK(headings.contains("look:"));
+    CHECK(headings.contains("results:"));
 }
 
 TEST_CASE("README: the examples of --help work as they stand there")

@@ -1,4 +1,4 @@
-// hivectl as people type it: on a terminal of a certain width.
+// hivectl as people type it: on a terminal of a certain width, and with mistakes.
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -62,7 +62,8 @@ TEST_CASE("terminal: after a second, the status line says what is waited for, an
 {
     const Swarm swarm;
     const auto never = on_terminal(swarm, {"hivectl", "wait", "nobody", "--timeout", "1.5"}).out;
-    CHECK(has(never, "\rwaiting for nobody to be running (now gone), 1 s\x1b[K\r\x1b[Khivectl wait: nobody"));
+    CHECK(has(never, "\rwaiting for nobody to be running (now gone), 1 s\x1b[K\r\x1b[Khivectl wait: nobody is not "
+                     "running after 1.5 s"));
     CHECK_FALSE(has(swarm.hivectl({"wait", "nobody", "--timeout", "1.5"}).err, "waiting"));
     const auto soon = on_terminal(swarm, {"hivectl", "wait", "nobody", "--timeout", "0.5"}).out;
     CHECK_FALSE(has(soon, "waiting"));
@@ -103,4 +104,50 @@ TEST_CASE("stop: several drones are stopped together")
     const auto stopped = swarm.hivectl({"stop", "a", "b", "c", "--timeout", "1"});
     CHECK(stopped.exit_code != 0);
     CHECK(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2500));
+}
+
+TEST_CASE("command line: a wrong option of a drone is exit code 2, and the message has the names of both")
+{
+    const Swarm swarm;
+    const auto wrong = swarm.run({swarm.program("hive-ticker"), "--nope"});
+    CHECK(wrong.exit_code == 2);
+    CHECK(wrong.err == "hive-ticker: no option \"--nope\"; see hive-ticker --help\n");
+    const auto value = swarm.run({swarm.program("hive-ticker"), "--on-exception", "stop"});
+    CHECK(value.exit_code == 2);
+    CHECK(has(value.err, "hive-ticker: --on-exception: "));
+    CHECK(swarm.run({swarm.program("hive-ticker"), "--version"}).exit_code == 0);
+}
+
+TEST_CASE("command line: what is wrong with an option is said in one voice")
+{
+    const Swarm swarm;
+    for (const auto& [words, text] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+             {{"ps", "--nope"}, "no option \"--nope\""},
+             {{"snap", "a", "b", "c"}, "unexpected argument \"c\""},
+             {{"connect", "a", "b", "--window"}, "--window needs a value"},
+             {{"connect", "a", "b", "--window", "99"}, "--window: \"99\" is not a number from 1 to 64"},
+             {{"export", "--as", "x"}, "--as: \"x\" is not systemd, compose, kubernetes, slurm or shell"},
+             {{"results", "a", "--sync", "--window", "3"}, "--sync cannot be combined with --window"},
+             {{"exceptions", "-n", "3"}, "-n is only used with --follow"}}) {
+        const auto wrong = swarm.hivectl(words);
+        CHECK(wrong.exit_code == 2);
+        CHECK(wrong.err == "hivectl " + words[0] + ": " + text + "; see hivectl " + words[0] + " --help\n");
+    }
+}
+
+TEST_CASE("command line: advice has the names that are known, and nobody is left without any")
+{
+    const Swarm swarm;
+    const auto drone = swarm.drone("sleeper", "face");
+    CHECK(has(swarm.hivectl({"set", "face", "nope=1"}).err, "hivectl describe face\n"));
+    CHECK(has(swarm.hivectl({"connect", "face", "face.nope"}).err, "see its ports: hivectl describe face\n"));
+    CHECK(swarm.hivectl({"connect", "a", "face"}).err
+          == "hivectl connect: a is not running; see what runs: hivectl ps\n");
+    CHECK(swarm.hivectl({"wait", "sleeper-2", "--timeout", "0.1"}).err
+          == "hivectl wait: sleeper-2 is not running after 100 ms; start it: hivectl start sleeper --as sleeper-2\n");
+    const Swarm empty;
+    CHECK(empty.hivectl({"ps"}).err == "hivectl ps: no drones; start one: hivectl start KIND\n");
+    const auto exported = empty.hivectl({"export", "--as", "compose"});
+    CHECK(exported.exit_code == 3);
+    CHECK(exported.out.empty());
 }

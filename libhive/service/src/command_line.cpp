@@ -79,6 +79,7 @@ void declare_listening(CLI::App& app, DroneSettings& settings)
 
 void declare(CLI::App& app, DroneSettings& settings, Words& words)
 {
+    app.set_help_flag("-h,--help", "print this, and end");
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
     app.add_option("--set", words.assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
         ->type_name("NAME=VALUE");
@@ -131,6 +132,17 @@ void check(DroneSettings& settings, const Words& words)
         service::trace_crashes(event::default_home() / (settings.name + ".crash"));
 }
 
+/// What is wrong with a command line. CLI11 would exit with codes of its own, from 100 on.
+Error usage_error(const CLI::App& app, const CLI::ParseError& error)
+{
+    const auto extras = app.remaining();
+    const auto& wrong = extras.empty() ? std::string() : extras.front();
+    const auto text = extras.empty()           ? error.what()
+                      : wrong.starts_with('-') ? "no option " + in_quotes(wrong)
+                                               : "unexpected argument " + in_quotes(wrong);
+    return {Errc::invalid_argument, text, "see " + app.get_name() + " --help"};
+}
+
 }  // namespace
 
 namespace service {
@@ -155,8 +167,10 @@ std::optional<DroneSettings> read_command_line(int argc, const char* const* argv
         app.parse(argc, argv);
         check(settings, words);
         return settings;
-    } catch (const CLI::ParseError& told) {
+    } catch (const CLI::Success& told) {  // --help, --version
         exit_code = app.exit(told);
+    } catch (const CLI::ParseError& error) {
+        exit_code = complain(program, usage_error(app, error));
     } catch (...) {
         exit_code = complain(program, current_error());
     }
