@@ -31,6 +31,12 @@ std::string media_type_of(const std::filesystem::path& file)
     return found == endings.end() ? std::string() : std::string(found->second);
 }
 
+std::string ending_of(std::string_view type)
+{
+    const auto found = std::ranges::find(endings, type, [](const auto& row) { return row.second; });
+    return found == endings.end() ? std::string() : std::string(found->first);
+}
+
 bool ending_fits(const std::filesystem::path& file, std::string_view type)
 {
     const std::string meant = media_type_of(file);

@@ -3,6 +3,7 @@
 #include "../exit_code.hpp"
 #include "../media_type.hpp"
 #include "../output.hpp"
+#include "../raw_image.hpp"
 #include "../session.hpp"
 #include "../status_line.hpp"
 #include "../table.hpp"
@@ -83,20 +84,40 @@ void save(const std::filesystem::path& named, const hive::Body& body)
     throw hive::Error(hive::Errc::io, "cannot write " + printable(named.string()) + ": " + reason);
 }
 
+/// Raw pixels need their header, which a file does not have.
+hive::Event as_file(hive::Event event)
+{
+    if (event.type != "image/raw")
+        return event;
+    event.body = png_of(event.header, event.body);
+    event.type = "image/png";
+    return event;
+}
+
+/// No file is written that is not what its extension says.
+void require_fitting(const std::filesystem::path& file, const std::string& type, const std::string& output)
+{
+    if (ending_fits(file, type))
+        return;
+    auto better = file;
+    better.replace_extension(ending_of(type));
+    throw hive::Error(hive::Errc::invalid_argument,
+                      output + " sends " + printable(type) + ", which " + printable(file.string()) + " does not say",
+                      "name the file " + printable(better.string()));
+}
+
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
     auto output = application.endpoint(options.from);
     if (output.port.empty())
         output.port = usual_output(application.describe(output.drone), output.drone, "image/");
-    const auto event = next_event(output, options.file, session);
+    const auto event = as_file(next_event(output, options.file, session));
     if (options.file == "-") {
         write_out({reinterpret_cast<const char*>(event.body.data()), event.body.size()});
         return exit_code::done;
     }
-    if (!ending_fits(options.file, event.type))
-        complain("snap", printable(options.file) + " holds " + printable(event.type)
-                             + ", which its ending does not say; it is saved as it came");
+    require_fitting(options.file, event.type, to_text(output));
     save(options.file, event.body);
     if (session.json)
         write_out(Row{{"file", options.file},
@@ -128,9 +149,11 @@ Verb verb()
             .group = "results",
             .usage = "NAME[.OUTPUT] FILE [options]",
             .summary = "Saves one picture that a drone sends",
-            .details = "The picture is saved as PNG if the name of the file ends in .png, otherwise as JPEG. An event "
-                       "that is not a picture is saved as it came, with a warning if the ending of the file means "
-                       "another type. A file that exists already is replaced.",
+            .details =
+                "The image is saved as PNG if the name of the file ends in .png, otherwise as JPEG. Raw pixels of a "
+                "drone that cannot encode them are saved as PNG. An event that is not an image is saved as it "
+                "came. If the extension of the file means another type, nothing is written. A file that exists "
+                "already is replaced.",
             .examples = "hivectl snap camera now.jpg\n"
                         "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},

@@ -248,4 +248,8 @@ TEST_CASE("encoding: snap saves what the ending of the file says")
     CHECK(fs::is_fifo(pipe));
     CHECK(text_of(swarm.home() / "read.jpg").starts_with("\xff\xd8"));
     CHECK(swarm.hivectl({"snap", "camera", swarm.home().string()}).exit_code == 1);
+    const auto bitmap = swarm.hivectl({"snap", "camera", (swarm.home() / "a.bmp").string()});
+    CHECK(bitmap.exit_code == 2);
+    CHECK(has(bitmap.err, "a.bmp does not say; name the file "));
+    CHECK_FALSE(fs::exists(swarm.home() / "a.bmp"));
 }
