@@ -1,6 +1,8 @@
 // CLI11 behind the words of command_line.hpp.
 #include "command_line.hpp"
 
+#include "format.hpp"
+
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -11,8 +13,8 @@
 #include <hive/transfer.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 
 namespace hivectl {
@@ -51,18 +53,44 @@ template Option Option::between(int, int) const;
 template Option Option::between(std::int64_t, std::int64_t) const;
 template Option Option::between(double, double) const;
 
+/// Numbers alone stay as they were written, since some are handed on.
+Option Option::measured(const Reader& reader, double least, double most, const std::string& examples) const
+{
+    const auto read = [=](std::string& text) -> std::string {
+        const auto value = reader(text);
+        if (!value)
+            return hive::in_quotes(text) + " is not written as " + examples;
+        if (*value < least || *value > most)
+            return hive::in_quotes(text) + (*value < least ? " is too small" : " is too large");
+        if (text.find_first_not_of("0123456789.") != std::string::npos)
+            text =
+                *value == std::floor(*value) ? std::to_string(std::llround(*value)) : hive::to_text(hive::Json(*value));
+        return {};
+    };
+    return Option(option_->transform(CLI::Validator(read, "", "measure")));
+}
+
 Option Option::seconds(double least, double most) const
 {
-    const auto problem = [=](const std::string& text) -> std::string {
-        char* end = nullptr;
-        const double value = std::strtod(text.c_str(), &end);
-        const bool number = !text.empty() && *end == '\0';
-        if (number && value >= least && value <= most)
-            return {};
-        return text + " is not a number of seconds"
-               + (number ? value < least ? ", or too small" : ", or too large" : "");
+    return measured([](const std::string& text) { return seconds_of(text); }, least, most, "2, 500ms or 2min");
+}
+
+Option Option::milliseconds(int least, int most) const
+{
+    const auto reader = [](const std::string& text) {
+        const auto seconds = seconds_of(text, "ms");
+        return seconds ? std::optional(std::round(*seconds * 1000)) : std::nullopt;
     };
-    return Option(option_->check(problem, "", "seconds"));
+    return measured(reader, least, most, "20, 20ms or 2s");
+}
+
+Option Option::megabytes(double least, double most) const
+{
+    const auto reader = [](const std::string& text) {
+        const auto bytes = bytes_of(text, "MB");
+        return bytes ? std::optional(*bytes / 1e6) : std::nullopt;
+    };
+    return measured(reader, least, most, "200, 200MB or 2GB");
 }
 
 Option Option::encoding() const

@@ -2,7 +2,9 @@
 // it.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,12 +36,20 @@ public:
     Option one_of(const std::vector<std::string>& words) const;
     template <typename Number>
     Option between(Number least, Number most) const;  ///< of int, std::int64_t or double
-    /// A duration in seconds, within what a deadline can be.
+    /// A duration, "2", "500ms" or "2min", within what a deadline can be; the value is in seconds.
     Option seconds(double least = 0.001, double most = 1e8) const;
+    /// A duration of whole milliseconds; a number alone is in milliseconds.
+    Option milliseconds(int least, int most) const;
+    /// A size, "200", "200MB" or "2GB"; the value is in megabytes.
+    Option megabytes(double least, double most) const;
     /// How pictures travel, as `hive::is_encoding` knows it.
     Option encoding() const;
 
 private:
+    using Reader = std::function<std::optional<double>(const std::string&)>;
+
+    [[nodiscard]] Option measured(const Reader& reader, double least, double most, const std::string& examples) const;
+
     CLI::Option* option_;
 };
 

@@ -2,10 +2,13 @@
 #include "format.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <limits>
+#include <utility>
 
 namespace hivectl {
 namespace {
@@ -23,7 +26,41 @@ std::tm local(std::time_t seconds)
     return result;
 }
 
+using Units = std::array<std::pair<std::string_view, double>, 6>;
+
+constexpr Units durations{{{"us", 1e-6}, {"ms", 1e-3}, {"s", 1}, {"min", 60}, {"h", 3600}, {"d", 86400}}};
+constexpr Units sizes{{{"b", 1}, {"k", 1e3}, {"kb", 1e3}, {"mb", 1e6}, {"gb", 1e9}, {"tb", 1e12}}};
+
+std::string in_lower_case(std::string_view text)
+{
+    std::string lower(text);
+    std::ranges::transform(lower, lower.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return lower;
+}
+
+std::optional<double> measured(std::string_view text, std::string_view unit, const Units& units)
+{
+    const std::string word(text);
+    char* end = nullptr;
+    const double number = std::strtod(word.c_str(), &end);
+    if (end == word.c_str() || !std::isfinite(number))
+        return std::nullopt;
+    while (*end == ' ')
+        ++end;
+    const auto written = in_lower_case(*end ? std::string_view(end) : unit);
+    const auto found = std::ranges::find(units, std::string_view(written), [](const auto& row) { return row.first; });
+    return found == units.end() ? std::nullopt : std::optional(number * found->second);
+}
+
 }  // namespace
+
+std::optional<double> seconds_of(std::string_view text, std::string_view unit)
+{
+    return measured(text, unit, durations);
+}
+
+std::optional<double> bytes_of(std::string_view text, std::string_view unit) { return measured(text, unit, sizes); }
 
 std::string duration_text(std::int64_t microseconds)
 {

@@ -4,7 +4,9 @@
 #include <hive/json.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace hivectl {
 
@@ -16,6 +18,12 @@ std::string tenths_text(double number);
 std::string count_text(std::int64_t count, std::string_view noun);
 /// "850 B", "12.3 kB", "1.5 GB".
 std::string size_text(std::int64_t bytes);
+/// What a person writes as a duration, in seconds: "5", "500ms", "2min"; nothing if it is not one.
+/// @param unit  of a number alone: "s"
+std::optional<double> seconds_of(std::string_view text, std::string_view unit = "s");
+/// What a person writes as a size, in bytes: "200MB", "2 GB"; nothing if it is not one.
+/// @param unit  of a number alone: "MB"
+std::optional<double> bytes_of(std::string_view text, std::string_view unit);
 /// Local time of day with milliseconds, the date before it when it is another day: "14:03:07.120".
 std::string time_text(std::int64_t microseconds_since_1970);
 

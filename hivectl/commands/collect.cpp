@@ -113,7 +113,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("--within", options->within_ms,
                 "combine the nearest captures, at most this far apart (default: only events of the same capture)")
         .type_name("MS")
-        .between(0, 3'600'000);
+        .milliseconds(0, 3'600'000);
     line.flag("--notify", options->notify, "receive headers only, so that the drones need not make the bodies");
     line.flag("--stay", options->stay, "wait for more when every source has come to its end");
     return [options, &session] { return run(*options, session); };

@@ -198,7 +198,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("--for", options->seconds, "end after this long").type_name("SECONDS").seconds();
     line.option("--max-size", options->max_size, "end before the file grows larger")
         .type_name("MB")
-        .between(0.001, 1e9);
+        .megabytes(0.001, 1e9);
     line.flag("--stay", options->stay, "wait for more when every source has come to its end");
     line.flag("--overwrite", options->overwrite, "replace the file if it is there");
     const auto notify = line.flag("--notify", options->notify, "headers without bodies");

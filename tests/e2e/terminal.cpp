@@ -128,6 +128,8 @@ TEST_CASE("command line: what is wrong with an option is said in one voice")
              {{"connect", "a", "b", "--window", "99"}, "--window: \"99\" is not a number from 1 to 64"},
              {{"export", "--as", "x"}, "--as: \"x\" is not systemd, compose, kubernetes, slurm or shell"},
              {{"results", "a", "--sync", "--window", "3"}, "--sync cannot be combined with --window"},
+             {{"ps", "--timeout", "5x"}, "--timeout: \"5x\" is not written as 2, 500ms or 2min"},
+             {{"ps", "--timeout", "0ms"}, "--timeout: \"0ms\" is too small"},
              {{"exceptions", "-n", "3"}, "-n is only used with --follow"}}) {
         const auto wrong = swarm.hivectl(words);
         CHECK(wrong.exit_code == 2);
@@ -150,4 +152,19 @@ TEST_CASE("command line: advice has the names that are known, and nobody is left
     const auto exported = empty.hivectl({"export", "--as", "compose"});
     CHECK(exported.exit_code == 3);
     CHECK(exported.out.empty());
+}
+
+TEST_CASE("command line: a time and a size may have a unit")
+{
+    const Swarm swarm;
+    const auto drone = swarm.drone("ticker", "camera");
+    const auto waited = swarm.hivectl({"wait", "nobody", "--timeout", "100ms"});
+    CHECK(waited.exit_code == 124);
+    CHECK(has(waited.err, "after 100 ms"));
+    const auto file = (swarm.home() / "a.hive").string();
+    CHECK(swarm.hivectl({"record", "camera", "-o", file, "-n", "1", "--max-size", "2GB", "--for", "1min"}).exit_code
+          == 0);
+    const auto other = swarm.drone("ticker", "other");
+    CHECK(swarm.hivectl({"collect", "camera.tick", "other.tick", "--within", "1s", "--notify", "-n", "1"}).exit_code
+          == 0);
 }

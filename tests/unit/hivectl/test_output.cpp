@@ -44,3 +44,15 @@ TEST_CASE("counts: one is singular")
     CHECK(count_text(1, "event") == "1 event");
     CHECK(count_text(30, "event") == "30 events");
 }
+
+TEST_CASE("durations and sizes are read with the units that people write, and without them in the usual one")
+{
+    CHECK(seconds_of("5") == 5);
+    CHECK(seconds_of("500ms") == 0.5);
+    CHECK(seconds_of("2 min") == 120);
+    CHECK(seconds_of("20", "ms") == 0.02);
+    CHECK(bytes_of("2GB", "MB") == 2e9);
+    CHECK(bytes_of("200", "MB") == 200e6);
+    for (const auto* wrong : {"", "ms", "5x", "nan", "1e999", "5 min 3"})
+        CHECK_FALSE(seconds_of(wrong).has_value());
+}
