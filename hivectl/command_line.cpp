@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <sstream>
 
 namespace hivectl {
 
@@ -26,14 +27,16 @@ Option Option::needs(Option other) const { return Option(option_->needs(other.op
 Option Option::one_each() const { return Option(option_->allow_extra_args(false)); }
 Option Option::one_of(const std::vector<std::string>& words) const
 {
-    std::string list;
-    for (const auto& word : words)
+    std::string list, values;
+    for (const auto& word : words) {
+        values += (values.empty() ? "" : "|") + word;
         list += (list.empty() ? "" : word == words.back() ? " or " : ", ") + word;
+    }
     const auto problem = [=](const std::string& text) {
         return std::ranges::find(words, text) != words.end() ? std::string()
                                                              : hive::in_quotes(text) + " is not " + list;
     };
-    return Option(option_->check(problem, "", "one of"));
+    return Option(option_->check(problem, values, "one of"));
 }
 
 template <typename Number>
@@ -100,7 +103,7 @@ Option Option::encoding() const
                    ? std::string()
                    : text + " is not written as an encoding; write for example raw, png, jpeg or jpeg:80";
     };
-    return Option(option_->check(problem, "", "encoding"));
+    return Option(option_->check(problem, "raw|png|jpeg", "encoding"));
 }
 
 namespace {
@@ -158,25 +161,46 @@ bool CommandLine::read(int argc, char** argv)
     }
 }
 
+namespace {
+
+/// @param words  "a|b|c"
+std::vector<std::string> split(const std::string& words)
+{
+    std::vector<std::string> parts;
+    std::istringstream in(words);
+    for (std::string part; std::getline(in, part, '|');)
+        parts.push_back(part);
+    return parts;
+}
+
+CommandLine::Entry entry_of(const CLI::Option& option)
+{
+    // "FORM:a|b": the validators' descriptions stand behind the type.
+    const std::string type = option.get_expected_max() > 0 ? option.get_type_name() : "";
+    const auto colon = type.find(':');
+    return {.positional = option.get_positional(),
+            .name = option.get_name(true, false),
+            .short_names = option.get_snames(),
+            .long_names = option.get_lnames(),
+            .type = type.substr(0, colon),
+            .meaning = option.get_description(),
+            .values = colon == std::string::npos ? std::vector<std::string>() : split(type.substr(colon + 1))};
+}
+
+}  // namespace
+
 std::vector<CommandLine::Entry> CommandLine::entries() const
 {
     std::vector<Entry> all;
-    for (const CLI::Option* option : static_cast<const CLI::App&>(*app_).get_options()) {
-        const std::string type = option->get_expected_max() > 0 ? option->get_type_name() : "";
-        all.push_back({.positional = option->get_positional(),
-                       .name = option->get_name(true, false),
-                       .short_names = option->get_snames(),
-                       .long_names = option->get_lnames(),
-                       .type = type.substr(0, type.find(':')),  // what validators would add
-                       .meaning = option->get_description()});
-    }
+    for (const CLI::Option* option : static_cast<const CLI::App&>(*app_).get_options())
+        all.push_back(entry_of(*option));
     return all;
 }
 
-bool CommandLine::takes_value(const std::string& word) const
+std::optional<CommandLine::Entry> CommandLine::option_with_value(const std::string& word) const
 {
     const CLI::Option* option = word.starts_with('-') ? app_->get_option_no_throw(word) : nullptr;
-    return option && option->get_items_expected_max() > 0;
+    return option && option->get_items_expected_max() > 0 ? std::optional(entry_of(*option)) : std::nullopt;
 }
 
 }  // namespace hivectl

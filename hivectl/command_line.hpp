@@ -32,7 +32,7 @@ public:
     Option needs(Option other) const;
     Option one_each() const;  ///< of several values: each has the option before it
 
-    // What a value may be:
+    // What a value may be; completion offers the words:
     Option one_of(const std::vector<std::string>& words) const;
     template <typename Number>
     Option between(Number least, Number most) const;  ///< of int, std::int64_t or double
@@ -78,10 +78,11 @@ public:
         std::vector<std::string> short_names, long_names;  ///< of an option, without hyphens
         std::string type;                                  ///< of an option's value; empty: it takes none
         std::string meaning;
+        std::vector<std::string> values;  ///< all that it may be, or the usual ones; empty: not known
     };
     [[nodiscard]] std::vector<Entry> entries() const;
-    /// Is `word` an option, and the next word its value?
-    [[nodiscard]] bool takes_value(const std::string& word) const;
+    /// The option whose value is the next word; nothing if `word` is none.
+    [[nodiscard]] std::optional<Entry> option_with_value(const std::string& word) const;
 
 private:
     std::unique_ptr<CLI::App> app_;

@@ -32,20 +32,11 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
     return exit_code::usage;
 }
 
-void add_common(CommandLine& line, const Verb& verb, Session& session)
-{
-    line.flag("--json", session.json, "print JSON instead of text; one object per line where it streams");
-    if (verb.table)
-        line.flag("--wide", session.wide, "print tables as wide as needed, not as the terminal");
-    line.option("--timeout", session.timeout_s, std::string(verb.timeout)).type_name("SECONDS").seconds();
-}
-
 int run(const Verb& verb, int argc, char** argv)
 {
     CommandLine line;
     Session session;
-    const Run action = verb.declare(line, session);
-    add_common(line, verb, session);
+    const Run action = declared(verb, line, session);
     try {
         if (!line.read(argc, argv)) {
             write_out(help_of(verb, line));

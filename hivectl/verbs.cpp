@@ -1,6 +1,9 @@
 // Makes the list of verbs and finds one in it.
 #include "verbs.hpp"
 
+#include "command_line.hpp"
+#include "session.hpp"
+
 #include <algorithm>
 
 namespace hivectl {
@@ -10,6 +13,16 @@ std::vector<Verb> verbs()
 #define HIVECTL_CALL(name) name##_verb::verb(),
     return {HIVECTL_VERBS(HIVECTL_CALL)};
 #undef HIVECTL_CALL
+}
+
+Run declared(const Verb& verb, CommandLine& line, Session& session)
+{
+    const Run run = verb.declare(line, session);
+    line.flag("--json", session.json, "print JSON instead of text; one object per line where it streams");
+    if (verb.table)
+        line.flag("--wide", session.wide, "print tables as wide as needed, not as the terminal");
+    line.option("--timeout", session.timeout_s, std::string(verb.timeout)).type_name("SECONDS").seconds();
+    return run;
 }
 
 const Verb* verb_named(const std::vector<Verb>& all, std::string_view name)

@@ -53,6 +53,9 @@ HIVECTL_VERBS(HIVECTL_DECLARE)
 /// All verbs; made when called, so nothing runs before main.
 std::vector<Verb> verbs();
 
+/// Declares what the verb takes, and what every verb does.
+Run declared(const Verb& verb, CommandLine& line, Session& session);
+
 /// The verb of that name or alias, or nullptr.
 const Verb* verb_named(const std::vector<Verb>& all, std::string_view name);
 

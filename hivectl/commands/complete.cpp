@@ -4,6 +4,7 @@
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
+#include "../targets.hpp"
 #include "../verbs.hpp"
 
 #include <hive/program.hpp>
@@ -31,14 +32,26 @@ Words ends(hive::Application& application, const std::string& current, bool outp
     return drones;
 }
 
-Words parameters(hive::Application& application, const std::string& drone, const std::string& after)
+/// What may stand behind "key="; of a number nothing is offered.
+Words values(const hive::ParameterInfo& parameter)
 {
-    Words names;
+    return parameter.type == hive::ParameterType::flag ? Words{"true", "false"} : parameter.choices;
+}
+
+/// "key", or "key=" as long as that is being typed, and then "key=value".
+Words parameters(hive::Application& application, const std::string& drone, const std::string& current, bool settings)
+{
+    Words words;
     for (const auto& name : application.find(drone))
-        for (const auto& parameter : application.describe(name).parameters)
-            if (std::ranges::find(names, parameter.name + after) == names.end())
-                names.push_back(parameter.name + after);
-    return names;
+        for (const auto& parameter : application.describe(name).parameters) {
+            const auto key = parameter.name + (settings ? "=" : "");
+            if (!settings || !current.starts_with(key))
+                add_new(words, {key});
+            else
+                for (const auto& value : values(parameter))
+                    add_new(words, {key + value});
+        }
+    return words;
 }
 
 Words operands(Operand operand, const std::string& first, const std::string& current, Session& session)
@@ -48,8 +61,8 @@ Words operands(Operand operand, const std::string& first, const std::string& cur
     case Operand::drone: return session.application(300ms).drones();
     case Operand::sender: return ends(session.application(300ms), current, true);
     case Operand::receiver: return ends(session.application(300ms), current, false);
-    case Operand::parameter: return parameters(session.application(300ms), first, "");
-    case Operand::setting: return parameters(session.application(300ms), first, "=");
+    case Operand::parameter: return parameters(session.application(300ms), first, current, false);
+    case Operand::setting: return parameters(session.application(300ms), first, current, true);
     case Operand::file:
     case Operand::other: break;
     }
@@ -58,17 +71,31 @@ Words operands(Operand operand, const std::string& first, const std::string& cur
 
 Words flags(const CommandLine& line)
 {
-    Words names{"--json", "--timeout", "--help"};
+    Words names;
     for (const auto& option : line.entries())
         for (const auto& name : option.long_names)
             names.push_back("--" + name);
     return names;
 }
 
-/// Does the option `word` take the next word as its value?
-bool takes_value(const CommandLine& line, const std::string& word)
+/// The values of an option that is typed as "--as=c".
+Words values_behind_equals(const CommandLine& line, const std::string& current)
 {
-    return word == "--timeout" || line.takes_value(word);
+    const auto name = current.substr(0, current.find('='));
+    const auto option = line.option_with_value(name);
+    Words words;
+    for (const auto& value : option ? option->values : Words())
+        words.push_back(name + "=" + value);
+    return words;
+}
+
+/// The values of the argument at that place, if they are known.
+Words values_at(const CommandLine& line, std::size_t place)
+{
+    for (const auto& entry : line.entries())
+        if (entry.positional && place-- == 0)
+            return entry.values;
+    return {};
 }
 
 Words candidates(const Words& words, Session& session)
@@ -86,16 +113,18 @@ Words candidates(const Words& words, Session& session)
         return {};
     CommandLine line;
     Session unused;
-    const Run declared = verb->declare(line, unused);
+    const Run run = declared(*verb, line, unused);
     const std::string& current = words.back();
-    if (takes_value(line, words[words.size() - 2]))
-        return {};
+    if (const auto option = line.option_with_value(words[words.size() - 2]))
+        return option->values;
     if (current.starts_with('-'))
-        return flags(line);
+        return current.find('=') == std::string::npos ? flags(line) : values_behind_equals(line, current);
     Words before;
     for (std::size_t i = 1; i + 1 < words.size(); ++i)
-        if (!words[i].starts_with('-') && !takes_value(line, words[i - 1]))
+        if (!words[i].starts_with('-') && !line.option_with_value(words[i - 1]))
             before.push_back(words[i]);
+    if (const auto known = values_at(line, before.size()); !known.empty())
+        return known;
     if (verb->operands.empty())
         return {};
     const auto place = std::min(before.size(), verb->operands.size() - 1);

@@ -13,11 +13,18 @@ namespace {
 constexpr std::string_view bash_script = R"(# bash completion of hivectl; use it with: source <(hivectl completion bash)
 _hivectl()
 {
-    local current=${COMP_WORDS[COMP_CWORD]}
-    local previous=${COMP_WORDS[COMP_CWORD-1]}
-    [[ $current == "=" || $previous == "=" ]] && return
+    local -a words=("${COMP_WORDS[@]:1:COMP_CWORD}")
+    local last=$((COMP_CWORD - 1)) typed=""
+    if [[ ${words[last]} == "=" ]]; then  # bash takes "key=value" for three words
+        typed=${words[last-1]}=
+        words=("${words[@]:0:last-1}" "$typed")
+    elif ((last > 1)) && [[ ${words[last-1]} == "=" ]]; then
+        typed=${words[last-2]}=
+        words=("${words[@]:0:last-2}" "$typed${words[last]}")
+    fi
     local IFS=$'\n'
-    COMPREPLY=($(hivectl complete -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null))
+    COMPREPLY=($(hivectl complete -- "${words[@]}" 2>/dev/null))
+    COMPREPLY=("${COMPREPLY[@]#"$typed"}")
     [[ ${COMPREPLY[0]} == *[=.] ]] && compopt -o nospace
 }
 complete -o default -F _hivectl hivectl

@@ -168,3 +168,25 @@ TEST_CASE("command line: a time and a size may have a unit")
     CHECK(swarm.hivectl({"collect", "camera.tick", "other.tick", "--within", "1s", "--notify", "-n", "1"}).exit_code
           == 0);
 }
+
+TEST_CASE("completion: it knows the values of options, arguments and parameters")
+{
+    const Swarm swarm;
+    const auto drone = swarm.drone("ticker", "camera");
+    const auto offered = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"complete", "--"});
+        return swarm.hivectl_done(words);
+    };
+    CHECK(offered({"export", "--as", "s"}) == "systemd\nslurm\nshell\n");
+    CHECK(offered({"export", "--as=c"}) == "--as=compose\n");
+    CHECK(offered({"connect", "a", "b", "--encoding", "p"}) == "png\n");
+    CHECK(offered({"key", "r"}) == "rotate\n");
+    CHECK(offered({"set", "camera", "pa"}) == "padding=\npace=\n");
+    CHECK(offered({"set", "camera", "pace="}) == "pace=live\npace=demand\n");
+    CHECK(offered({"set", "camera", "ends=t"}) == "ends=true\n");
+    CHECK(offered({"edges", "--w"}) == "--wide\n");
+    const std::string bash =
+        "source <(hivectl completion bash); COMP_WORDS=(hivectl set camera pace = d); COMP_CWORD=5; "
+        "_hivectl; printf '%s\\n' \"${COMPREPLY[@]}\"";
+    CHECK(swarm.run({"/bin/bash", "-c", bash}).out == "demand\n");
+}
