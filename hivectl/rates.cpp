@@ -29,11 +29,12 @@ std::int64_t processed(const hive::Status& status)
     return sum;
 }
 
-std::int64_t produced(const hive::Status& status)
+/// Events that had a receiver.
+std::int64_t sent(const hive::Status& status)
 {
     std::int64_t sum = 0;
     for (const auto& output : status.outputs)
-        sum += output.produced;
+        sum += output.produced - output.unreceived;
     return sum;
 }
 
@@ -59,7 +60,7 @@ Row drone_row(const hive::StatusAnswer& answer, const hive::Status* before, std:
     // By the drone's own clock, so that it does not matter when its answer came.
     const auto lived = std::max<std::int64_t>(1, now.uptime_us - before->uptime_us);
     row.add("in_per_s", per_second(processed(now) - processed(*before), interval));
-    row.add("out_per_s", per_second(produced(now) - produced(*before), interval));
+    row.add("out_per_s", per_second(sent(now) - sent(*before), interval));
     row.add("busy_percent",
             std::clamp(100.0 * static_cast<double>(now.busy_us - before->busy_us) / static_cast<double>(lived), 0.0,
                        100.0));
@@ -149,6 +150,7 @@ std::vector<Column> drone_rate_columns()
 {
     return {{"NAME", "name"},
             {"STATE", "state", nullptr, {}, state_colour},
+            {"DONE", "done", nullptr, nothing},
             {"IN/s", "in_per_s", as_tenths},
             {"OUT/s", "out_per_s", as_tenths},
             {"BUSY", "busy_percent", as_percent},

@@ -130,6 +130,14 @@ Row& Row::add(std::string key, hive::Json value)
     return *this;
 }
 
+Row& Row::set(std::string_view key, hive::Json value)
+{
+    for (auto& [each, old] : fields_)
+        if (each == key)
+            old = std::move(value);
+    return *this;
+}
+
 const hive::Json& Row::operator[](std::string_view key) const
 {
     static const hive::Json absent;
@@ -160,9 +168,10 @@ std::string Row::json() const
 
 Colour state_colour(const hive::Json& state)
 {
-    if (state == "idle" || state == "busy" || state == "connected")
+    if (state == "idle" || state == "busy" || state == "sending" || state == "connected")
         return Colour::green;
-    const bool down = state == "gone" || state == "silent" || state == "unreachable" || state == "failed";
+    const bool down = state == "gone" || state == "silent" || state == "unreachable" || state == "failed"
+                      || state == "crashed";
     return down ? Colour::red : state.is_string() ? Colour::yellow : Colour::none;
 }
 

@@ -19,6 +19,8 @@ public:
     Row(std::initializer_list<std::pair<std::string, hive::Json>> fields) : fields_(fields) {}
 
     Row& add(std::string key, hive::Json value);
+    /// Another value for a key that is there.
+    Row& set(std::string_view key, hive::Json value);
     /// Null when there is no such key.
     [[nodiscard]] const hive::Json& operator[](std::string_view key) const;
     /// A number, or 0.

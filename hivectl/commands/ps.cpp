@@ -1,4 +1,5 @@
 // hivectl ps: what runs, and how it is.
+#include "../activity.hpp"
 #include "../command_line.hpp"
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
@@ -185,6 +186,7 @@ std::vector<std::string> words_that_run(std::vector<std::string> words, const st
 
 int run(const std::vector<std::string>& words, Session& session)
 {
+    const bool person = on_terminal() && !session.json;
     auto& application = session.application(1s);
     Outcome outcome("ps");
     auto crashed = application.crashed();
@@ -193,6 +195,8 @@ int run(const std::vector<std::string>& words, Session& session)
     std::vector<Row> rows;
     for (const auto& answer : application.status(names)) {
         rows.push_back(answer.error ? silent_row(answer) : row_of(answer));
+        if (person && !answer.error)
+            show_activity(rows.back(), answer.status);
         outcome.done();
     }
     add_crashed(rows, words, std::move(crashed), application);
@@ -203,6 +207,7 @@ int run(const std::vector<std::string>& words, Session& session)
                 {"HOST", "host", nullptr, hive::Place::here},
                 {"KIND", "kind"},
                 {"STATE", "state", nullptr, {}, state_colour},
+                {"DONE", "done", nullptr, nothing},
                 {"PID", "pid"},
                 {"UPTIME", "uptime_us", as_duration},
                 {"BUSY", "busy_percent", as_percent},
@@ -229,10 +234,10 @@ Verb verb()
         .usage = "[NAME...] [options]",
         .summary = "Lists the drones that run, on this machine and on those that it knows of",
         .details =
-            "STATE is starting, idle, busy, halted or stopping, or silent for a drone that runs but does not answer, "
+            "STATE is starting, idle, busy, halted or stopping (on a terminal also sending, for a source that emits "
+            "events, and DONE is how far it is in its file), or silent for a drone that runs but does not answer, "
             "or unreachable for one on another machine that does not, or crashed for one of this machine that died of "
-            "a "
-            "signal such as SIGSEGV and was not started again since, or failed for one that fell too often under "
+            "a signal such as SIGSEGV and was not started again since, or failed for one that fell too often under "
             "hivectl up --stay. HOST is where it runs; the column is left out when "
             "all run on this machine. Drones of other machines are those of the list of places (hivectl place), and "
             "those that announce themselves on the local network and have this swarm's key. "

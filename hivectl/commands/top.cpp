@@ -1,4 +1,5 @@
 // hivectl top: how fast everything runs, again and again.
+#include "../activity.hpp"
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../interrupt.hpp"
@@ -33,6 +34,14 @@ std::string shown(const Rates& rates, Form form)
            + (edges.empty() ? "" : "\n" + edges);
 }
 
+/// The rows are in the order of the answers.
+void show_activity(std::vector<Row>& rows, const std::vector<hive::StatusAnswer>& answers)
+{
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (!answers[i].error)
+            hivectl::show_activity(rows[i], answers[i].status);
+}
+
 int run(const Options& options, Session& session)
 {
     auto& application = session.application(1s);
@@ -45,7 +54,10 @@ int run(const Options& options, Session& session)
          first = false) {
         auto now = look(application);
         const auto now_at = std::chrono::steady_clock::now();
-        const std::string text = shown(rates_between(earlier, now, now_at - earlier_at), session.form());
+        auto rates = rates_between(earlier, now, now_at - earlier_at);
+        if (on_terminal() && !session.json)
+            show_activity(rates.drones, now);
+        const std::string text = shown(rates, session.form());
         write_out((redraw ? "\x1b[H\x1b[J" : first || session.json ? "" : "\n") + text);
         if (options.once)
             return exit_code::done;
@@ -73,7 +85,8 @@ Verb verb()
             .group = "results",
             .usage = "[--once] [--interval SECONDS] [options]",
             .summary = "Shows the rates, ages and losses of drones and connections until Ctrl-C",
-            .details = "IN/s and OUT/s are events per second since the last look; BUSY is how much of that time the "
+            .details = "IN/s and OUT/s are events per second since the last look (OUT/s: those with a receiver); BUSY "
+                       "is how much of that time the "
                        "drone's code was working; AGE is how old the newest event was when it arrived, counted from "
                        "its capture. The busiest drone that receives something is marked slowest: it limits the whole "
                        "swarm. An edge is marked if either end has lost events since the last look; MISSING is how "

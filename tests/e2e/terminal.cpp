@@ -53,6 +53,9 @@ TEST_CASE("terminal: states are coloured, but not with NO_COLOR, nor elsewhere")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("sleeper", "camera");
+    const auto source = swarm.drone("ticker", "source");
+    CHECK(has(on_terminal(swarm, {"hivectl", "ps", "source"}, "", "X=").out, "\x1b[32msending\x1b[0m"));
+    CHECK(has(swarm.hivectl_done({"ps", "source"}), "idle"));
     CHECK(has(on_terminal(swarm, {"hivectl", "ps"}, "", "X=").out, "\x1b[32midle\x1b[0m"));
     CHECK_FALSE(has(on_terminal(swarm, {"hivectl", "ps"}).out, "\x1b["));
     CHECK_FALSE(has(swarm.hivectl_done({"ps"}), "\x1b["));

@@ -1,4 +1,5 @@
 // Tests of joining both ends' counts, of rates between two looks, and of the reasons in plain words.
+#include "activity.hpp"
 #include "connections.hpp"
 #include "rates.hpp"
 
@@ -310,4 +311,29 @@ TEST_CASE("stall: an input says which sender it misses")
     auto status = face(5'000'000, 0, 0).status;
     status.inputs[0].why = Reason::dialing;
     CHECK(stall_text(status) == "image from camera.image: the sender is not connected");
+}
+
+TEST_CASE("rates: events of an output without receivers are not counted")
+{
+    auto earlier = camera(1, 0, 10, 0), later = camera(1, 2'000'000, 50, 0);
+    earlier.status.outputs.push_back({.name = "other", .type = "image/png", .produced = 10, .unreceived = 10});
+    later.status.outputs.push_back({.name = "other", .type = "image/png", .produced = 50, .unreceived = 50});
+    CHECK(rates_between({earlier}, {later}, 2s).drones[0].number("out_per_s") == doctest::Approx(20));
+}
+
+TEST_CASE("activity: an idle source that emits is sending, and says how far it is in its file")
+{
+    hive::Status status{.name = "camera", .kind = "camera", .epoch = 1'000'000, .state = hive::State::idle};
+    status.uptime_us = 9'000'000;
+    status.source_events = 300;
+    status.outputs.push_back({.name = "image", .type = "image/png", .produced = 123, .last_emitted_us = 9'900'000});
+    CHECK(hivectl::activity_text(status) == "sending");
+    CHECK(hivectl::source_text(status) == "123 of 300");
+    hivectl::Row row{{"state", "idle"}};
+    hivectl::show_activity(row, status);
+    CHECK(row.json() == R"({"state":"sending","done":"123 of 300"})");
+    status.uptime_us = 11'000'000;
+    status.source_events = 0;
+    CHECK(hivectl::activity_text(status) == "idle");
+    CHECK(hivectl::source_text(status).empty());
 }
