@@ -5,6 +5,7 @@
 #include "exit_code.hpp"
 #include "output.hpp"
 #include "session.hpp"
+#include "status_line.hpp"
 #include "table.hpp"
 #include "targets.hpp"
 
@@ -20,6 +21,7 @@ Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, s
         Outcome outcome(verb);
         for (const auto& name : drones_named(application, *names, outcome)) {
             try {
+                const Waiting waiting(name + " to answer");
                 (application.*action)(name);
                 outcome.done();
                 write_out(session.json ? Row{{std::string(done), name}}.json() + "\n" : name + "\n");

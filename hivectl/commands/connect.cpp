@@ -3,6 +3,7 @@
 #include "../exit_code.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -51,6 +52,7 @@ int run(const Options& options, Session& session)
     Outcome outcome("connect");
     for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
         try {
+            const Waiting waiting(to_text(receiver) + " to connect");
             report(application.connect(sender, receiver, connection), connection, session.json);
             outcome.done();
         } catch (const hive::Error& error) {

@@ -3,6 +3,7 @@
 #include "../exit_code.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -72,6 +73,7 @@ int run(const std::vector<std::string>& words, Session& session)
     std::string gap;
     for (const auto& name : drones_named(application, words, outcome))
         try {
+            const Waiting waiting(name + " to answer");
             const auto interface = application.describe(name);
             const auto values = application.get(name);
             write_out(session.json ? json_of(name, interface, values)

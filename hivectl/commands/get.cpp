@@ -4,6 +4,7 @@
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -18,6 +19,7 @@ struct Options {
 
 int get_one(const Options& options, Session& session)
 try {
+    const Waiting waiting(options.target + " to answer");
     const auto values = session.application().get(options.target, options.names);
     if (session.json)
         write_out(json_text(values) + "\n");
@@ -35,6 +37,7 @@ int get_many(const Options& options, Session& session)
 {
     auto& application = session.application();
     Outcome outcome("get");
+    const Waiting waiting(options.target + " to answer");
     for (const auto& answer : application.get(application.find(options.target), options.names)) {
         if (answer.error) {
             outcome.failed(answer.drone, *answer.error);

@@ -7,6 +7,7 @@
 #include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -43,6 +44,7 @@ int set_there(const hive::Place& place, const Options& options, Session& session
 
 int set_one(const Options& options, const hive::Json& settings, Session& session)
 try {
+    const Waiting waiting(options.target + " to answer");
     const auto applied = session.application().set(options.target, settings);
     write_out(session.json ? json_text(applied) + "\n" : settings_text(applied));
     return exit_code::done;
@@ -70,6 +72,7 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
 {
     interrupt::defer_until_exit();  // a Ctrl-C after all have changed must not report that none has
     auto& application = session.application();
+    const Waiting waiting(options.target + " to answer");
     const auto result = application.set(application.find(options.target), settings, interrupt::requested);
     Outcome outcome("set");
     for (const auto& answer : result.answers)

@@ -70,6 +70,16 @@ TEST_CASE("terminal: after a second, the status line says what is waited for, an
     CHECK_FALSE(has(swarm.hivectl({"wait", "nobody", "--timeout", "1.5"}).err, "waiting"));
     const auto soon = on_terminal(swarm, {"hivectl", "wait", "nobody", "--timeout", "0.5"}).out;
     CHECK_FALSE(has(soon, "waiting"));
+    const auto hung = swarm.drone("sleeper", "hung");
+    hung.signal(SIGSTOP);
+    for (const std::vector<std::string> verb : {std::vector<std::string>{"set", "hung", "work_ms=1"},
+                                                {"get", "hung"},
+                                                {"describe", "hung"},
+                                                {"halt", "hung"}}) {
+        std::vector<std::string> words{"hivectl", "--timeout", "1.5"};
+        words.insert(words.begin() + 1, verb.begin(), verb.end());
+        CHECK(has(on_terminal(swarm, words).out, "waiting for hung to answer, 1 s"));
+    }
     const auto slow = swarm.drone("sleeper", "slow", {"work_ms=0"});
     CHECK(has(on_terminal(swarm, {"hivectl", "snap", "slow", "x.jpg", "--timeout", "1.5"}).out, "waiting for slow."));
 }
