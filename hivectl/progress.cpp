@@ -43,7 +43,7 @@ void Progress::note(const hive::Identity& identity)
     if (identity.source == source_ && identity.epoch < epoch_)
         return;
     if (identity.source != source_ || identity.epoch > epoch_)
-        done_ = before_ = 0;
+        done_ = before_ = identity.sequence;  // what was there before is not work done since the last line
     epoch_ = identity.epoch;
     note(identity.source, std::max(done_, identity.sequence));
 }

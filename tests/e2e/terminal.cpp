@@ -97,6 +97,18 @@ TEST_CASE("terminal: start and up say which drone is not ready yet")
     CHECK(has(up, "waiting for late (1 of 2 started), 1 s"));
 }
 
+TEST_CASE("terminal: the rate of a recording is that since its start, however long the source was running before")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("ticker", "camera", {"fps=100"});
+    swarm.hivectl_done({"results", "camera.tick", "-n", "400"});
+    const auto file = swarm.home() / "a.hive";
+    const auto shown = on_terminal(swarm, {"hivectl", "record", "camera", "-o", file, "-n", "100"}).out;
+    const auto end = shown.find("/s");
+    REQUIRE(end != std::string::npos);
+    CHECK(std::stod(shown.substr(shown.rfind(' ', end))) < 400);
+}
+
 TEST_CASE("terminal: Ctrl-C leaves no status line")
 {
     const Swarm swarm;
