@@ -170,8 +170,8 @@ Colour state_colour(const hive::Json& state)
 {
     if (state == "idle" || state == "busy" || state == "sending" || state == "connected")
         return Colour::green;
-    const bool down = state == "gone" || state == "silent" || state == "unreachable" || state == "failed"
-                      || state == "crashed";
+    const bool down =
+        state == "gone" || state == "silent" || state == "unreachable" || state == "failed" || state == "crashed";
     return down ? Colour::red : state.is_string() ? Colour::yellow : Colour::none;
 }
 
