@@ -40,11 +40,6 @@ std::size_t shares_behind(const Event& event)
     return shares.size() - (own ? 1 : 0);
 }
 
-bool given_by_group(const Event& event)
-{
-    return shares_behind(event) < event.identity.shares.size() && event.identity.shares.back().group();
-}
-
 AnswerFilter::AnswerFilter() : off_(!defended("answer-filter")) {}
 
 bool AnswerFilter::first(const Event& event)

@@ -66,9 +66,21 @@ void conclude(const Event& event, Ending ending)
         static_cast<const Custody*>(event.custody.get())->conclude(ending);
 }
 
-bool came_over(const Event& event, const Intake& intake)
+namespace {
+
+std::shared_ptr<Intake> intake_of(const Event& event)
 {
-    return event.custody && static_cast<const Custody*>(event.custody.get())->is_of(intake);
+    return event.custody ? static_cast<const Custody*>(event.custody.get())->intake() : nullptr;
+}
+
+}  // namespace
+
+bool came_over(const Event& event, const Intake& intake) { return intake_of(event).get() == &intake; }
+
+bool came_to_member(const Event& event)
+{
+    const auto intake = intake_of(event);
+    return intake && !intake->spec().options.group.empty();
 }
 
 void give_back_credit(Event& event)

@@ -4,7 +4,7 @@
 #include "requests.hpp"
 #include "succession.hpp"
 
-#include <hive/event/answer_filter.hpp>
+#include <hive/event/receipt.hpp>
 #include <hive/platform/process.hpp>
 
 #include <iostream>
@@ -274,7 +274,7 @@ void DroneCore::hand_over()
     if (!board_.hand_over())
         return;
     running_->module.halt(true);
-    mailbox_.discard(event::given_by_group);
+    mailbox_.discard(event::came_to_member);
     mailbox_.nudge();
     if (settings_.ends_process)
         last_grace_.begin(running_->home.path(self_.name, ".sock"), service::LastGrace::length_to_hand_over);

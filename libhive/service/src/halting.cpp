@@ -1,7 +1,7 @@
 // Halts a drone and resumes it.
 #include "halting.hpp"
 
-#include <hive/event/answer_filter.hpp>
+#include <hive/event/receipt.hpp>
 
 namespace hive::service {
 
@@ -9,7 +9,7 @@ void Halting::halt()
 {
     board_.halt();
     module_.halt(true);
-    mailbox_.discard(event::given_by_group);  // others may do it meanwhile
+    mailbox_.discard(event::came_to_member);  // others may do it meanwhile
     mailbox_.nudge();
 }
 

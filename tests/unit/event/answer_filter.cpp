@@ -201,14 +201,6 @@ TEST_CASE("answer filter: what its sender itself gives out once more may come ag
     CHECK_FALSE(filter.first(answer({with(turn_1, 1, 2), own("face-2.faces")}, "face-2")));
 }
 
-TEST_CASE("answer filter: an input knows whether its sender gave it the event as a member of a group")
-{
-    CHECK(given_by_group(answer({own("face-1.faces#workers")})));
-    CHECK_FALSE(given_by_group(answer({own("face-1.faces")})));
-    CHECK_FALSE(given_by_group(answer({turn_1})));  // a group before the sender is not the sender's
-    CHECK_FALSE(given_by_group(answer({})));
-}
-
 TEST_CASE("answer filter: its memory is bounded")
 {
     AnswerFilter filter;

@@ -52,7 +52,5 @@ private:
 /// The shares that others stand behind: all but the one by which the sender itself gave the event to this input, since
 /// that one may rightly come again.
 std::size_t shares_behind(const Event& event);
-/// Did its sender give it to this input as a member of a group?
-bool given_by_group(const Event& event);
 
 }  // namespace hive::event

@@ -49,7 +49,7 @@ public:
 
     void conclude(Ending ending) const;
     void give_back_credit() const;
-    [[nodiscard]] bool is_of(const Intake& intake) const { return delivered_.intake.lock().get() == &intake; }
+    [[nodiscard]] std::shared_ptr<Intake> intake() const { return delivered_.intake.lock(); }
     /// Holds this one as long: it is for the same work, and whoever has that may still die with it.
     void hold(std::shared_ptr<const void> other) const { held_.push_back(std::move(other)); }
     /// The event was worked on. @param last  and this custody ends now
@@ -84,6 +84,8 @@ void give_receipt(Event& event, Delivered delivered);
 void conclude(const Event& event, Ending ending);
 /// Did it arrive over this connection?
 bool came_over(const Event& event, const Intake& intake);
+/// Did it arrive over a connection to a group, so that another member can have it? Network side.
+bool came_to_member(const Event& event);
 /// The next event may be asked for, although this one has to wait.
 void give_back_credit(Event& event);
 /// The custody of all the events of a set.
