@@ -54,6 +54,7 @@ std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcom
     if (goes_on) {
         unregister(seat.plain->registered);
         seats_.erase(before);
+        bequeath(before, newcomer.id);
         return before;
     }
     if (newcomer.drains) {
@@ -203,8 +204,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
         return;
     const Seat& seat = found.mapped();
     if (seat.heir)
-        for (auto& [earlier, each] : seats_)
-            each.heir = each.heir == id ? seat.heir : each.heir;
+        bequeath(id, *seat.heir);
     Subscription& subscription = seat.subscription();
     const auto heir = seat.heir ? seats_.find(*seat.heir) : seats_.end();
     if (heir == seats_.end() || &heir->second.subscription() == &subscription
@@ -220,6 +220,14 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     forget_awaited();
     forget_gone();
     forget_empty_groups(decisions);
+}
+
+/// Whoever was to be followed by `before`, which is gone, is followed by the one behind it.
+void ReceiverTable::bequeath(Id before, Id heir)
+{
+    for (auto& [id, seat] : seats_)
+        if (seat.heir == before)
+            seat.heir = heir;
 }
 
 void ReceiverTable::departed(const Seat& seat, Fate how)

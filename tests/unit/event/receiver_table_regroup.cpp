@@ -64,10 +64,19 @@ TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, als
     world.offer(2, true);
     world.add(face(2, sharing(4)));
     world.add(face(3, window(4)));
-    world.leave(2);
-    CHECK(world.lose(1, Fate::lost_connection) == Got{{3, {1, 2}}});
+    ReceiverId last = 3;
+    SUBCASE("from a group that it has left by now") { world.leave(2); }
+    SUBCASE("and then the options of its place")
+    {
+        world.leave(2);
+        auto again = face(last = 4, window(8));
+        again.place = world.welcome.place;
+        again.taken = 0;
+        world.add(again);
+    }
+    CHECK(world.lose(1, Fate::lost_connection) == Got{{last, {1, 2}}});
     CHECK(world.table.why() != Reason::place_kept);
-    world.ask(3, {6, 2, 2});
+    world.ask(last, {6, 2, 2});
     CHECK(world.table.asked());
 }
 
