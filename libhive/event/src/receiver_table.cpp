@@ -216,7 +216,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
         if (last)
             heir->second.subscription().adopt(std::move(subscription), now, decisions);
     }
-    departed(seat, how);
+    departed(seat, how, heir != seats_.end());
     forget_awaited();
     forget_gone();
     forget_empty_groups(decisions);
@@ -230,7 +230,7 @@ void ReceiverTable::bequeath(Id before, Id heir)
             seat.heir = heir;
 }
 
-void ReceiverTable::departed(const Seat& seat, Fate how)
+void ReceiverTable::departed(const Seat& seat, Fate how, bool followed)
 {
     if (seat.plain) {
         unregister(seat.plain->registered);
@@ -241,7 +241,7 @@ void ReceiverTable::departed(const Seat& seat, Fate how)
     }
     const auto member = seat.group->members.find(seat.receiver);
     unregister(member->second.registered);
-    if (how != Fate::lost_left && !seat.heir && seat.group->lost.size() < max_gone)
+    if (how != Fate::lost_left && !followed && seat.group->lost.size() < max_gone)
         seat.group->lost.insert(seat.receiver);
 }
 

@@ -80,6 +80,19 @@ TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, als
     CHECK(world.table.asked());
 }
 
+TEST_CASE("regroup: a member that was disconnected with something in hand takes it along when it is connected again")
+{
+    World world;
+    world.add(face(1, sharing(2)));
+    world.offer(1, true);
+    world.offer(2, true);
+    world.add(face(2, window(4)));
+    world.leave(2);
+    CHECK(world.lose(1, Fate::lost_connection).empty());
+    CHECK(world.add(face(3, window(4), false)) == Got{{3, {1, 2}}});
+    CHECK(world.table.why() != Reason::group_awaited);
+}
+
 TEST_CASE("regroup: a source waits for no group whose last member is received plainly now")
 {
     World world;

@@ -175,7 +175,7 @@ private:
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void bequeath(Id before, Id heir);
-    void departed(const Seat& seat, Fate how);
+    void departed(const Seat& seat, Fate how, bool followed);
     void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;
