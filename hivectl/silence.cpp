@@ -17,7 +17,7 @@ hive::Stall stall_behind(hive::Application& application, const std::vector<hive:
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
     const auto text = stall_behind(application, outputs).text;
-    return text + (text.empty() ? "" : "; ") + "see what is connected: hivectl edges";
+    return text + (text.empty() ? "" : "; ") + "see what is connected: hivectl connections";
 }
 
 void report_stall(const std::string& verb, hive::Application& application, const std::vector<hive::Endpoint>& outputs)

@@ -11,7 +11,7 @@ namespace hivectl {
 /// Asks the drones of the outputs, then those that they receive from, and so on up to the sources.
 hive::Stall stall_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
-/// The same, and where to look further: "axis: no camera: set url; see what is connected: hivectl edges".
+/// The same, and where to look further: "axis: no camera: set url; see what is connected: hivectl connections".
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
 /// Prints on stderr what is stalled, if anything is.

@@ -24,7 +24,7 @@
     VERB(export)                                                                                                       \
     VERB(connect)                                                                                                      \
     VERB(disconnect)                                                                                                   \
-    VERB(edges)                                                                                                        \
+    VERB(connections)                                                                                                  \
     VERB(set)                                                                                                          \
     VERB(get)                                                                                                          \
     VERB(results)                                                                                                      \

@@ -52,7 +52,7 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
                           "start its source again");
     if (!event)
         throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time",
-                          "see what it receives: hivectl edges " + output.drone
+                          "see what it receives: hivectl connections " + output.drone
                               + ", or allow more time: --timeout SECONDS");
     if (event->body.empty())
         throw hive::Error(hive::Errc::not_found, to_text(output) + " sends events without a body",

@@ -85,13 +85,14 @@ Verb verb()
             .group = "results",
             .usage = "[--once] [--interval SECONDS] [options]",
             .summary = "Shows the rates, ages and losses of drones and connections until Ctrl-C",
-            .details = "IN/s and OUT/s are events per second since the last look (OUT/s: those with a receiver); BUSY "
-                       "is how much of that time the "
-                       "drone's code was working; AGE is how old the newest event was when it arrived, counted from "
-                       "its capture. The busiest drone that receives something is marked slowest: it limits the whole "
-                       "swarm. An edge is marked if either end has lost events since the last look; MISSING is how "
-                       "many events both ends have lost for good so far. The other columns are those of hivectl edges, "
-                       "per second. Columns that are 0 throughout are left out. With --json, one object per look.",
+            .details =
+                "IN/s and OUT/s are events per second since the last look (OUT/s: those with a receiver); BUSY "
+                "is how much of that time the "
+                "drone's code was working; AGE is how old the newest event was when it arrived, counted from "
+                "its capture. The busiest drone that receives something is marked slowest: it limits the whole "
+                "swarm. A connection is marked if either end has lost events since the last look; MISSING is how "
+                "many events both ends have lost for good so far. The other columns are those of hivectl connections, "
+                "per second. Columns that are 0 throughout are left out. With --json, one object per look.",
             .examples = "hivectl top\n"
                         "hivectl top --once --interval 5",
             .timeout = "a drone that has not answered by then is shown as silent (default 1)",

@@ -22,7 +22,7 @@ runs() { hivectl get "$1" > /dev/null 2>&1; }
 # Is DRONE free for this swarm, which feeds it from SENDER? One that others feed is another swarm's.
 require_own() {
     local feeds
-    feeds=$(hivectl edges "$1" --json 2> /dev/null | grep -o "\"from\":\"[^\"]*\",\"to\":\"$1\.[^\"]*\"") || return 0
+    feeds=$(hivectl connections "$1" --json 2> /dev/null | grep -o "\"from\":\"[^\"]*\",\"to\":\"$1\.[^\"]*\"") || return 0
     if grep -qv "^\"from\":\"$2\." <<< "$feeds"; then
         echo "$1 runs already, for another swarm; end it: hivectl stop $1" >&2
         exit 1

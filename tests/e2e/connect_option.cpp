@@ -83,7 +83,7 @@ TEST_CASE("--connect: a camera and a face drone find faces, wired by their comma
     const Swarm swarm;
     const auto face = swarm.drone("face", "face", {}, {"--log-level", "debug", "--connect", "image=camera.image"});
     CHECK(has(note_of(swarm, "face"), "image from camera.image: the sender is not connected"));
-    const auto waiting = Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"}));
+    const auto waiting = Json::parse(swarm.hivectl_done({"connections", "--json", "--timeout", "10"}));
     REQUIRE(waiting.size() == 1);
     CHECK(waiting[0].at("state") == "waiting");
     CHECK(waiting[0].at("from") == "camera.image");

@@ -82,7 +82,7 @@ Process camera_with_port(const Swarm& swarm, const std::vector<std::string>& set
 Json encodings(const Swarm& swarm)
 {
     Json found;
-    for (const auto& row : Json::parse(swarm.hivectl_done({"edges", "--json"})))
+    for (const auto& row : Json::parse(swarm.hivectl_done({"connections", "--json"})))
         found[row.at("to").get<std::string>()] = row.at("encoding");
     return found;
 }
@@ -195,7 +195,7 @@ TEST_CASE("encoding: a picture that cannot be encoded is an exception, and goes 
     CHECK(exception.text.starts_with("jpeg:60: "));
 }
 
-TEST_CASE("encoding: the shell asks for it, edges show it, and a wrong word is refused in words")
+TEST_CASE("encoding: the shell asks for it, connections show it, and a wrong word is refused in words")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});
@@ -205,7 +205,7 @@ TEST_CASE("encoding: the shell asks for it, edges show it, and a wrong word is r
     swarm.hivectl_done({"connect", "camera", "one", "--encoding", "jpeg:60"});
     swarm.hivectl_done({"connect", "camera", "two", "--encoding", "raw"});
     CHECK(encodings(swarm) == Json{{"face.image", "as it is"}, {"one.image", "jpeg:60"}, {"two.image", "raw"}});
-    CHECK(swarm.hivectl_done({"edges"}).find("ENCODING") != std::string::npos);
+    CHECK(swarm.hivectl_done({"connections"}).find("ENCODING") != std::string::npos);
     CHECK(Json::parse(swarm.hivectl_done({"results", "one", "-n", "1"})).at("header").at("seq") >= 1);
     const auto unknown = swarm.hivectl({"connect", "camera", "one", "--encoding", "webp"});
     CHECK(unknown.exit_code == 2);

@@ -118,7 +118,7 @@ TEST_CASE("machines: a drone that is killed is unreachable, and is where it was 
     CHECK(has(lab.hivectl_done("results sleeper -n 1"), "\"seq\""));
 }
 
-TEST_CASE("machines: a long way is measured, and a larger window lets more through, as edges advises")
+TEST_CASE("machines: a long way is measured, and a larger window lets more through, as connections advises")
 {
     if (!possible(missing_for_lab()))
         return;
@@ -137,7 +137,7 @@ TEST_CASE("machines: a long way is measured, and a larger window lets more throu
     REQUIRE(eventually([&] { return input().round_trip_us > 0 && input().received > 5; }, 10'000ms));
     CHECK(input().round_trip_us >= 100'000);
     CHECK(input().options.window == 1);
-    const auto edges = lab.shell("hivectl edges");
+    const auto edges = lab.shell("hivectl connections");
     CHECK_MESSAGE(has(edges.err, "hivectl connect ticker.tick sleeper.image --window "), edges.err);
     const auto rate = [&](int events) {
         const auto begin = Clock::now();  // before it is asked: what comes meanwhile is not counted

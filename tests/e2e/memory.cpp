@@ -82,7 +82,7 @@ hive::EdgeStatus take_hundred(const Swarm& swarm, hive::Application& application
         intact += whole(*event) && event->header.at("index") == i ? 1 : 0;
     }
     CHECK(intact == 100);
-    CHECK(swarm.hivectl_done({"edges"}).find("source.tick") != std::string::npos);
+    CHECK(swarm.hivectl_done({"connections"}).find("source.tick") != std::string::npos);
     return first_receiver(application, "source");
 }
 

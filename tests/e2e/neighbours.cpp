@@ -84,7 +84,7 @@ TEST_CASE("neighbours: a drone of another machine is found by its name alone, an
     CHECK(laptop.hivectl({"get", "tick*", "fps", "--json"}).find("40.0") != std::string::npos);
     laptop.hivectl({"connect", "ticker", "sleeper"});
     CHECK(has(laptop.hivectl({"results", "ticker.tick", "-n", "1"}), "\"seq\""));
-    const auto edge = Json::parse(laptop.hivectl({"edges", "sleeper", "--json"})).at(0);
+    const auto edge = Json::parse(laptop.hivectl({"connections", "sleeper", "--json"})).at(0);
     CHECK(edge.at("from_host") == "cam1");
     CHECK(edge.at("to_host") == "local");
     const auto second = laptop.run({"hivectl", "start", "ticker"});

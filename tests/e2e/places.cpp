@@ -81,7 +81,7 @@ TEST_CASE("places: drones of two homes are connected both ways, and a glob goes 
     CHECK(lines_of(near.hivectl_done({"results", "*-worker", "-n", "6"})) == 6);
     for (const auto* worker : {"near-worker", "far-worker"})
         CHECK_MESSAGE(lines_of(near.hivectl_done({"results", worker, "-n", "2"})) == 2, worker);
-    const auto edges = near.hivectl_done({"edges", "--json"});
+    const auto edges = near.hivectl_done({"connections", "--json"});
     CHECK(row_named(edges, "from", "far-source.tick").at("known_by") == "both");
     CHECK(row_named(edges, "from", "near-source.tick").at("to") == "far-worker.image");
     CHECK(lines_of(near.hivectl_done({"set", "*-source", "fps=20"})) == 2);

@@ -80,7 +80,8 @@ private:
     }
     [[nodiscard]] Picture picture() const
     {
-        return picture_of(lab_.shell_done("hivectl export --swarm " + swarm_), lab_.shell_done("hivectl edges --json"));
+        return picture_of(lab_.shell_done("hivectl export --swarm " + swarm_),
+                          lab_.shell_done("hivectl connections --json"));
     }
     /// A script has an order.
     [[nodiscard]] std::vector<std::string> in_any_order()

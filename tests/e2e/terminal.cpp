@@ -44,7 +44,7 @@ TEST_CASE("terminal: tables fit its 80 columns, --wide and pipes have them whole
     REQUIRE(longest_line(whole) > 80);
     CHECK(longest_line(on_terminal(swarm, {"hivectl", "describe", "camera"}).out) <= 80);
     CHECK(on_terminal(swarm, {"hivectl", "describe", "camera", "--wide"}).out == whole);
-    const auto edges = on_terminal(swarm, {"hivectl", "edges"}).out;
+    const auto edges = on_terminal(swarm, {"hivectl", "connections"}).out;
     CHECK(longest_line(edges) <= 80);
     CHECK(has(edges, "camera.tick\n  TO face."));
 }
@@ -209,7 +209,7 @@ TEST_CASE("completion: it knows the values of options, arguments and parameters"
     CHECK(offered({"set", "camera", "pa"}) == "padding=\npace=\n");
     CHECK(offered({"set", "camera", "pace="}) == "pace=live\npace=demand\n");
     CHECK(offered({"set", "camera", "ends=t"}) == "ends=true\n");
-    CHECK(offered({"edges", "--w"}) == "--wide\n");
+    CHECK(offered({"connections", "--w"}) == "--wide\n");
     const std::string bash =
         "source <(hivectl completion bash); COMP_WORDS=(hivectl set camera pace = d); COMP_CWORD=5; "
         "_hivectl; printf '%s\\n' \"${COMPREPLY[@]}\"";

@@ -37,7 +37,8 @@ TEST_CASE("connect: types that do not fit are refused with exit code 6 and both 
     CHECK(refused.exit_code == 6);
     CHECK(has(refused.err, "application/octet-stream"));
     CHECK(has(refused.err, "image/jpeg"));
-    CHECK(swarm.hivectl_done({"edges", "--json"}) == "[]\n");
+    for (const std::string name : {"connections", "edges"})  // its older name
+        CHECK(swarm.hivectl_done({name, "--json"}) == "[]\n");
 }
 
 TEST_CASE("connect: an unknown drone is exit code 3 with the nearest name, an unknown port with the nearest port")
@@ -158,7 +159,7 @@ TEST_CASE("restart: a receiver that was killed and started again has its connect
     worker = swarm.drone("sleeper", "worker");
     CHECK(application.get("worker", {"work_ms"}) == Json{{"work_ms", 0}});
     CHECK(application.status("worker").inputs.empty());
-    CHECK(Json::parse(swarm.hivectl_done({"edges", "--json"})).at(0).at("state") == "gone");
+    CHECK(Json::parse(swarm.hivectl_done({"connections", "--json"})).at(0).at("state") == "gone");
 }
 
 TEST_CASE("stop: a drone that crashed is forgotten, by its name, a glob or --all, and one that was never there is exit "
@@ -205,7 +206,7 @@ TEST_CASE("restart: a source killed while nobody starts it is waited for, and sa
     const auto begin = Clock::now();
     REQUIRE(eventually([&] { return !connected(); }));
     CHECK(Clock::now() - begin <= patient(2000ms));
-    const auto edges = Json::parse(swarm.hivectl_done({"edges", "--json"}));
+    const auto edges = Json::parse(swarm.hivectl_done({"connections", "--json"}));
     REQUIRE(edges.size() == 1);
     CHECK(edges[0].at("state") == "waiting");
     CHECK_FALSE(edges[0].at("error").get<std::string>().empty());
@@ -270,7 +271,7 @@ TEST_CASE("disconnect: a source on demand that waits for a killed receiver says 
                       return has(ps, "it waits for a receiver that was cut off, or has not come yet (lost.image)");
                   }),
                   ps);
-    const auto edges = Json::parse(swarm.hivectl_done({"edges", "source", "--json"}));
+    const auto edges = Json::parse(swarm.hivectl_done({"connections", "source", "--json"}));
     CHECK(std::ranges::any_of(edges, [](const Json& edge) {
         return edge.at("to") == "lost.image" && edge.at("state") == "place_kept" && edge.at("why") == "place_kept";
     }));
@@ -295,7 +296,7 @@ TEST_CASE("status: 140 receivers of one output are 140 rows with counts")
     }
     const auto status = application.status("source");
     CHECK(status.outputs.at(0).edges.size() == 140);
-    const auto rows = Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"}));
+    const auto rows = Json::parse(swarm.hivectl_done({"connections", "--json", "--timeout", "10"}));
     CHECK(rows.size() == 140);
     CHECK(std::ranges::all_of(rows, [](const Json& row) { return row.at("came").is_number(); }));
 }

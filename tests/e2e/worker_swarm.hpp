@@ -90,7 +90,7 @@ inline bool has_processes(const Swarm& swarm, std::size_t count)
 inline std::int64_t edges(const Swarm& swarm)
 {
     std::int64_t connected = 0;
-    for (const auto& row : hive::Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"})))
+    for (const auto& row : hive::Json::parse(swarm.hivectl_done({"connections", "--json", "--timeout", "10"})))
         connected += row.at("state") == "connected" && row.at("known_by") == "both";
     return connected;
 }

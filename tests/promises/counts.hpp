@@ -1,4 +1,4 @@
-// Where the tests of promises read a number or a word in a status or in a row of `hivectl edges --json`.
+// Where the tests of promises read a number or a word in a status or in a row of `hivectl connections --json`.
 #pragma once
 
 #include <swarm.hpp>
@@ -89,10 +89,10 @@ inline bool is_connected(Application& application, const std::string& drone)
     return false;
 }
 
-/// The rows of `hivectl edges --json`.
+/// The rows of `hivectl connections --json`.
 inline std::vector<Json> edges(const Swarm& swarm)
 {
-    return Json::parse(swarm.hivectl_done({"edges", "--json", "--timeout", "10"}));
+    return Json::parse(swarm.hivectl_done({"connections", "--json", "--timeout", "10"}));
 }
 
 /// What a row says came to the edge; nothing when it does not say.

@@ -23,7 +23,7 @@ Json registration(std::int64_t epoch, const std::string& receiver, const Json& o
 
 }  // namespace
 
-TEST_CASE("limits: edges lists 140 receivers of one output, each with its counts")
+TEST_CASE("limits: connections lists 140 receivers of one output, each with its counts")
 {
     constexpr int per_peer = 35;
     const Swarm swarm;
@@ -40,14 +40,14 @@ TEST_CASE("limits: edges lists 140 receivers of one output, each with its counts
         }
         answer_pings(peers);
     }
-    auto asking = swarm.hivectl_running({"edges", "--json", "--timeout", "10"}, "edges");
+    auto asking = swarm.hivectl_running({"connections", "--json", "--timeout", "10"}, "connections");
     REQUIRE(eventually(  // who answers no pings is cut off
         [&] {
             answer_pings(peers);
             return asking.wait(1ms).has_value();
         },
         10'000ms));
-    const auto rows = Json::parse(swarm.log("edges"));
+    const auto rows = Json::parse(swarm.log("connections"));
     CHECK(rows.size() == 4 * per_peer);
     CHECK(std::ranges::all_of(rows, [](const Json& row) { return came_to(row).has_value(); }));
 }

@@ -121,7 +121,7 @@ TEST_CASE("lossless: a source that waits for a group without members says so, an
     swarm.hivectl_done({"stop", "member"});  // it will not come back
     swarm.hivectl_done({"connect", "source", "plain"});
     CHECK(eventually([&] { return says(application, "source", "group_awaited"); }, 2000ms));
-    CHECK(has(swarm.hivectl_done({"edges", "--json"}), "group_awaited"));
+    CHECK(has(swarm.hivectl_done({"connections", "--json"}), "group_awaited"));
     const auto released = swarm.hivectl({"disconnect", "source", "member"});
     CAPTURE(released.err);
     CHECK(released.exit_code == 0);

@@ -8,7 +8,7 @@
 using namespace hive::test;
 using hive::Json;
 
-TEST_CASE("verbs: edges and exceptions of several names serve those that run, and exit with 8")
+TEST_CASE("verbs: connections and exceptions of several names serve those that run, and exit with 8")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=100"});
@@ -17,7 +17,7 @@ TEST_CASE("verbs: edges and exceptions of several names serve those that run, an
     const auto exceptions = application.exceptions({"worker"});
     application.connect({"source", "tick"}, {"worker", "image"});
     REQUIRE(exceptions->next(patient(5000ms)));
-    for (const std::string verb : {"edges", "exceptions"}) {
+    for (const std::string verb : {"connections", "exceptions"}) {
         CAPTURE(verb);
         const auto some = swarm.hivectl({verb, "gone", "worker", "--json"});
         CHECK(some.exit_code == 8);

@@ -72,7 +72,7 @@ TEST_CASE("end: behind workers that share, results, collect, record, save, view 
     const bool connected =
         eventually([&] { return sharing.receivers("face-1") == 7 && sharing.receivers("face-2") == 2; }, 20'000ms);
     REQUIRE_MESSAGE(connected, sharing.receivers("face-1"), " and ", sharing.receivers("face-2"), " receivers\n",
-                    swarm.hivectl({"edges"}).out);
+                    swarm.hivectl({"connections"}).out);
     sharing.application.resume("camera");
     for (std::size_t i = 0; i < verbs.size(); ++i)
         CHECK_MESSAGE(running[i].wait(patient(30'000ms)) == 0, verbs[i].first, ": ", swarm.log(verbs[i].first));

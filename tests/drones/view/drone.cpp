@@ -195,7 +195,7 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     CHECK(get(port, "/picture.jpg").code == 403);
     REQUIRE(shows(port, token));
     CHECK(get(port, "/picture.jpg", token).picture().rows == 480);
-    const auto edges = hive::Json::parse(swarm.hivectl_done({"edges", "--json"}));
+    const auto edges = hive::Json::parse(swarm.hivectl_done({"connections", "--json"}));
     REQUIRE(edges.size() == 1);
     CHECK(edges[0].at("from") == "camera.image");
     CHECK(edges[0].at("encoding") == "jpeg:60");

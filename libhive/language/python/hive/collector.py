@@ -305,7 +305,7 @@ class Results:
         lacking = self._collector.ended
         if lacking is None:
             text = f"no result of {self._names} within {self._timeout} s"
-            raise Error("timeout", "; ".join(filter(None, [text, why()])), "see what is connected: hivectl edges")
+            raise Error("timeout", "; ".join(filter(None, [text, why()])), "see what is connected: hivectl connections")
         self._left = 0
         self.close()
         if lacking:

@@ -1,4 +1,4 @@
-// hivectl edges: the connections that exist, as both ends see them.
+// hivectl connections: the connections that exist, as both ends see them.
 #include "../command_line.hpp"
 #include "../connections.hpp"
 #include "../exit_code.hpp"
@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-namespace hivectl::edges_verb {
+namespace hivectl::connections_verb {
 namespace {
 
 using namespace std::chrono_literals;
@@ -63,7 +63,7 @@ void advise_windows(const std::vector<Row>& rows)
 {
     for (const auto& row : rows)
         if (!row["window_advised"].is_null())
-            complain("edges",
+            complain("connections",
                      row.text("from") + " -> " + row.text("to") + ": with a round trip of "
                          + duration_text(static_cast<std::int64_t>(row.number("round_trip_us"))) + " a window of "
                          + std::to_string(static_cast<std::int64_t>(row.number("window"))) + " lets at most "
@@ -77,15 +77,15 @@ void advise_windows(const std::vector<Row>& rows)
 int run(const std::vector<std::string>& words, Session& session)
 {
     auto& application = session.application(1s);
-    Outcome outcome("edges");
+    Outcome outcome("connections");
     const auto named = drones_named(application, words, outcome);
     if (!words.empty() && named.empty())
         return outcome.exit_code();
     const auto statuses = application.status(application.drones());
     for (const auto& answer : statuses)
         if (answer.error)
-            complain("edges", answer.drone + (is_elsewhere(answer.place) ? " at " + answer.place.host : "")
-                                  + " does not answer; its edges are known from their other ends only");
+            complain("connections", answer.drone + (is_elsewhere(answer.place) ? " at " + answer.place.host : "")
+                                        + " does not answer; its connections are known from their other ends only");
     auto rows = connection_rows(statuses);
     if (!words.empty())
         std::erase_if(rows, [&](const Row& row) { return !concerns(row, named); });
@@ -108,12 +108,14 @@ Run declare(CommandLine& line, Session& session)
 Verb verb()
 {
     return {
-        .name = "edges",
+        .name = "connections",
+        .alias = "edges",
         .group = "connections",
         .usage = "[NAME...] [options]",
-        .summary = "Lists the connections (edges), with what both ends have counted",
+        .summary = "Lists the connections, with what both ends have counted",
         .details =
-            "One row for each edge, and one for each group that shares work. Columns in which every row is 0 or empty "
+            "One row for each connection, and one for each group that shares work. Columns in which every row is 0 or "
+            "empty "
             "are left out; --json has all of them.\n\n"
             "The sender counts: came = acknowledged + skipped + dropped + passed_on + abandoned + lost_connection + "
             "lost_killed + lost_cut_off + lost_left + in_flight. skipped: a newer event took its place before the "
@@ -140,12 +142,12 @@ Verb verb()
             "through shared memory, and that could not), waiting (of in_flight: not yet sent), age_us, clock_offset_us "
             "(the sender's clock minus the receiver's, "
             "when they are on two machines; ages are corrected by it), window_advised, error.",
-        .examples = "hivectl edges\n"
-                    "hivectl edges camera --json | jq -r '.[].to'",
+        .examples = "hivectl connections\n"
+                    "hivectl connections camera --json | jq -r '.[].to'",
         .timeout = "how long to wait for drones that do not answer (default 1)",
         .table = true,
         .operands = {Operand::drone},
         .declare = declare};
 }
 
-}  // namespace hivectl::edges_verb
+}  // namespace hivectl::connections_verb
