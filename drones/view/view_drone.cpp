@@ -113,7 +113,7 @@ void ViewDrone::take(const hive::Event& event)
 Picture::Content ViewDrone::content_of(const hive::Event& event) const
 {
     hive::Event picture = event;
-    picture.let_go();  // looking is not working on it
+    picture.ticket = {};  // looking is not working on it
     Picture::Content content{[this, picture] {
                                  try {
                                      return hive::vision::view(picture);
@@ -145,7 +145,7 @@ void ViewDrone::hold(const hive::Event& event)
 {
     if (hold_ms_ == 0)
         return;
-    held_.emplace_back(event.received + std::chrono::milliseconds(hold_ms_), event.receipt);
+    held_.emplace_back(event.received + std::chrono::milliseconds(hold_ms_), event.ticket);
     drone_.wake();
 }
 

@@ -48,7 +48,7 @@ private:
     std::unique_ptr<Server> server_;
     std::unique_ptr<Window> windows_;  ///< from the first picture that wants one
     /// Pictures that are not yet done with, so that their senders wait, and until when.
-    std::vector<std::pair<Clock::time_point, std::shared_ptr<const void>>> held_;
+    std::vector<std::pair<Clock::time_point, hive::Ticket>> held_;
 };
 
 }  // namespace view

@@ -1,6 +1,6 @@
 // A bounded memory of which attempt answered.
 #include <hive/event/answer_filter.hpp>
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 #include <hive/protocol/defended.hpp>
 
 #include <algorithm>
@@ -58,8 +58,8 @@ bool AnswerFilter::first(const Event& event)
         remember(std::move(work), std::move(answer));
         return true;
     }
-    if (const auto custody = before->custody.lock(); custody && event.identity.lossless)
-        static_cast<const Custody*>(custody.get())->hold(event.custody);
+    if (const auto owed = before->owed.lock(); owed && event.identity.lossless)
+        owed->hold(event.ticket.owed());
     return false;
 }
 
@@ -68,7 +68,7 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
 {
     const auto& shares = event.identity.shares;
     std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
-    Answer answer{.attempts = {}, .branches = {}, .custody = event.custody};
+    Answer answer{.attempts = {}, .branches = {}, .owed = event.ticket.owed()};
     bool behind_group = false, by_kind = false;
     for (std::size_t i = 0; i < count; ++i) {
         const Share& share = shares[i];

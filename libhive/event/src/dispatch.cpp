@@ -8,7 +8,7 @@ namespace {
 EmissionPtr encoded(const Encoder& encoder, const Emission& emission, const std::string& encoding)
 {
     Event result = encoder.encode(emission.event(), encoding);
-    result.let_go();
+    result.ticket = {};
     result.size = result.body.size();
     require_at_most("a body", result.size, protocol::Limits{}.body);
     return std::make_shared<const Emission>(std::move(result), true, emission.own());
@@ -64,7 +64,7 @@ Dispatch::Made Dispatch::make(const EmissionPtr& event, const std::string& encod
     }
     if (result.problem) {  // a copy: one that kept itself would never go
         Event as_it_is = event->event();
-        as_it_is.let_go();
+        as_it_is.ticket = {};
         result.form = std::make_shared<const Emission>(std::move(as_it_is), true, event->own());
     }
     event->keep_rendition(encoding, result.form);

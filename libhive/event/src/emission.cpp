@@ -17,12 +17,6 @@ const Share* Identity::shared_work() const
     return found == shares.end() ? nullptr : &*found;
 }
 
-void Event::let_go()
-{
-    receipt.reset();
-    custody.reset();
-}
-
 std::chrono::microseconds Event::age() const
 {
     const auto here_us = identity.captured_us - identity.offset_us;  // as the clock of this machine would have had it
@@ -132,10 +126,10 @@ Emission::Emission(Event event, bool complete, std::optional<Share> own)
         throw Error(Errc::refused, "this event has gone through 16 shared or lossless stages, which is the limit");
 }
 
-std::shared_ptr<const Emission> Emission::without_custody() const
+std::shared_ptr<const Emission> Emission::without_ticket() const
 {
     auto copy = std::make_shared<Emission>(*this);
-    copy->event_.let_go();
+    copy->event_.ticket = {};
     return copy;
 }
 

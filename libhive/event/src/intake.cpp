@@ -108,7 +108,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
     link_ = link;
     epoch_ = host_.next_registration();
     if (link->peer().epoch != sender_epoch_)
-        place_ = 0;  // it was started again, and knows nothing of the place
+        progress_.lose_place();
     sender_epoch_ = link->peer().epoch;
     protocol::Registration registration{.id = 0,
                                         .epoch = epoch_,
@@ -117,10 +117,10 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .accepts = spec_.accepts,
                                         .stateful = spec_.stateful,
                                         .options = spec_.options,
-                                        .place = place_,
+                                        .place = progress_.place(),
                                         .taken = {}};
-    if (place_ != 0)
-        registration.taken = arrived();
+    if (progress_.place() != 0)
+        registration.taken = progress_.arrived();
     try {
         channel_ = link->claim_channel([weak = weak_from_this()](const protocol::Packet& packet) {
             if (const auto intake = weak.lock())
@@ -148,8 +148,9 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
 {
     try {
         const Fields fields(result, "confirmation of register");
-        begin_numbering(fields.integer_or("place", 0, max_json_integer, 0),
-                        fields.integer_or("taken", 0, max_json_integer, 0));
+        if (!progress_.begin(epoch_, spec_.options, fields.integer_or("place", 0, max_json_integer, 0),
+                             fields.integer_or("taken", 0, max_json_integer, 0)))
+            group_.reset();
         if (!spec_.options.group.empty() && !group_)
             group_ = Share{.of = spec_.sender + "." + spec_.output + "#" + spec_.options.group,
                            .epoch = sender_epoch_,
@@ -189,23 +190,6 @@ void Intake::keep_time()
     });
 }
 
-/// What this end has in hand stays in hand only where the sender goes on behind it.
-void Intake::begin_numbering(std::int64_t place, std::int64_t taken)
-{
-    const bool anew = place == 0 || place != place_ || taken != arrived();
-    if (anew) {
-        ++generation_;
-        in_hand_.clear();
-        done_ = worked_ = finished_ = most_told_ = taken;
-        group_.reset();
-    }
-    place_ = place;
-    back_.clear();
-    asked_ = arrived() + spec_.options.window;
-    told_done_ = told_worked_ = anew ? done_ : 0;  // what was told last may not have come through
-    finished_ = std::max(finished_, done_);
-}
-
 void Intake::failed(const Error& error)
 {
     problem_ = error;
@@ -235,7 +219,7 @@ void Intake::stop(std::function<void()> left)
     on_left_ = std::move(left);
     if (const auto first = std::exchange(first_, {}))
         first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
-    if (connected_ && !in_hand_.empty()) {
+    if (connected_ && !progress_.empty()) {
         timer_.expires_after(patience_to_leave);
         timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
             if (const auto self = weak.lock(); self && !problem)
@@ -245,21 +229,15 @@ void Intake::stop(std::function<void()> left)
     try_to_leave();
 }
 
-bool Intake::owes() const
-{
-    return std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.worked && !each.done; });
-}
-
 void Intake::hand_over()
 {
     stopped_ = left_ = true;
     timer_.cancel();
     if (const auto first = std::exchange(first_, {}))
         first(Error(Errc::stopped, spec_.receiver + ": another process takes over before this connection was made"));
-    if (connected_ && (done_ > told_done_ || !back_.empty()))
-        tell(asked_, worked_);
-    ++generation_;
-    in_hand_.clear();
+    if (connected_)
+        tell(progress_.last_news());
+    progress_.forget();
     connected_ = false;
     link_.reset();
 }
@@ -267,20 +245,15 @@ void Intake::hand_over()
 void Intake::leave_now()
 {
     acknowledge_held();
-    ++generation_;
-    in_hand_.clear();
+    progress_.forget();
     try_to_leave();
 }
 
 /// Results that wait for their first receiver are kept, so nothing is lost when their events are acknowledged.
 void Intake::acknowledge_held()
 {
-    if (!connected_ || !all_worked() || in_hand_.empty() || !host_.holds())
-        return;
-    ++generation_;
-    done_ = arrived();
-    in_hand_.clear();
-    tell(asked_, done_);
+    if (connected_ && all_worked() && !progress_.empty() && host_.holds())
+        tell(progress_.acknowledge_all());
 }
 
 /// Lossless and shared work is finished first; other events are not waited for. A group goes on without the answer of
@@ -290,8 +263,8 @@ void Intake::try_to_leave()
     const bool shared = !spec_.options.group.empty();
     if (!shared)
         acknowledge_held();
-    const bool owed = shared || std::ranges::any_of(in_hand_, [](const Delivery& each) { return each.lossless; });
-    if (left_ || (connected_ && owed && !in_hand_.empty()))
+    const bool owed = shared ? !progress_.empty() : progress_.lossless_in_hand();
+    if (left_ || (connected_ && owed))
         return;
     left_ = true;
     timer_.cancel();

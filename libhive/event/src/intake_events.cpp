@@ -1,6 +1,5 @@
 // What comes at an intake, what the sender is told of it, and what the status says.
 #include <hive/event/door.hpp>
-#include <hive/event/credit.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/name.hpp>
@@ -14,8 +13,7 @@ using protocol::PacketType;
 
 namespace {
 
-constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row for each input
-constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
+constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row for each input
 
 }  // namespace
 
@@ -59,10 +57,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     note_end(std::nullopt);
     Event event = event_from_packet(packet);
     require_own(event);
-    const auto most = spec_.options.transfer == Transfer::synchronized ? asked_
-                      : event.identity.lossless                        ? most_told_ + Credit::most_streamed
-                                                                       : max_json_integer;
-    if (arrived() >= most)
+    if (!progress_.allows(event.identity.lossless))
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it may");
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
@@ -71,8 +66,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     event.identity.offset_us = std::clamp(offset, -max_json_integer, max_json_integer);  // both are a peer's word
     age_us_ = std::clamp<std::int64_t>(event.age().count(), -max_json_integer, max_json_integer);
     event.input = spec_.input;
-    note_share(event);
-    give_receipt(event, {host_.door(), weak_from_this(), generation_, arrived()});
+    event.ticket = ticket(progress_.generation(), note_share(event));
     if (refuses_now())
         conclude(event, Ending::discarded);
     else
@@ -83,8 +77,13 @@ void Intake::accept(Event event)
 {
     ++received_;
     constexpr std::int64_t no_generation = -1;  // there is nobody to ask or to acknowledge
-    give_receipt(event, {host_.door(), weak_from_this(), no_generation, 0});
+    event.ticket = ticket(no_generation, 0);
     sink_(std::move(event));
+}
+
+Ticket Intake::ticket(std::int64_t generation, std::int64_t number)
+{
+    return {std::make_shared<Acknowledgement>(host_.door(), weak_from_this(), generation, number), true};
 }
 
 /// A halted member keeps no work from others, and an input that leaves takes nothing more.
@@ -93,52 +92,33 @@ bool Intake::refuses_now() const
     return stopped_ || (!spec_.options.group.empty() && host_.paused() == Reason::halted);
 }
 
-void Intake::note_share(Event& event)
+/// @return  the number of the delivery
+std::int64_t Intake::note_share(Event& event)
 {
-    Delivery& delivery = in_hand_.emplace_back();
-    delivery.lossless = lossless_ = event.identity.lossless;
     auto& shares = event.identity.shares;
     const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
         return share.of.starts_with(spec_.sender) && share.of[spec_.sender.size()] == '.';
     });
     of_member_ = before != shares.rend() && before->group();
+    const bool lossless = event.identity.lossless;
     if (shares.empty())
-        return;
+        return progress_.receive(lossless, 0);
     Share& share = shares.back();
-    if (group_ && share.of == group_->of && share.epoch == group_->epoch) {
-        delivery.turn = share.turn;
-        group_->turn = std::max(group_->turn, share.turn);
-        group_->closed = std::max(group_->closed, share.closed);
-    }
     if (share.to.empty() && is_name(spec_.input))
         share.to = spec_.input;
-}
-
-Intake::Delivery* Intake::delivery(std::int64_t number)
-{
-    const auto index = number - done_ - 1;
-    return index < 0 || index >= static_cast<std::int64_t>(in_hand_.size())
-               ? nullptr
-               : &in_hand_[static_cast<std::size_t>(index)];
+    if (!group_ || share.of != group_->of || share.epoch != group_->epoch)
+        return progress_.receive(lossless, 0);
+    group_->turn = std::max(group_->turn, share.turn);
+    group_->closed = std::max(group_->closed, share.closed);
+    return progress_.receive(lossless, share.turn);
 }
 
 void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending)
 {
     if (ending)
         ++ended_[static_cast<std::size_t>(*ending)];
-    Delivery* one = generation == generation_ ? delivery(number) : nullptr;
-    if (one) {
-        finished_ += worked && !one->worked ? 1 : 0;
-        one->worked = one->worked || worked;
-        one->done = one->done || done;
-        const bool begun = !ending || (*ending != Ending::discarded && *ending != Ending::dropped);
-        if (!begun && !spec_.options.group.empty())
-            back_.push_back(number);
-        for (; !in_hand_.empty() && in_hand_.front().done && in_hand_.front().worked; in_hand_.pop_front())
-            ++done_;
-        const auto not_worked = std::ranges::find(in_hand_, false, &Delivery::worked);
-        worked_ = done_ + (not_worked - in_hand_.begin());
-    }
+    const bool back = ending == Ending::discarded || ending == Ending::dropped;
+    progress_.heard(generation, number, worked, done, back);
     flush();
     if (stopped_) {
         try_to_leave();
@@ -148,50 +128,23 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
     }
 }
 
-/// Is there something to tell that cannot go with a later request?
-bool Intake::ask_now(std::int64_t ask, std::int64_t worked) const
-{
-    if (!back_.empty())
-        return true;
-    const bool waits = worked_ < arrived();  // something is being worked on, and its end will be told
-    if (spec_.options.transfer == Transfer::streaming)
-        return (done_ > told_done_ || worked > told_worked_)
-               && (!waits || lossless_ || worked - told_worked_ >= told_at_least);
-    return ask > asked_ || (worked > told_worked_ && !spec_.options.group.empty()) || (done_ > told_done_ && !waits);
-}
-
 void Intake::flush()
 {
-    if (!connected_)
-        return;
-    const bool may_ask = !stopped_ && host_.paused() == Reason::none;
-    const bool streaming = spec_.options.transfer == Transfer::streaming;
-    const auto ask = may_ask ? std::max(asked_, spec_.options.window + finished_) : asked_;
-    // A stream asks for nothing: what it has worked on lets more lossless events come.
-    const auto worked = may_ask || !streaming ? worked_ : std::max(told_worked_, done_);
-    if (ask_now(ask, worked))
-        tell(ask, worked);
+    if (connected_)
+        tell(progress_.news(!stopped_ && host_.paused() == Reason::none));
 }
 
-void Intake::tell(std::int64_t ask, std::int64_t worked)
+void Intake::tell(const std::optional<protocol::Request>& news)
 {
-    asked_ = ask;
-    told_done_ = done_;
-    told_worked_ = worked;
-    most_told_ = std::max(most_told_, worked);
-    link_->connection().send(protocol::make_packet(
-        PacketType::request, protocol::to_text({epoch_, ask, done_, worked, std::exchange(back_, {})}), channel_));
+    if (news)
+        link_->connection().send(protocol::make_packet(PacketType::request, protocol::to_text(*news), channel_));
 }
 
 std::optional<Standing> Intake::standing() const
 {
     if (!group_ || !connected_)
         return std::nullopt;
-    Standing standing{*group_, {}};
-    for (const auto& each : in_hand_)
-        if (each.turn != 0 && !each.done)
-            standing.open.push_back(each.turn);
-    return standing;
+    return Standing{*group_, progress_.turns()};
 }
 
 InputStatus Intake::status() const

@@ -1,6 +1,6 @@
 // A bounded queue of events with a lane for commands.
 #include <hive/event/mailbox.hpp>
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <algorithm>
 
@@ -52,7 +52,7 @@ void Mailbox::push(Command command)
 
 void Mailbox::push(Event&& event)
 {
-    std::vector<Event> dropped;  // destroyed after the lock: receipts have work to do
+    std::vector<Event> dropped;  // destroyed after the lock: tickets have work to do
     const std::lock_guard lock(mutex_);
     add(event);
     events_.push_back(std::move(event));

@@ -1,6 +1,6 @@
 // Which waiting events make a set, which have no partner to hope for, and which hold up their source.
 #include <hive/event/matcher.hpp>
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <hive/error.hpp>
 
@@ -73,7 +73,7 @@ void Matcher::expire(TimePoint now)
         give_back(i, now);
         for (auto& waiting : lines_[i].events())
             if (waiting.due <= now)  // lossless: it stays, and while it holds up its source it is looked at again
-                waiting.due = waiting.event.receipt ? now + patience / 4 : never;
+                waiting.due = waiting.event.ticket.processing() ? now + patience / 4 : never;
     }
 }
 
@@ -266,8 +266,8 @@ void Matcher::give_back(std::size_t input, TimePoint now)
     for (auto& waiting : lines_[input].events()) {
         const bool lossless = waiting.event.identity.lossless;
         ahead += lossless && !waiting.overtaken ? 1 : 0;
-        if (waiting.event.receipt && (!lossless || ahead <= most_ahead || !holds_up(waiting, input, now)))
-            give_back_credit(waiting.event);
+        if (waiting.event.ticket.processing() && (!lossless || ahead <= most_ahead || !holds_up(waiting, input, now)))
+            waiting.event.ticket.stop_processing();
     }
 }
 

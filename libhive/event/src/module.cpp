@@ -93,7 +93,7 @@ std::optional<Mailbox::Item> Module::next(Mailbox& mailbox, Clock::time_point de
 {
     const auto ready = [&] { return mailbox.ready(!halted_); };
     if (ready())
-        loop_.serve();  // what the last item left behind, its receipt and what it emitted, is not for later
+        loop_.serve();  // what the last item left behind, its ticket and what it emitted, is not for later
     else
         loop_.wait(deadline, ready);
     return mailbox.pop(!halted_);

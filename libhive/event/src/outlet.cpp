@@ -301,7 +301,7 @@ void Outlet::transmit(const Send& send, const Emission& form)
 {
     Place& place = places_.at(send.receiver);
     const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
-    // The closure holds the event, and with it the receipt of a lossless input, until the bytes are with the system.
+    // The closure holds the event, and with it the ticket of a lossless cause, until the bytes are with the system.
     // The table counts the size of the event, whatever the form has.
     const auto carriage = place.link->connection().send(
         form.packet(type, place.channel, send.share),

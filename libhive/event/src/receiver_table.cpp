@@ -312,7 +312,7 @@ void ReceiverTable::written(Id id, std::size_t bytes, Clock::time_point now, Dec
 void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions)
 {
     // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before.
-    const auto kept = event->event().custody ? event->without_custody() : event;
+    const auto kept = event->event().ticket.owed() ? event->without_ticket() : event;
     const bool whole = event->serves(Delivery::data);
     bool received = false;
     ended_ = false;

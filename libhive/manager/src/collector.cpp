@@ -4,7 +4,7 @@
 
 #include <hive/event/mailbox.hpp>
 #include <hive/event/answer_filter.hpp>
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <mutex>
 #include <set>
@@ -211,7 +211,7 @@ std::optional<Event> MailboxCollector::take(Event event)
 std::optional<Event> MailboxCollector::put_in_order(Event event)
 {
     // Acknowledged on arrival: a result that waits for its turn must not use up the credit that the missing one needs.
-    event.let_go();
+    event.ticket = {};
     follow_those_on_the_way(event);
     if (event.output == exceptions_output) {
         if (event.identity.sequence > 0)

@@ -4,7 +4,7 @@
 #include "requests.hpp"
 #include "succession.hpp"
 
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 #include <hive/platform/process.hpp>
 
 #include <iostream>

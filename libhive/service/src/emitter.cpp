@@ -1,7 +1,7 @@
 // Gives events their identity and hands them to the network side.
 #include "emitter.hpp"
 
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <algorithm>
 
@@ -93,7 +93,7 @@ bool Emitter::backlogged(std::size_t output) const
     return slot.outlet && (!slot.handover.empty() || slot.outlet->backlogged());
 }
 
-/// What is emitted for the present set has the identity of its first event, and keeps lossless ones in custody.
+/// What is emitted for the present set has the identity of its first event, and the tickets of lossless ones.
 void Emitter::inherit(Event& event, Slot& slot) const
 {
     event.identity = event::identity_of(*set_);
@@ -103,7 +103,7 @@ void Emitter::inherit(Event& event, Slot& slot) const
     event.identity.hops.push_back(
         {self_.name, event::microseconds(begun_ - complete), event::microseconds(Clock::now() - begun_)});
     if (event.identity.lossless)
-        event.custody = event::custody_of(*set_);
+        event.ticket = event::causes(*set_);
 }
 
 void Emitter::emit(std::size_t output, std::optional<Identity> begun, Json header,
@@ -149,7 +149,7 @@ const Port& Emitter::port_to_emit(std::size_t output, const Json& header) const
 void Emitter::repeat(std::size_t output, Event event)
 {
     static_cast<void>(port_to_emit(output, event.header));
-    event.let_go();
+    event.ticket = {};
     event.input.clear();
     const bool complete = !event.body.empty() || (event.sized && event.size == 0);
     if (complete)

@@ -1,7 +1,7 @@
 // Halts a drone and resumes it.
 #include "halting.hpp"
 
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 namespace hive::service {
 

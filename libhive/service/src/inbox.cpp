@@ -1,7 +1,7 @@
 // Puts what arrives into the mailbox, and takes back what was not begun.
 #include "inbox.hpp"
 
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 namespace hive::service {
 

@@ -94,7 +94,7 @@ Event Reporter::exception_event(const Error& error, const Event* cause) const
     if (auto& shares = event.identity.shares; shares.size() >= event::most_shares)
         shares.resize(event::most_shares - 1);
     if (cause && cause->identity.lossless)
-        event.custody = cause->custody;
+        event.ticket = cause->ticket.of_cause();
     event.sender = self_.name;
     event.kind = self_.kind;
     event.output = "exceptions";

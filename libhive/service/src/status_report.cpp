@@ -1,7 +1,7 @@
 // Puts together what the board, the outlets and the intakes say.
 #include "status_report.hpp"
 
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 namespace hive::service {
 

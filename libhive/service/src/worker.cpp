@@ -1,7 +1,7 @@
 // Takes commands and events out of the mailbox and runs the author's code on them.
 #include "worker.hpp"
 
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <algorithm>
 
@@ -133,7 +133,7 @@ void Worker::deliver(Event&& event)
     };
     if (work(set, callback))
         conclude_all(set, event::Ending::processed);
-}  // the receipt goes with the set: the next one is asked for, unless the drone has halted
+}  // the ticket goes with the set: the next one is asked for, unless the drone has halted
 
 void Worker::to_partners(Event event, MatchedInputs& matching, const MatchedInput& input)
 {

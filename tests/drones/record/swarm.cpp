@@ -47,7 +47,7 @@ std::vector<hive::Event> take(hive::Collector& collector, std::size_t count)
         REQUIRE_MESSAGE(event, "only ", events.size(), " events of ", count, " came");
         event->body = hive::Body(std::string(reinterpret_cast<const char*>(event->body.data()),
                                              event->body.size()));  // not kept in shared memory
-        event->let_go();
+        event->ticket = {};
         events.push_back(std::move(*event));
     }
     return events;

@@ -2,6 +2,7 @@
 #include "fixtures.hpp"
 
 #include <hive/event/dispatch.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <doctest/doctest.h>
 
@@ -180,24 +181,23 @@ TEST_CASE("dispatch: when the encoder throws, that is told once and the event go
     CHECK(shop.encoded.size() == 1);
 }
 
-TEST_CASE("dispatch: custody is held while the event waits for its encoding, and not by what is kept of it")
+TEST_CASE("dispatch: the ticket is held while the event waits for its encoding, and not by what is kept of it")
 {
     Workshop shop;
-    const auto receipt = std::make_shared<const int>(0), custody = std::make_shared<const int>(0);
+    const auto owed = std::make_shared<Acknowledgement>();
     Event event = emission(1, true)->event();
-    event.receipt = receipt;
-    event.custody = custody;
+    event.ticket = {owed, true};
     std::shared_ptr<const Emission> kept;
     {
         const auto sent = std::make_shared<const Emission>(event);
         event = {};
-        kept = sent->without_custody();
+        kept = sent->without_ticket();
         shop.send(1, sent, "loud");
     }
-    CHECK(custody.use_count() > 1);
+    CHECK(owed->processing());
     shop.run_all();
-    CHECK(custody.use_count() == 1);
-    CHECK(receipt.use_count() == 1);
+    CHECK(owed.use_count() == 1);
+    CHECK_FALSE(owed->processing());
     CHECK(kept->rendition("loud"));  // what is kept finds it, too
 }
 

@@ -1,5 +1,6 @@
 // The queue between the network side and the user thread.
 #include <hive/event/mailbox.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <doctest/doctest.h>
 
@@ -103,18 +104,19 @@ TEST_CASE("mailbox: lossless events are bounded by what their sender may have in
     CHECK(next_sequence(mailbox) == 0);
 }
 
-TEST_CASE("mailbox: what was dropped or discarded gives back its receipt at once")
+TEST_CASE("mailbox: what was dropped or discarded gives back its ticket at once")
 {
     Mailbox mailbox;
     auto event = numbered(1);
-    const auto receipt = std::make_shared<const int>(0);
-    event.receipt = receipt;
+    const auto owed = std::make_shared<Acknowledgement>();
+    event.ticket = {owed, true};
     mailbox.push(std::move(event));
     for (std::size_t i = 2; i <= Mailbox::most_events; ++i)
         mailbox.push(numbered(static_cast<std::int64_t>(i)));
-    CHECK(receipt.use_count() == 2);
+    CHECK(owed->processing());
     mailbox.push(numbered(0));
-    CHECK(receipt.use_count() == 1);
+    CHECK_FALSE(owed->processing());
+    CHECK(owed.use_count() == 1);
 }
 
 TEST_CASE("mailbox: what fits is discarded or counted, the others stay in their order")

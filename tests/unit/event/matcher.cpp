@@ -159,28 +159,29 @@ TEST_CASE("sets: what comes of one has the identity of its first event, and each
     CHECK(identity.hops[1].drone == "face");
 }
 
-TEST_CASE("sets: all are in custody until what was made of them is dealt with")
+TEST_CASE("sets: no event is acknowledged until what was made of all is dealt with, and none is processed any more")
 {
     std::vector<Event> set{event("image", 5), event("marks", 5)};
-    const std::weak_ptr<const void> first = set[0].custody, second = set[1].custody;
-    auto both = custody_of(set);
+    const std::weak_ptr<Acknowledgement> first = set[0].ticket.owed(), second = set[1].ticket.owed();
+    auto both = causes(set);
+    CHECK(is_processing(first));
     set.clear();
+    CHECK_FALSE(is_processing(first));
     CHECK_FALSE(first.expired());
     CHECK_FALSE(second.expired());
-    both.reset();
+    both = {};
     CHECK(first.expired());
     CHECK(second.expired());
 }
 
-TEST_CASE("sets: one event has its own custody, and what nobody must acknowledge has none")
+TEST_CASE("sets: what is made of one event has its ticket, and what nobody must acknowledge has none")
 {
     std::vector<Event> set{event("image", 5)};
-    CHECK(custody_of(set) == set[0].custody);
+    CHECK(causes(set).owed() == set[0].ticket.owed());
+    CHECK_FALSE(causes(set).processing());
     set.push_back(event("marks", 5));
-    set[1].custody.reset();
-    CHECK(custody_of(set) == set[0].custody);
-    set[0].custody.reset();
-    CHECK_FALSE(custody_of(set));
+    set[0].ticket = set[1].ticket = {};
+    CHECK_FALSE(causes(set).owed());
 }
 
 }  // namespace hive::event

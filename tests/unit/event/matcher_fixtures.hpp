@@ -1,9 +1,8 @@
 // What the tests of the matcher stand on: events to give it, and what becomes of them.
 #pragma once
 
-#include <hive/event/door.hpp>
 #include <hive/event/matcher.hpp>
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 
 #include <hive/error.hpp>
 
@@ -29,18 +28,6 @@ struct Made {
     std::int64_t captured_us = -1;  ///< -1: 10 ms after the one before
 };
 
-/// What is told of an event leads nowhere.
-inline std::shared_ptr<Door> shut_door()
-{
-    static const auto door = [] {
-        Loop loop;
-        auto made = std::make_shared<Door>(loop);
-        made->shut();
-        return made;
-    }();
-    return door;
-}
-
 inline Event event(const std::string& input, std::int64_t sequence, const Made& made = {})
 {
     std::vector<Share> shares;
@@ -58,12 +45,17 @@ inline Event event(const std::string& input, std::int64_t sequence, const Made& 
     event.output = "out";
     event.input = input;
     event.body = Body(std::vector<unsigned char>(made.bytes, 7));
-    event.receipt = std::make_shared<int>(0);
-    event.custody = std::make_shared<const Custody>(Delivered{.door = shut_door(), .intake = {}}, false);
+    event.ticket = {std::make_shared<Acknowledgement>(), true};
     return event;
 }
 
-/// A matcher that is told the time by the tests, and remembers which receipts are still held.
+inline bool is_processing(const std::weak_ptr<Acknowledgement>& ticket)
+{
+    const auto owed = ticket.lock();
+    return owed && owed->processing();
+}
+
+/// A matcher that is told the time by the tests, and remembers which events are still being processed.
 class Case {
 public:
     explicit Case(Match match = Match::exact(), const std::vector<std::string>& inputs = {"image", "marks"})
@@ -77,7 +69,7 @@ public:
     {
         for (const auto sequence : sequences) {
             auto fresh = event(input, sequence, made);
-            receipts.emplace_back(fresh.receipt);
+            tickets.emplace_back(fresh.ticket.owed());
             matcher.push(std::move(fresh), now);
         }
         return sets();
@@ -103,14 +95,11 @@ public:
         return counts.missing.contains(input) ? counts.missing.at(input) : 0;
     }
     [[nodiscard]] std::int64_t waiting() const { return matcher.counts().waiting; }
-    [[nodiscard]] std::ptrdiff_t held() const
-    {
-        return std::ranges::count_if(receipts, [](const auto& receipt) { return !receipt.expired(); });
-    }
+    [[nodiscard]] std::ptrdiff_t held() const { return std::ranges::count_if(tickets, is_processing); }
 
     Matcher matcher;
     Matcher::TimePoint now = start;
-    std::vector<std::weak_ptr<const void>> receipts;
+    std::vector<std::weak_ptr<Acknowledgement>> tickets;
 };
 
 using Sets = std::vector<Sequences>;

@@ -5,22 +5,21 @@ namespace hive::event {
 
 using namespace matching;
 
-TEST_CASE(
-    "matcher: live events give back their receipts when they have to wait, the one that completes a set keeps its own")
+TEST_CASE("matcher: live events are not processed while they wait, the one that completes a set is")
 {
     Case c;
     c.give("image", {1, 2, 3});
     CHECK(c.held() == 0);
     auto marks = event("marks", 2);
-    const std::weak_ptr<const void> receipt = marks.receipt;
+    const std::weak_ptr<Acknowledgement> ticket = marks.ticket.owed();
     c.matcher.push(std::move(marks), c.now);
     auto set = c.matcher.pop();
     REQUIRE(set);
-    CHECK_FALSE(receipt.expired());
+    CHECK(is_processing(ticket));
     for (const auto& each : *set)
-        CHECK(each.custody);  // also of those that had to wait: the set is not dealt with yet
+        CHECK(each.ticket.owed());  // also of those that had to wait: the set is not dealt with yet
     set.reset();
-    CHECK(receipt.expired());
+    CHECK(ticket.expired());
 }
 
 TEST_CASE("matcher: live events wait at most 4 s, at most 128 of them, and at most 128 MiB")

@@ -1,6 +1,8 @@
 // All receivers of an output together: what is wanted and asked for, accounts, events that are held for the first.
 #include "table_fixtures.hpp"
 
+#include <hive/event/ticket.hpp>
+
 #include <doctest/doctest.h>
 
 namespace hive::event {
@@ -103,7 +105,8 @@ TEST_CASE("receiver table: an event whose body nobody wanted goes to notificatio
     CHECK(world.add(3, "snap", late).empty());
 }
 
-TEST_CASE("receiver table: custody ends when the receivers of bodies are done, whoever keeps or watches the event")
+TEST_CASE("receiver table: an event is acknowledged when the receivers of bodies are done, whoever keeps or watches "
+          "the event")
 {
     World world;
     world.add(1, "collector", window(2));
@@ -113,7 +116,12 @@ TEST_CASE("receiver table: custody ends when the receivers of bodies are done, w
     world.offer(1);
     bool acknowledged = false;
     Event event = emission(2, true)->event();
-    event.custody = {&acknowledged, [&](const void*) { acknowledged = true; }};
+    event.ticket = {{new Acknowledgement,
+                     [&](Acknowledgement* owed) {
+                         delete owed;
+                         acknowledged = true;
+                     }},
+                    false};
     CHECK(world.offer(std::make_shared<const Emission>(std::exchange(event, {}))) == Got{{1, {2}}});
     CHECK_FALSE(acknowledged);
     world.ask(1, {3, 2, 1});  // the first is done, the second was worked on

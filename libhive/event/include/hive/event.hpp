@@ -53,6 +53,36 @@ struct Identity {
     [[nodiscard]] const Share* shared_work() const;
 };
 
+namespace event {
+class Acknowledgement;
+}
+
+/// What is owed to the sender of an event that has arrived; copies of the event share it. When no copy says that it is
+/// processed, the next event is asked for. When no ticket is left, the event is acknowledged: until then its sender
+/// would give it out again. What is made of a lossless event carries the ticket of its cause until the next receiver
+/// has acknowledged that.
+class Ticket {
+public:
+    Ticket() = default;
+    Ticket(std::shared_ptr<event::Acknowledgement> owed, bool processing);
+    Ticket(const Ticket& other);
+    Ticket(Ticket&& other) noexcept;
+    Ticket& operator=(Ticket other) noexcept;
+    ~Ticket();
+
+    [[nodiscard]] bool processing() const { return processing_; }
+    /// The next event may be asked for, although this one is not acknowledged.
+    void stop_processing();
+    /// For what is made of the event.
+    [[nodiscard]] Ticket of_cause() const { return {owed_, false}; }
+    /// Null: nothing is owed.
+    [[nodiscard]] const std::shared_ptr<event::Acknowledgement>& owed() const { return owed_; }
+
+private:
+    std::shared_ptr<event::Acknowledgement> owed_;
+    bool processing_ = false;
+};
+
 /// Cheap to copy: the body is shared.
 struct Event {
     Identity identity;
@@ -65,18 +95,12 @@ struct Event {
     std::size_t size = 0;          ///< of the body at the sender, bytes
     bool sized = true;             ///< is `size` known? Not in a notification of a body that nobody wanted to be made
     std::chrono::steady_clock::time_point received{};
-    /// While anybody holds it, the event counts as being worked on: the next one is asked for when the last copy is
-    /// gone.
-    std::shared_ptr<const void> receipt;
-    /// While anybody holds it, the event is not acknowledged: its sender would give it out again. What is made of a
-    /// lossless event holds it until the next receiver has acknowledged that. A receipt holds it too.
-    std::shared_ptr<const void> custody;
+    /// Without it the copy is only looked at.
+    Ticket ticket;
     /// Empty in a notification. Declared last, so that it goes first: the memory is given back together with the
-    /// receipt.
+    /// ticket.
     Body body;
 
-    /// Gives back receipt and custody: from now on this copy is only looked at.
-    void let_go();
     /// Since the capture, by the wall clocks of the two machines and what was measured between them; 0 when nobody
     /// knows when that was.
     [[nodiscard]] std::chrono::microseconds age() const;

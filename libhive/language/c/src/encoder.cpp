@@ -112,7 +112,7 @@ private:
 Event encode(const Event& event, const std::string& encoding, hive_encode_callback callback, void* user)
 {
     Event result = event;
-    result.let_go();
+    result.ticket = {};
     const auto answer = std::make_shared<EncodedObject>();
     auto* const handle = give(answer);
     const std::shared_ptr<void> released(nullptr, [handle](void*) { hive_release(handle); });

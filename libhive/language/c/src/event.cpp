@@ -45,7 +45,7 @@ Event EventObject::copy() const
 {
     const std::lock_guard lock(mutex_);
     Event copy = event_;
-    copy.let_go();
+    copy.ticket = {};
     return copy;
 }
 
@@ -57,13 +57,12 @@ const std::string& EventObject::header() const
     return *header_;
 }
 
-/// What it held goes without the lock: giving back a receipt may take a while.
+/// What it held goes without the lock: giving back a ticket may take a while.
 void EventObject::done()
 {
-    std::shared_ptr<const void> custody, receipt;
+    Ticket ticket;
     const std::lock_guard lock(mutex_);
-    custody = std::move(event_.custody);
-    receipt = std::move(event_.receipt);
+    ticket = std::move(event_.ticket);
 }
 
 std::span<std::byte> LoanObject::bytes() const

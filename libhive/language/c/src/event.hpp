@@ -18,9 +18,9 @@ public:
 
     explicit EventObject(Event event) : event_(std::move(event)) {}
 
-    /// But for receipt and custody it never changes.
+    /// But for its ticket it never changes.
     [[nodiscard]] const Event& event() const noexcept { return event_; }
-    /// A copy that may be emitted: without receipt and custody.
+    /// A copy that may be emitted: without ticket.
     [[nodiscard]] Event copy() const;
     /// The header as text.
     [[nodiscard]] const std::string& header() const;

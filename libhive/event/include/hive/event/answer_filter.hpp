@@ -33,7 +33,7 @@ private:
     struct Answer {
         std::string attempts;
         std::vector<Branch> branches;
-        std::weak_ptr<const void> custody;
+        std::weak_ptr<Acknowledgement> owed;
     };
     static std::pair<std::string, Answer> named(const Event& event, std::size_t count);
     static bool stand_for_each_other(const Answer& one, const Answer& other);

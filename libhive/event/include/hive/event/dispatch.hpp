@@ -16,7 +16,7 @@
 namespace hive::event {
 
 /// Network side. An event is encoded at most once for each encoding, however many receivers get it, and only after it
-/// was decided that one of them does. What waits here holds the event, and with it the receipt of a lossless input.
+/// was decided that one of them does. What waits here holds the event, and with it the ticket of a lossless cause.
 class Dispatch {
 public:
     using Run = std::function<void(std::function<void()>)>;

@@ -32,7 +32,7 @@ public:
     /// The share that plain receivers are told, if there is one.
     [[nodiscard]] const std::optional<Share>& own() const noexcept { return own_; }
     /// The same event for keeping: whoever only holds it must not hold up the acknowledgement of what it was made of.
-    [[nodiscard]] std::shared_ptr<const Emission> without_custody() const;
+    [[nodiscard]] std::shared_ptr<const Emission> without_ticket() const;
     /// The same event for those who report it: nobody gets it, so no limit counts. Its own share becomes the `last`.
     [[nodiscard]] std::shared_ptr<const Emission> given_up(const std::optional<Share>& last) const;
     /// May it go to a receiver of this kind?
@@ -44,7 +44,7 @@ public:
     [[nodiscard]] protocol::Packet packet(protocol::PacketType type, std::uint16_t channel,
                                           const std::optional<Share>& share = {}) const;
 
-    /// The event in another encoding when it was made already, or null. A rendition has no receipt: it is kept as long
+    /// The event in another encoding when it was made already, or null. A rendition has no ticket: it is kept as long
     /// as anybody keeps the event.
     [[nodiscard]] std::shared_ptr<const Emission> rendition(const std::string& encoding) const;
     void keep_rendition(const std::string& encoding, std::shared_ptr<const Emission> rendition) const;

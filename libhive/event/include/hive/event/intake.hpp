@@ -2,14 +2,14 @@
 #pragma once
 
 #include <hive/backoff.hpp>
+#include <hive/event/input_progress.hpp>
 #include <hive/event/intake_host.hpp>
-#include <hive/event/receipt.hpp>
+#include <hive/event/ticket.hpp>
 #include <hive/platform/timer.hpp>
 #include <hive/status.hpp>
 #include <hive/transport/transport.hpp>
 
 #include <array>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -33,7 +33,7 @@ struct Standing {
     std::vector<std::int64_t> open;  ///< turns that the member has in hand
 };
 
-/// Network side; what has a receipt may be dropped on any thread.
+/// Network side; what has a ticket may be dropped on any thread.
 class Intake : public std::enable_shared_from_this<Intake> {
 public:
     using Sink = std::function<void(Event&&)>;
@@ -60,7 +60,7 @@ public:
     /// to that one. After this nothing is acknowledged.
     void hand_over();
     /// Is something worked on whose results nobody has acknowledged yet?
-    [[nodiscard]] bool owes() const;
+    [[nodiscard]] bool owes() const { return progress_.owes(); }
     /// Asks for what may be asked for now.
     void flush();
     /// Another one is being made that will take its place: until it is let go on, it does not come back to the sender,
@@ -78,7 +78,7 @@ public:
     /// What the sender said about its end, if it has come to it.
     [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
     /// Has everything that came been worked on?
-    [[nodiscard]] bool all_worked() const noexcept { return worked_ == arrived(); }
+    [[nodiscard]] bool all_worked() const noexcept { return progress_.all_worked(); }
     /// Does the sender know, or is it not there, that this one is gone?
     [[nodiscard]] bool has_left() const noexcept { return has_left_; }
     /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
@@ -91,10 +91,6 @@ public:
     [[nodiscard]] std::optional<Standing> standing() const;
 
 private:
-    struct Delivery {
-        std::int64_t turn = 0;
-        bool worked = false, done = false, lossless = false;
-    };
     void attempt();
     [[nodiscard]] bool holds();
     [[nodiscard]] bool in_short_break() const;
@@ -108,15 +104,12 @@ private:
     void require_own(const Event& event) const;
     void dropped();
     void note_end(std::optional<std::string> text);
-    void note_share(Event& event);
-    void begin_numbering(std::int64_t place, std::int64_t taken);
+    Ticket ticket(std::int64_t generation, std::int64_t number);
+    std::int64_t note_share(Event& event);
     void try_to_leave();
     void end_if_done();
     [[nodiscard]] bool refuses_now() const;
-    [[nodiscard]] Delivery* delivery(std::int64_t number);
-    [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
-    [[nodiscard]] bool ask_now(std::int64_t ask, std::int64_t worked) const;
-    void tell(std::int64_t ask, std::int64_t worked);
+    void tell(const std::optional<protocol::Request>& news);
 
     IntakeHost& host_;
     IntakeSpec spec_;
@@ -139,16 +132,8 @@ private:
     std::optional<std::string> end_;  ///< nothing more will come, and what is said about that
     std::int64_t epoch_ = 0;          ///< of the registration
 
-    // The deliveries at its place; they go on when the registration is made again there.
-    std::int64_t place_ = 0, sender_epoch_ = 0, generation_ = 0;
-    std::int64_t done_ = 0;         ///< dealt with, from the first on
-    std::int64_t worked_ = 0;       ///< worked on, from the first on
-    std::int64_t finished_ = 0;     ///< worked on, in any order
-    std::deque<Delivery> in_hand_;  ///< those behind done_
-    std::vector<std::int64_t> back_;
-    std::int64_t asked_ = 0, told_done_ = 0, told_worked_ = 0;
-    std::int64_t most_told_ = 0;  ///< of what was worked on, at this place, in whatever registration
-    bool lossless_ = false;       ///< the last event was
+    std::int64_t sender_epoch_ = 0;
+    InputProgress progress_;
     bool of_member_ = false;      ///< the last event was the work of a group that the sender is a member of
     bool sender_leaves_ = false;  ///< it said that it is being stopped
 

@@ -12,7 +12,7 @@
 namespace hive::event {
 
 /// Pure logic: events in, sets out, the time is told; for one thread. Which events wait, and with or without their
-/// receipts, is explained in docs/architecture.md, "Matching".
+/// tickets, is explained in docs/architecture.md, "Matching".
 class Matcher {
 public:
     using TimePoint = Clock::time_point;
@@ -36,7 +36,7 @@ public:
     void expire(TimePoint now);
     /// Nothing more will come: what can be matched makes its last sets, and the rest is given up.
     void finish();
-    /// The next set. The receipt of the event that completed it is in it; others may have been given back.
+    /// The next set. The event that completed it is still being processed; others may have stopped.
     std::optional<Set> pop();
     /// Is there one?
     [[nodiscard]] bool ready() const noexcept { return !ready_.empty(); }
