@@ -76,7 +76,7 @@ Run declare(CommandLine& line, Session& session)
     auto options = std::make_shared<Options>();
     line.option("KIND", options->kind,
                 "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH; or a file "
-                "of Python, FILE.py, which $HIVE_PYTHON or python3 runs")
+                "of Python, FILE.py, which $HIVE_PYTHON or the first python3 that has its imports runs")
         .required();
     line.option("key=value", options->settings, "parameters to begin with");
     line.option("--as", options->name, "its name in the swarm (default: KIND, or FILE without .py)").type_name("NAME");

@@ -1,12 +1,18 @@
-// Finding the interpreter, and the package that belongs to this program.
+// Finding an interpreter that has what the file imports, and the package that belongs to this program.
 #include "python_file.hpp"
 
+#include "last_line.hpp"
+
 #include <hive/error.hpp>
+#include <hive/process.hpp>
 #include <hive/program.hpp>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <sstream>
 #include <unistd.h>
+#include <utility>
 
 namespace hive {
 namespace {
@@ -14,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view python_ending = ".py";
+constexpr auto search_time = std::chrono::seconds(10);
 
 std::string variable(const char* name)
 {
@@ -21,17 +28,84 @@ std::string variable(const char* name)
     return value ? value : "";
 }
 
-fs::path interpreter()
+/// The first of this name in $PATH; a name with a slash is a path already. Empty: there is none.
+fs::path in_path(const std::string& name)
 {
-    const std::string told = variable("HIVE_PYTHON"), wanted = told.empty() ? "python3" : told;
-    if (wanted.find('/') != std::string::npos && is_program(wanted))
-        return fs::absolute(wanted);
+    if (name.find('/') != std::string::npos)
+        return is_program(name) ? fs::absolute(name) : fs::path();
     std::istringstream directories(variable("PATH"));
     for (std::string directory; std::getline(directories, directory, ':');)
-        if (const auto file = fs::path(directory) / wanted; !directory.empty() && is_program(file))
+        if (const auto file = fs::path(directory) / name; !directory.empty() && is_program(file))
             return fs::absolute(file);
-    throw Error(Errc::not_found, "there is no " + wanted + " in $PATH to run it",
-                "install python3, or name an interpreter in $HIVE_PYTHON");
+    return {};
+}
+
+/// Each once: that of $HIVE_PYTHON alone, or those of the active environment, of $PATH and of the system. A link such
+/// as that of an environment is followed by the interpreter itself, which needs to know it.
+std::vector<fs::path> interpreters()
+{
+    const std::string told = variable("HIVE_PYTHON"), environment = variable("VIRTUAL_ENV");
+    std::vector<fs::path> wanted{in_path(told.empty() ? "python3" : told)}, found;
+    if (told.empty())
+        wanted.emplace_back("/usr/bin/python3");
+    if (told.empty() && !environment.empty())
+        wanted.insert(wanted.begin(), fs::path(environment) / "bin" / "python3");
+    std::error_code ignored;
+    for (const auto& file : wanted)
+        if (const auto whole = fs::weakly_canonical(file.parent_path(), ignored) / file.filename();
+            is_program(whole) && std::ranges::find(found, whole) == found.end())
+            found.push_back(whole);
+    if (found.empty())
+        throw Error(Errc::not_found, "there is no " + (told.empty() ? "python3" : told) + " in $PATH to run it",
+                    "install python3, or name an interpreter in $HIVE_PYTHON");
+    return found;
+}
+
+/// Prints which of the modules that a file imports before it does anything else are not there.
+constexpr const char* search_modules = R"(
+import ast, importlib.util, os, sys
+sys.path[0] = os.path.dirname(sys.argv[1])
+try:
+    statements = ast.parse(open(sys.argv[1], "rb").read()).body
+except (SyntaxError, ValueError):
+    sys.exit()
+missing = []
+for place, statement in enumerate(statements):
+    if isinstance(statement, ast.Import):
+        names = [name.name for name in statement.names]
+    elif isinstance(statement, ast.ImportFrom):
+        names = [statement.module] if statement.level == 0 else []
+    elif place == 0 and isinstance(statement, ast.Expr):
+        continue
+    else:
+        break
+    for module in [name.partition(".")[0] for name in names]:
+        if module not in [*missing, *sys.modules] and not importlib.util.find_spec(module):
+            missing.append(module)
+print(*missing, sep=", ")
+)";
+
+/// Why this interpreter cannot run the file; empty: it can, as far as that can be told without running it.
+std::string objection(const fs::path& interpreter, const std::string& file, const std::vector<std::string>& environment)
+{
+    const auto result = run_command({interpreter.string(), "-c", search_modules, file}, search_time, environment);
+    if (result.late || result.exit_code != 0)
+        return interpreter.string() + " does not run: " + (result.late ? "no answer" : last_line(result.err));
+    const auto missing = last_line(result.out);
+    return missing.empty() ? "" : interpreter.string() + " cannot import " + missing;
+}
+
+fs::path interpreter_for(const std::string& file, const std::vector<std::string>& environment)
+{
+    std::string objections;
+    for (const auto& interpreter : interpreters()) {
+        const auto why = objection(interpreter, file, environment);
+        if (why.empty())
+            return interpreter;
+        objections += (objections.empty() ? "" : "; ") + why;
+    }
+    throw Error(Errc::not_found, fs::path(file).filename().string() + ": " + objections,
+                "install what is missing, or name another interpreter in $HIVE_PYTHON");
 }
 
 /// The package that belongs to this program: of the build, or of the prefix into which it was installed. That of the
@@ -67,7 +141,10 @@ DroneCommand command_of_python_file(const std::string& kind)
     std::error_code ignored;
     if (!fs::is_regular_file(kind, ignored))
         throw Error(Errc::not_found, "there is no file " + kind);
-    return {interpreter(), {"-u", fs::absolute(kind).string()}, package_beside()};
+    const auto file = fs::absolute(kind).string();
+    auto environment = package_beside();
+    auto interpreter = interpreter_for(file, environment);
+    return {std::move(interpreter), {"-u", file}, std::move(environment)};
 }
 
 }  // namespace hive

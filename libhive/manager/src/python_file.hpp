@@ -8,7 +8,9 @@ namespace hive {
 /// A file that may be run.
 bool is_program(const std::filesystem::path& file);
 
-/// Throws Errc::not_found when there is no such file, or no interpreter: $HIVE_PYTHON, or python3 in $PATH.
+/// With the first interpreter that has the modules that the file imports at its top: $HIVE_PYTHON alone, or that of the
+/// active environment, python3 in $PATH and /usr/bin/python3. Throws Errc::not_found when there is no such file or no
+/// such interpreter; the text names each interpreter and what it lacks.
 DroneCommand command_of_python_file(const std::string& kind);
 
 }  // namespace hive

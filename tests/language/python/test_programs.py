@@ -147,7 +147,8 @@ class Programs(World):
         hivectl = os.path.join(PROGRAMS, "hivectl")
         reasons = {
             "drone = (": "SyntaxError",
-            "import nothing_of_this_name": "ModuleNotFoundError: No module named 'nothing_of_this_name'",
+            "import sys; import nothing_of_this_name": "cannot import nothing_of_this_name",
+            "import sys; sys.path; import nothing_of_this_name": "ModuleNotFoundError: No module named 'nothing_of",
             "import sys; sys.exit('no camera here')": "no camera here",
             "import hive; hive.Drone('thing')": "ended with exit code 0 before it was ready",
             "import hive; hive.Drone('thing').on_event('../x', 'a/b')(print)": "hive.Error",
@@ -156,9 +157,55 @@ class Programs(World):
             with self.subTest(reason):
                 words = [hivectl, "start", self.script(body)]
                 done = subprocess.run(words, capture_output=True, text=True, timeout=60)
-                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertEqual((done.returncode, done.stdout), (3 if "cannot import" in reason else 1, ""))
                 self.assertIn(reason, done.stderr)
         self.assertEqual(self.swarm.drones(), [])
+
+    def interpreter(self, folder, *words):
+        """A python3 in a folder that runs the present one so. Gives its path."""
+        path = os.path.join(self.home, folder, "python3")
+        os.makedirs(os.path.dirname(path))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(" ".join(["#!/bin/sh\n" + words[0], "exec", sys.executable, *words[1:], '"$@"\n']))
+        os.chmod(path, 0o700)
+        return path
+
+    def start_with(self, script, **environment):
+        """What hivectl start says, without the $HIVE_PYTHON of the tests."""
+        own = {name: value for name, value in os.environ.items() if name not in ("HIVE_PYTHON", "VIRTUAL_ENV")}
+        words = [os.path.join(PROGRAMS, "hivectl"), "start", script]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60, env={**own, **environment})
+        if done.returncode == 0:
+            self.swarm.stop("thing")
+        return done.stdout + done.stderr
+
+    def test_a_file_is_run_by_the_first_interpreter_that_has_what_it_imports(self):
+        with open(os.path.join(self.home, "only_there.py"), "w", encoding="utf-8"):
+            pass
+        there = self.interpreter("there/bin", f"PYTHONPATH={self.home}:$PYTHONPATH")
+        bare = self.interpreter("bare", "", "-E", "-S")  # of another prefix: it has no hive
+        path = os.path.dirname(bare) + os.pathsep + os.environ["PATH"]
+        os.mkdir(os.path.join(self.home, "apart"))
+        script = os.path.join(self.home, "apart", "thing.py")
+        with open(script, "w", encoding="utf-8") as file:
+            file.write('"""A docstring."""\nfrom __future__ import annotations\n' + textwrap.dedent(self.BODY))
+        self.assertEqual(self.start_with(script, PATH=path), "thing\n")
+        with open(script, "a+", encoding="utf-8") as file:
+            file.seek(0)
+            text = file.read().replace("import time, hive", "import time, hive, only_there.part as part, only_there")
+            file.truncate(0)
+            file.write(text.replace("only_there.part as part", "xml.dom"))
+        refused = self.start_with(script, PATH=path)
+        for word in (f"{bare} cannot import hive, only_there; ", "/usr/bin/python3 cannot import only_there", "HIVE_PYTHON"):
+            self.assertIn(word, refused)
+        self.assertEqual(self.start_with(script, PATH=path, VIRTUAL_ENV=os.path.join(self.home, "there")), "thing\n")
+        self.assertEqual(self.start_with(script, PATH=path, HIVE_PYTHON=there), "thing\n")
+        alone = self.start_with(script, VIRTUAL_ENV=os.path.join(self.home, "there"), HIVE_PYTHON=bare)
+        self.assertIn(bare, alone)
+        self.assertNotIn("/usr/bin/python3 cannot", alone)
+        with open(os.path.join(self.home, "apart", "only_there.py"), "w", encoding="utf-8"):
+            pass
+        self.assertEqual(self.start_with(script, PATH=path), "thing\n")  # beside the file it is there for all
 
     def test_without_numpy_it_starts_and_says_what_pictures_need(self):
         os.mkdir(os.path.join(self.home, "numpy"))

@@ -49,7 +49,9 @@ class Starting(World):
         broken = os.path.join(self.home, "broken.py")
         with open(broken, "w", encoding="utf-8") as file:
             file.write("import nothing_of_this_name")
-        self.assertIn("ModuleNotFoundError", str(self.refused("failed", self.swarm.start, broken)))
+        missing = str(self.refused("not_found", self.swarm.start, broken))
+        self.assertIn("cannot import nothing_of_this_name; ", missing)
+        self.assertIn("$HIVE_PYTHON", missing)
         waits = os.path.join(self.home, "waits.py")
         with open(waits, "w", encoding="utf-8") as file:
             file.write("import time; time.sleep(60)")

@@ -31,8 +31,8 @@ struct DroneCommand {
 /// "fps=30": a parameter as the command line of a drone takes it.
 std::string assignment(const std::string& parameter, const Json& value);
 
-/// Throws Errc::not_found when there is no such program or file, or no interpreter for it: $HIVE_PYTHON, or python3 in
-/// $PATH.
+/// Throws Errc::not_found when there is no such program or file, or no interpreter that has what the file imports:
+/// $HIVE_PYTHON alone, or that of the active environment, python3 in $PATH and /usr/bin/python3.
 DroneCommand command_of(const std::string& kind);
 
 /// What drones of this kind take, produce and have as parameters: what its program prints for --describe. Throws as
