@@ -14,16 +14,34 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// A place on another machine that does not answer is out of date.
-void require_free(Application& application, const SwarmDrone& drone)
+/// Where a drone of this name runs. A place on another machine that does not answer is out of date.
+std::optional<Place> running(Application& application, const std::string& name)
 {
-    if (!std::ranges::binary_search(application.drones(), drone.name))
-        return;
-    const auto place = application.place(drone.name);
-    if (place.host != Place::here && application.status(std::vector{drone.name}).at(0).error)
-        return;
-    throw Error(Errc::name_taken, drone.name + " is running already",
-                "stop it, or choose another name: " + drone.name + "-2");
+    if (!std::ranges::binary_search(application.drones(), name))
+        return std::nullopt;
+    const auto place = application.place(name);
+    if (place.host != Place::here && application.status(std::vector{name}).at(0).error)
+        return std::nullopt;
+    return place;
+}
+
+void require_time(const StartOptions& options, Clock::time_point end, const std::string& late)
+{
+    if (options.cancelled && options.cancelled())
+        throw Error(Errc::stopped, "cancelled while " + options.drone.name + " was starting");
+    if (Clock::now() >= end)
+        throw Error(Errc::timeout, options.drone.name + " was not ready in time" + late, "allow more time");
+}
+
+/// Waits until the drone that runs is ready. Is it of the kind? That of a Python file is what the file says.
+bool is_meant(Application& application, const StartOptions& options)
+{
+    for (const auto end = Clock::now() + options.limit;; std::this_thread::sleep_for(10ms)) {
+        const auto answer = application.status(std::vector{options.drone.name}).at(0);
+        if (!answer.error && answer.status.state != State::starting)
+            return is_python_file(options.drone.kind) || answer.status.kind == options.drone.kind;
+        require_time(options, end, "");
+    }
 }
 
 /// Drops the drone again unless it is ready in the end.
@@ -56,7 +74,6 @@ private:
     }
     void poll_engine();
     [[nodiscard]] bool answers();
-    void require_time(Clock::time_point end) const;
 
     Application& application_;
     const StartOptions& options_;
@@ -84,14 +101,6 @@ bool Start::answers()
     return !answer.error && answer.status.state != State::starting;
 }
 
-void Start::require_time(Clock::time_point end) const
-{
-    if (options_.cancelled && options_.cancelled())
-        throw Error(Errc::stopped, "cancelled while " + options_.drone.name + " was starting");
-    if (Clock::now() >= end)
-        throw Error(Errc::timeout, options_.drone.name + " was not ready in time and was stopped", "allow more time");
-}
-
 Place Start::await()
 {
     const auto end = Clock::now() + options_.limit;
@@ -100,7 +109,7 @@ Place Start::await()
         ready_ = place_ && answers();
         if (ready_)
             return *place_;
-        require_time(end);
+        require_time(options_, end, " and was stopped");
         std::this_thread::sleep_for(10ms);
     }
 }
@@ -115,7 +124,12 @@ Place start(Application& application, StartOptions options)
     require_name(drone.name, "drone");
     if (!is_python_file(drone.kind))
         require_name(drone.kind, "kind");
-    require_free(application, drone);
+    if (const auto place = running(application, drone.name)) {
+        if (options.if_missing && is_meant(application, options))
+            return *place;
+        throw Error(Errc::name_taken, drone.name + " is running already",
+                    "stop it, choose another name (" + drone.name + "-2), or keep it by the option if_missing");
+    }
     return Start(application, options).await();
 }
 

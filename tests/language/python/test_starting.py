@@ -52,11 +52,38 @@ class Starting(World):
         missing = str(self.refused("not_found", self.swarm.start, broken))
         self.assertIn("cannot import nothing_of_this_name; ", missing)
         self.assertIn("$HIVE_PYTHON", missing)
+        with open(broken, "w", encoding="utf-8") as file:
+            file.write("import sys\nsys.exit('no camera here')")
+        says = str(self.refused("failed", self.swarm.start, broken))
+        self.assertRegex(says, r"(?s)exit code 1 before it was ready; its log says:\nno camera here\n\w")
         waits = os.path.join(self.home, "waits.py")
         with open(waits, "w", encoding="utf-8") as file:
             file.write("import time; time.sleep(60)")
         self.refused("timeout", self.swarm.start, waits, ready=0.2)
         self.assertEqual(self.swarm.drones(), [])
+
+    def test_a_cell_that_is_run_again_keeps_the_drone_that_runs(self):
+        self.start("sleeper", work_ms=3)
+        self.assertIn("if_missing", str(self.refused("name_taken", self.swarm.start, "sleeper")))
+        before = self.swarm.status("sleeper")["pid"]
+        self.assertEqual(self.start("sleeper", if_missing=True, work_ms=4), "sleeper")
+        self.assertEqual(self.swarm.status("sleeper")["pid"], before)
+        self.assertEqual(self.swarm.get("sleeper", "work_ms"), {"work_ms": 3})
+        self.refused("name_taken", self.swarm.start, "ticker", "sleeper", if_missing=True)
+        self.start("sleeper", "other", if_missing=True)
+        self.assertEqual(self.swarm.drones(), ["other", "sleeper"])
+
+    def test_arguments_of_a_wrong_type_are_refused_with_one_sentence(self):
+        refusals = {
+            "a time is a number of seconds, not '3'": lambda: self.swarm.timeout("3"),
+            "a time is a number of seconds, not None": lambda: self.swarm.collect("a", patience=None),
+            "a name is a text, not ['a']": lambda: self.swarm.describe(["a"]),
+            "a body is bytes, not a str": lambda: self.swarm.put("a", "text"),
+            "a body is bytes, not a int": lambda: self.swarm.put("a", 5),
+        }
+        for sentence, call in refusals.items():
+            with self.subTest(sentence):
+                self.assertTrue(str(self.refused("invalid_argument", call)).startswith(sentence))
 
     def test_ctrl_c_ends_a_start_and_leaves_nothing(self):
         waits = os.path.join(self.home, "waits.py")
@@ -158,6 +185,17 @@ class Starting(World):
             events = list(collector)
             self.assertEqual(collector.counters, hive.Counts(received=5, duplicates=0, missing=0, failed=0, dropped=0))
         self.assertGreaterEqual(events[0].age, 0)
+
+    def test_counters_of_sets_are_attributes(self):
+        self.drone("ticker", "left", "pace=demand", "count=5", more=["--halted"])
+        self.drone("sleeper", "right")
+        self.swarm.connect("left", "right")
+        with self.swarm.collect_matched("left", "right") as sets:
+            self.swarm.resume("left")
+            for number in range(5):
+                self.assertIsNotNone(sets.next(PATIENCE), number)
+            counters = sets.counters
+        self.assertEqual(counters, hive.SetCounts(10, 0, 0, 0, 0, sets=5, waiting=0, unmatched=0))
 
     def silent(self):
         self.drone("ticker", "source", "pace=demand")

@@ -166,8 +166,11 @@ hive_code hive_collector_count(hive_collector* collector, const char* counter, i
         required(value, "the place for the value");
         const auto name = text_of(counter, "the counter");
         auto counts = all_counts(*get<CollectorObject>(collector));
-        if (counts.contains("sets"))
-            counts.update(Json(counts["sets"]));  // their "sets" is the number
+        if (const Json sets = counts.value("sets", Json()); sets.is_object())
+            for (const auto& [counter_of_sets, number] : sets.items())
+                if (number.is_number_integer())
+                    counts[counter_of_sets] =
+                        number;  // their "sets" is the number, and "missing" a list for each input
         const auto found = counts.find(name);
         if (found == counts.end() || !found->is_number_integer())
             throw Error(Errc::invalid_argument, "a collector has no counter " + in_quotes(name));

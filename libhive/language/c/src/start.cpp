@@ -32,10 +32,11 @@ SwarmDrone drone_of(const char* kind, const Options& given)
 StartOptions start_options(const char* kind, const char* text)
 {
     const Options given(text, {"name", "ssh", "parameters", "on_exception", "listen", "key", "log_level", "halted",
-                               "insecure", "ready_ms"});
+                               "insecure", "if_missing", "ready_ms"});
     StartOptions options;
     options.drone = drone_of(kind, given);
     options.ssh = given.text("ssh");
+    options.if_missing = given.flag("if_missing");
     options.limit = patience_of(given.integer("ready_ms", 0, options.limit.count()));
     options.cancelled = wait_is_cancelled;
     return options;

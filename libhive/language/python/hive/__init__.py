@@ -41,7 +41,7 @@ from . import _tracebacks
 from ._errors import Error, SetError
 from ._library import default_home, protocol_version, version as __version__
 from .application import Application
-from .collector import Collector, Counts, MatchedCollector, Results
+from .collector import Collector, Counts, MatchedCollector, Results, SetCounts
 from .drone import Drone
 from .encoding import Encoding, pictures
 from .event import Event, Hop, Share
@@ -67,6 +67,7 @@ __all__ = [
     "Output",
     "Parameter",
     "Results",
+    "SetCounts",
     "SetError",
     "Share",
     "Swarm",

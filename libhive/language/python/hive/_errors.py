@@ -22,7 +22,8 @@ class Error(RuntimeError):
         self.advice = advice
 
     def __str__(self) -> str:
-        return f"{self.text}; {self.advice}" if self.advice else self.text
+        between = "\n" if "\n" in self.text else "; "  # behind the lines of a log it has one of its own
+        return f"{self.text}{between}{self.advice}" if self.advice else self.text
 
     def __repr__(self) -> str:
         return f"hive.{type(self).__name__}({self.code!r}, {str(self)!r})"

@@ -190,6 +190,8 @@ def encoded(text: Optional[str]) -> Optional[bytes]:
     """A text for C. One with a zero byte would be cut short there."""
     if text is None:
         return None
+    if not isinstance(text, str):
+        raise Error("invalid_argument", f"a name is a text, not {text!r}")
     if "\0" in text:
         raise Error("invalid_argument", f"{text!r} contains a zero byte")
     return text.encode("utf-8", "replace")

@@ -10,6 +10,7 @@ from . import _library
 from ._errors import Error, SetError, require_list
 from ._finding import Finding, Names, answer_of, flat, is_many
 from ._library import as_json, ask_handle, ask_json, ask_list, ask_object, ask_text, encoded, lib, release
+from .output import view_of
 from .collector import Collector, MatchedCollector, Results, Seconds, milliseconds
 
 if TYPE_CHECKING:
@@ -126,6 +127,7 @@ class Application(Finding):
         insecure: bool = False,
         key: Union[str, os.PathLike[str]] = "",
         log_level: str = "",
+        if_missing: bool = False,
         ready: Seconds = 10.0,
         **values: Any,
     ) -> str:
@@ -138,6 +140,8 @@ class Application(Finding):
             that runs there already, and is not known here, is left as it is
         :param parameters: initial parameters, as ``values``; for those that are called as an argument is
         :param listen: address where other machines reach it, "tcp://HOST:PORT"; with ``on`` the default is any
+        :param if_missing: a drone of this name and kind that runs already is left as it is and counts as started: for
+            the cell of a notebook that is run again
         :param ready: how long it may take to be ready; then it is stopped again
         :raises hive.Error: "name_taken", "not_found" when there is no such program, "failed" with the last lines of its
             log when it exits instead, "timeout"
@@ -152,6 +156,7 @@ class Application(Finding):
             "insecure": insecure,
             "key": os.fspath(key),
             "log_level": log_level,
+            "if_missing": if_missing,
             "ready_ms": milliseconds(ready),
         }
         started = ask_json(lib.hive_application_start, self._handle, encoded(os.fspath(kind)), as_json(options))
@@ -354,7 +359,7 @@ class Application(Finding):
         header: Optional[Mapping[str, Any]] = None,
     ) -> None:
         """Sends one event into an input; returns when the drone has taken it into its queue."""
-        text, data = as_json(dict(header or {})), bytes(body)
+        text, data = as_json(dict(header or {})), bytes(view_of(body))
         lib.hive_application_put(
             self._handle, encoded(input), text, len(text), data if data else None, len(data), encoded(type)
         )

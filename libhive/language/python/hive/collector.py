@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import operator
 import time
 from typing import Any, AsyncIterator, Callable, Iterator, NamedTuple, Optional, Sequence
 
@@ -27,8 +28,24 @@ class Counts(NamedTuple):
     dropped: int  #: not taken in time
 
 
+class SetCounts(NamedTuple):
+    """What a collector of sets has counted so far: :class:`Counts` of its events, and of their sets."""
+
+    received: int
+    duplicates: int
+    missing: int
+    failed: int
+    dropped: int
+    sets: int  #: complete
+    waiting: int  #: events whose partners may still come
+    unmatched: int  #: events whose partners did not come
+
+
 def milliseconds(seconds: float) -> int:
-    return max(0, int(min(seconds, 24 * 3600) * 1000 + 0.999))
+    try:
+        return max(0, int(min(operator.mul(seconds, 1.0), 24 * 3600) * 1000 + 0.999))
+    except (TypeError, ValueError):
+        raise Error("invalid_argument", f"a time is a number of seconds, not {seconds!r}") from None
 
 
 class _Silence:
@@ -131,15 +148,11 @@ class _Collecting(Owner):
         "dropped" (not taken in time); of sets also "sets": {"sets", "waiting", "unmatched", "missing"}."""
         return ask_object(lib.hive_collector_counts, self._handle)
 
-    @property
-    def counters(self) -> Counts:
-        """The numbers of :meth:`counts` as attributes: ``collector.counters.received``."""
+    def _numbers(self, names: Sequence[str]) -> Iterator[int]:
         value = ctypes.c_int64()
-        numbers = []
-        for name in Counts._fields:
+        for name in names:
             lib.hive_collector_count(self._handle, name.encode(), ctypes.byref(value))
-            numbers.append(value.value)
-        return Counts(*numbers)
+            yield value.value
 
     def inputs(self) -> list[dict[str, Any]]:
         """This end of each connection: "input", "from" ("camera.image"), "connected", "received", "queued", "dropped",
@@ -173,6 +186,11 @@ class Collector(_Collecting):
 
     async def __aenter__(self) -> Collector:
         return self
+
+    @property
+    def counters(self) -> Counts:
+        """The numbers of :meth:`counts` as attributes: ``collector.counters.received``."""
+        return Counts(*self._numbers(Counts._fields))
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[Event]:
         """The next event; None when none came within ``timeout`` (None: waits for ever), or all has ended."""
@@ -211,6 +229,11 @@ class MatchedCollector(_Collecting):
 
     async def __aenter__(self) -> MatchedCollector:
         return self
+
+    @property
+    def counters(self) -> SetCounts:
+        """The numbers of :meth:`counts` as attributes: ``collector.counters.sets``."""
+        return SetCounts(*self._numbers(SetCounts._fields))
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
         """The next set; None when none was complete within ``timeout`` (None: waits for ever), or all has ended."""

@@ -25,7 +25,7 @@ def _header(header: Any, fields: Mapping[str, Any] = {}) -> bytes:
     return as_json({**(header or {}), **fields})
 
 
-def _view(body: Any) -> memoryview:
+def view_of(body: Any) -> memoryview:
     try:
         view = memoryview(body)
         return view.cast("B") if view.nbytes else memoryview(b"")
@@ -125,7 +125,7 @@ class Output(Owner):
                 lambda: self._filled(make()), lib.hive_output_emit_made, self._handle, text, len(text), encoded(type)
             )
             return
-        if not len(_view(body)):
+        if not len(view_of(body)):
             lib.hive_output_emit(self._handle, text, len(text), None, 0, encoded(type))
             return
         memory = self._filled(body)
@@ -175,7 +175,7 @@ class Output(Owner):
         """
         text = _header(header)
         when = (_microseconds(captured), lossless, text, len(text))
-        if not callable(body) and not len(_view(body)):
+        if not callable(body) and not len(view_of(body)):
             lib.hive_output_emit_captured(self._handle, *when, None, encoded(type))
             return
         self._made(
@@ -236,7 +236,7 @@ class Output(Owner):
 
     def _filled(self, body: Bytes) -> _Memory:
         """The bytes in a loan."""
-        view = _view(body)
+        view = view_of(body)
         memory = self._loan(len(view))
         if len(view):
             memory.view()[:] = view

@@ -12,6 +12,7 @@ namespace hive {
 struct StartOptions {
     SwarmDrone drone{};                       ///< an empty name: the usual one of its kind; `host` is not used
     std::string ssh{};                        ///< the machine as ssh knows it; empty: this one
+    bool if_missing = false;                  ///< one of this name and kind that runs already counts as started
     std::chrono::milliseconds limit{10'000};  ///< for the drone to be ready
     std::function<bool()> cancelled{};        ///< asked while it waits; true: Errc::stopped
 };
