@@ -9,7 +9,7 @@ source=$1 build=$2 cmake=$3 cxx=$4 cc=$5 python=$6
 place=$(mktemp -d /tmp/hive-install-XXXXXX)
 prefix=$place/prefix
 finish() {
-    "$prefix/bin/hivectl" stop --all > "$place/stopped" 2>&1 || true
+    [ ! -x "$prefix/bin/hivectl" ] || "$prefix/bin/hivectl" stop --all > "$place/stopped" 2>&1 || true
     rm -rf "$place"
 }
 trap finish EXIT
@@ -78,4 +78,13 @@ hivectl connect camera blur > "$place/out"
 hivectl snap blur "$place/blurred.jpg" > "$place/out" || fail "README's drone sends no picture"
 [ -s "$place/blurred.jpg" ] || fail "README's drone sends no picture"
 drones+=(blur)
+hivectl stop --all > "$place/out"
+
+# The page tells how to remove it again.
+# shellcheck disable=SC2016
+sed -n '/^prefix=/,/^```/{/^```/d;p}' "$source/libhive/docs/installing.md" \
+    | sed -e "s#^prefix=.*#prefix=$prefix#" -e "s#build/release#$build#" > "$place/uninstall"
+[ -s "$place/uninstall" ] || fail "the page does not say how to uninstall"
+bash -e "$place/uninstall"
+[ -z "$(find "$prefix" ! -type d)" ] || fail "uninstalling leaves $(find "$prefix" ! -type d | head -n 5 | xargs)"
 echo "install: whole, and ${drones[*]} work outside of the repository"
