@@ -84,7 +84,8 @@ std::string overview(const std::vector<Verb>& all)
              "  hivectl stop --all\n"
              "\nEvery verb has --help, --json and --timeout SECONDS. NAME may be a glob: 'face-*'.\n"
              "A time may have a unit: 500ms, 2s, 5min; so may a size: 200MB, 2GB.\n"
-             "Drones meet in $HIVE_HOME, or else in $XDG_RUNTIME_DIR/hive; each writes NAME.log there.\n"
+             "Drones meet in $HIVE_HOME, or else in $XDG_RUNTIME_DIR/hive, or in /tmp/hive-UID\n"
+             "if that is not set; each writes NAME.log there.\n"
              "exit codes: 0 done, 1 failure, 2 usage, 3 no such drone, port or parameter,\n"
              "4 unreachable, 5 refused, 6 types do not fit, 7 halted, 8 partly done,\n"
              "124 timed out, 130 interrupted (143 by SIGTERM)\n";

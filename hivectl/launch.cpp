@@ -108,7 +108,8 @@ int Launch::give_up(bool late, std::chrono::milliseconds limit)
 
 int Launch::died(int status) const
 {
-    complain(plan_.verb, plan_.name + " " + hive::how_it_ended(status) + (was_ready_ ? "" : " before it was ready")
+    complain(plan_.verb, plan_.name + " "
+                             + (was_ready_ ? hive::how_it_ended(status) : hive::how_its_start_ended(status))
                              + "; its log says:");
     show_last_words();
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;

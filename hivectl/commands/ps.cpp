@@ -201,7 +201,7 @@ int run(const std::vector<std::string>& words, Session& session)
     }
     add_crashed(rows, words, std::move(crashed), application);
     if (rows.empty() && words.empty() && !session.json)
-        complain("ps", "no drones; start one: hivectl start KIND");
+        complain("ps", "no drones in " + session.home().string() + "; start one: hivectl start KIND");
     print_rows(session.form(),
                {{"NAME", "name"},
                 {"HOST", "host", nullptr, hive::Place::here},

@@ -173,7 +173,8 @@ TEST_CASE("command line: advice has the names that are known, and nobody is left
     CHECK(swarm.hivectl({"wait", "sleeper-2", "--timeout", "0.1"}).err
           == "hivectl wait: sleeper-2 is not running after 100 ms; start it: hivectl start sleeper --as sleeper-2\n");
     const Swarm empty;
-    CHECK(empty.hivectl({"ps"}).err == "hivectl ps: no drones; start one: hivectl start KIND\n");
+    CHECK(empty.hivectl({"ps"}).err
+          == "hivectl ps: no drones in " + empty.home().string() + "; start one: hivectl start KIND\n");
     const auto exported = empty.hivectl({"export", "--as", "compose"});
     CHECK(exported.exit_code == 3);
     CHECK(exported.out.empty());

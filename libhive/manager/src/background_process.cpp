@@ -203,6 +203,12 @@ std::string how_it_ended(int status)
                                : "ended with exit code " + std::to_string(WEXITSTATUS(status));
 }
 
+std::string how_its_start_ended(int status)
+{
+    return how_it_ended(status) + " before it was ready"
+           + (status == 0 ? " (the drone must call run(), which returns when it is stopped)" : "");
+}
+
 std::string last_lines(const std::filesystem::path& log, std::size_t lines, std::uintmax_t begin)
 {
     constexpr std::uintmax_t most = 16 * 1024;

@@ -133,7 +133,7 @@ bool Successor::await()
         if (status && was_followed(*status))
             return true;
         if (status)
-            fail(error_of(*status), how_it_ended(*status) + " before it was ready");
+            fail(error_of(*status), how_its_start_ended(*status));
         const auto waited = SteadyClock::now() - begun;
         if (options_.cancelled && options_.cancelled())
             throw Error(Errc::stopped, "cancelled; the process that takes over from " + drone_ + " goes on by itself");
@@ -160,6 +160,9 @@ Replaced replace(Application& application, const std::string& drone, const Repla
         throw Error(Errc::refused, drone + " runs on " + place.host, "replace it there");
     auto before = predecessor(application, home, place.drone);
     const auto kind = options.kind.empty() ? before.interface.kind : options.kind;
+    if (options.kind.empty() && !program_of(kind))
+        throw Error(Errc::not_found, drone + " is a " + kind + ", and there is no program hive-" + kind,
+                    "say what the new one is, if a Python file: --kind FILE.py, or kind=\"FILE.py\" in Python");
     const auto next = interface_of(kind);
     for (const auto& [name, value] : options.parameters.items())
         before.parameters.erase(name);

@@ -93,6 +93,12 @@ class Declarations(Embedded):
                 self.assertTrue(str(error).startswith(text), error)
                 self.assertNotIn("\n", str(error))
 
+    def test_a_function_that_is_no_decorated_one_is_refused(self):
+        drone = hive.Drone("probe", embedded=True)
+        refused = self.refused("invalid_argument", drone.on_event, "in", "image/raw", print)
+        self.assertEqual(str(refused), "on_event decorates a function; write @drone.on_event(...) above it")
+        self.refused("invalid_argument", drone.on_event, "in", "image/raw", 3)
+
     def test_callbacks_that_would_never_run_are_refused_at_once(self):
         drone = hive.Drone("probe", embedded=True)
 

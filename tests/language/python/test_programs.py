@@ -150,7 +150,7 @@ class Programs(World):
             "import sys; import nothing_of_this_name": "cannot import nothing_of_this_name",
             "import sys; sys.path; import nothing_of_this_name": "ModuleNotFoundError: No module named 'nothing_of",
             "import sys; sys.exit('no camera here')": "no camera here",
-            "import hive; hive.Drone('thing')": "ended with exit code 0 before it was ready",
+            "import hive; hive.Drone('thing')": "ended with exit code 0 before it was ready (the drone must call run()",
             "import hive; hive.Drone('thing').on_event('../x', 'a/b')(print)": "hive.Error",
         }
         for body, reason in reasons.items():
@@ -206,6 +206,19 @@ class Programs(World):
         with open(os.path.join(self.home, "apart", "only_there.py"), "w", encoding="utf-8"):
             pass
         self.assertEqual(self.start_with(script, PATH=path), "thing\n")  # beside the file it is there for all
+
+    def test_replace_asks_for_the_file_of_what_is_no_program(self):
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        self.thing()
+        done = subprocess.run([hivectl, "replace", "thing"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("there is no program hive-thing; say what the new one is, if a Python file: --kind FILE.py", done.stderr)
+
+    def test_a_notebook_is_told_that_its_drones_are_embedded(self):
+        words = "import sys, hive\nsys.argv = ['kernel', '-f', 'kernel.json']\nhive.Drone('mine')\n"
+        done = subprocess.run([sys.executable, "-i"], input=words, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("hive.Drone(..., embedded=True)", done.stderr)
 
     def test_without_numpy_it_starts_and_says_what_pictures_need(self):
         os.mkdir(os.path.join(self.home, "numpy"))

@@ -126,6 +126,9 @@ class Drone(Callbacks):
             ctypes.byref(place),
             ctypes.byref(code),
         )
+        if not place.value and code.value and hasattr(sys, "ps1"):  # of an interpreter that somebody types into
+            text = "the command line of this interpreter is not that of a drone"
+            raise Error("invalid_argument", text, "in a notebook or a session: hive.Drone(..., embedded=True)")
         if not place.value:
             raise SystemExit(code.value)
         self._handle = place
@@ -228,6 +231,9 @@ class Drone(Callbacks):
         """
 
         _types("input " + _text("the name of an input", input), type)
+        if callable(help):
+            raise Error("invalid_argument", "on_event decorates a function", "write @drone.on_event(...) above it")
+        _text("help", help)
 
         def declare(function: Callback) -> Callback:
             require_plain("on_event", function)

@@ -52,6 +52,8 @@ void reap_background_processes();
 
 /// "was killed by signal 9", "ended with exit code 1"; of a status as of waitpid.
 std::string how_it_ended(int status);
+/// The same of a drone that was not ready yet. One that ends in good order never ran: run() may be missing.
+std::string how_its_start_ended(int status);
 
 /// The last lines of a log behind its first `begin` bytes; empty when there is none.
 std::string last_lines(const std::filesystem::path& log, std::size_t lines, std::uintmax_t begin = 0);

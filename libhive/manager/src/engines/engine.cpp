@@ -24,7 +24,7 @@ std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string
 Error not_ready(const std::string& drone, int status, const std::string& last_words)
 {
     const auto end = last_words.find_last_not_of('\n') + 1;
-    return {Errc::failed, drone + " " + how_it_ended(status) + " before it was ready; its log says:\n"
+    return {Errc::failed, drone + " " + how_its_start_ended(status) + "; its log says:\n"
                               + (end == 0 ? "(nothing)" : last_words.substr(0, end))};
 }
 
