@@ -122,7 +122,19 @@ std::string record_text(const Grid& grid, const std::vector<std::string>& cells,
     return text + "\n";
 }
 
+std::vector<Column> without_details(std::vector<Column> columns)
+{
+    std::erase_if(columns, [](const Column& column) { return column.detail; });
+    return columns;
+}
+
 }  // namespace
+
+Column detail(Column column)
+{
+    column.detail = true;
+    return column;
+}
 
 Row& Row::add(std::string key, hive::Json value)
 {
@@ -185,7 +197,11 @@ std::string table_text(const std::vector<Column>& columns, const std::vector<Row
     if (rows.empty())
         return {};
     auto grid = grid_of(columns, rows);
-    const bool fits = page.columns == 0 || fit(grid, page.columns);
+    bool fits = page.columns == 0 || fit(grid, page.columns);
+    if (!fits) {
+        grid = grid_of(without_details(columns), rows);
+        fits = fit(grid, page.columns);
+    }
     std::string text = fits ? line_text(grid, grid.lines[0], nullptr, page) : "";
     for (std::size_t i = 0; i < rows.size(); ++i)
         text += fits ? line_text(grid, grid.lines[i + 1], &rows[i], page)

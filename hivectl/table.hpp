@@ -45,7 +45,11 @@ struct Column {
     std::string_view usual = {};
     /// On a page with colour: of a value, its colour. Null: none.
     Colour (*colour)(const hive::Json&) = nullptr;
+    bool detail = false;  ///< left out if the page is too narrow
 };
+
+/// The same column as a detail.
+Column detail(Column column);
 
 /// Of the state of a drone or a connection: green if it works, red if it does not run or answer, yellow in between.
 Colour state_colour(const hive::Json& state);
@@ -56,7 +60,8 @@ Colour loss_colour(const hive::Json& loss);
 inline constexpr std::string_view nothing = "0";
 
 /// The table with a line of titles. Numbers stand right, texts left; no line ends in spaces. Empty without rows. If the
-/// page is too narrow, long texts are shortened; if that is not enough, each row becomes a record of several lines.
+/// page is too narrow, long texts are shortened; if that is not enough, details are left out, and at last each row
+/// becomes a record of several lines.
 std::string table_text(const std::vector<Column>& columns, const std::vector<Row>& rows, const Page& page = {});
 /// The rows as one JSON array.
 std::string json_array(const std::vector<Row>& rows);

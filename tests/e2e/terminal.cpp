@@ -46,7 +46,9 @@ TEST_CASE("terminal: tables fit its 80 columns, --wide and pipes have them whole
     CHECK(on_terminal(swarm, {"hivectl", "describe", "camera", "--wide"}).out == whole);
     const auto edges = on_terminal(swarm, {"hivectl", "connections"}).out;
     CHECK(longest_line(edges) <= 80);
-    CHECK(has(edges, "camera.tick\n  TO face."));
+    CHECK(has(edges, "STATE"));
+    CHECK_FALSE(has(edges, "ACKNOWLEDGED"));
+    CHECK(has(on_terminal(swarm, {"hivectl", "connections", "--wide"}).out, "ACKNOWLEDGED"));
 }
 
 TEST_CASE("terminal: states are coloured, but not with NO_COLOR, nor elsewhere")

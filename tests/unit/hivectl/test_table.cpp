@@ -68,6 +68,19 @@ TEST_CASE("table: a long text is shortened to the width of the terminal")
     CHECK(table_text(broad, notes, {.columns = 66}) == table_text(broad, notes));
 }
 
+TEST_CASE("table: details are left out where shortened texts do not fit, and only there")
+{
+    auto columns = broad;
+    for (std::size_t i = 2; i < columns.size(); ++i)
+        columns[i] = detail(columns[i]);
+    CHECK(table_text(columns, notes, {.columns = 32})
+          == "NAME     N\n"
+             "camera   7\n"
+             "face    12\n");
+    CHECK(table_text(columns, notes, {.columns = 45}) == table_text(broad, notes, {.columns = 45}));
+    CHECK(table_text(columns, notes) == table_text(broad, notes));
+}
+
 TEST_CASE("table: rows that do not fit even with shortened texts become records, with whole texts")
 {
     CHECK(table_text(broad, notes, {.columns = 32})
