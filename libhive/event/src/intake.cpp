@@ -80,7 +80,7 @@ bool Intake::holds()
 
 void Intake::let_go_on()
 {
-    if (--held_ == 0 && std::exchange(held_up_, false) && !stopped_)
+    if (--held_ == 0 && std::exchange(held_up_, false) && !stopped())
         attempt();
 }
 
@@ -92,7 +92,7 @@ void Intake::attempt()
     const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
     host_.with_link(spec_.address, deadline,
                     [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
-                        if (self->stopped_ || self->holds())
+                        if (self->stopped() || self->holds())
                             return;
                         if (!link)
                             self->failed(error);
@@ -131,7 +131,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
         return failed(error);
     }
     const auto on_outcome = [self = shared_from_this(), link](const Outcome& outcome) {
-        if (self->stopped_ || link != self->link_)
+        if (self->stopped() || link != self->link_)
             return;
         if (const auto* error = std::get_if<Error>(&outcome)) {
             link->release_channel(self->channel_);
@@ -179,7 +179,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
 /// The ages of events need the clock of a sender on another machine, for as long as it sends.
 void Intake::keep_time()
 {
-    if (!connected_ || stopped_ || link_->local())
+    if (!connected_ || stopped() || link_->local())
         return;
     link_->ask_time();
     host_.arm();
@@ -197,7 +197,7 @@ void Intake::failed(const Error& error)
         spec_.options = *std::exchange(before_, std::nullopt);
     if (const auto first = std::exchange(first_, {}))
         first(error);
-    if (!stopped_)
+    if (!stopped())
         retry();
     on_end_();
 }
@@ -207,14 +207,14 @@ void Intake::retry()
     const auto pause = in_short_break() ? quick_backoff_.next() : backoff_.next();
     timer_.expires_after(refusal() ? std::max<Clock::duration>(pause, pause_after_refusal) : pause);
     timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
-        if (const auto self = weak.lock(); self && !problem && !self->stopped_)
+        if (const auto self = weak.lock(); self && !problem && !self->stopped())
             self->attempt();
     });
 }
 
 void Intake::stop(std::function<void()> left)
 {
-    stopped_ = true;
+    stage_ = std::max(stage_, Stage::draining);
     timer_.cancel();
     on_left_ = std::move(left);
     if (const auto first = std::exchange(first_, {}))
@@ -231,7 +231,7 @@ void Intake::stop(std::function<void()> left)
 
 void Intake::hand_over()
 {
-    stopped_ = left_ = true;
+    stage_ = std::max(stage_, Stage::leaving);
     timer_.cancel();
     if (const auto first = std::exchange(first_, {}))
         first(Error(Errc::stopped, spec_.receiver + ": another process takes over before this connection was made"));
@@ -264,13 +264,13 @@ void Intake::try_to_leave()
     if (!shared)
         acknowledge_held();
     const bool owed = shared ? !progress_.empty() : progress_.lossless_in_hand();
-    if (left_ || (connected_ && owed))
+    if (stage_ >= Stage::leaving || (connected_ && owed))
         return;
-    left_ = true;
+    stage_ = Stage::leaving;
     timer_.cancel();
     const auto tell = [self = shared_from_this()] {
         self->connected_ = false;
-        self->has_left_ = true;
+        self->stage_ = Stage::left;
         std::exchange(self->on_left_, [] {})();
         self->end_if_done();
     };
@@ -290,7 +290,7 @@ void Intake::end_if_done()
     std::int64_t ended = 0;
     for (const auto count : ended_)
         ended += count;
-    if (left_ && ended == received_)
+    if (stage_ >= Stage::leaving && ended == received_)
         host_.gone(shared_from_this());
 }
 
@@ -305,7 +305,7 @@ void Intake::link_closed(const Link& link)
     problem_ = Error(Errc::connection_lost, "connection lost");
     lost_ = Clock::now();
     round_trip_us_ = link.peer_clock().round_trip_us();
-    if (stopped_)
+    if (stopped())
         return try_to_leave();
     retry();
     on_end_();

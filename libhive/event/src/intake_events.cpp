@@ -89,7 +89,7 @@ Ticket Intake::ticket(std::int64_t generation, std::int64_t number)
 /// A halted member keeps no work from others, and an input that leaves takes nothing more.
 bool Intake::refuses_now() const
 {
-    return stopped_ || (!spec_.options.group.empty() && host_.paused() == Reason::halted);
+    return stopped() || (!spec_.options.group.empty() && host_.paused() == Reason::halted);
 }
 
 /// @return  the number of the delivery
@@ -120,7 +120,7 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
     const bool back = ending == Ending::discarded || ending == Ending::dropped;
     progress_.heard(generation, number, worked, done, back);
     flush();
-    if (stopped_) {
+    if (stopped()) {
         try_to_leave();
         end_if_done();
     } else if (end_ && all_worked()) {
@@ -131,7 +131,7 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
 void Intake::flush()
 {
     if (connected_)
-        tell(progress_.news(!stopped_ && host_.paused() == Reason::none));
+        tell(progress_.news(!stopped() && host_.paused() == Reason::none));
 }
 
 void Intake::tell(const std::optional<protocol::Request>& news)

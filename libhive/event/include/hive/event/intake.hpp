@@ -80,7 +80,7 @@ public:
     /// Has everything that came been worked on?
     [[nodiscard]] bool all_worked() const noexcept { return progress_.all_worked(); }
     /// Does the sender know, or is it not there, that this one is gone?
-    [[nodiscard]] bool has_left() const noexcept { return has_left_; }
+    [[nodiscard]] bool has_left() const noexcept { return stage_ == Stage::left; }
     /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
     [[nodiscard]] bool gone_for_good() const;
     /// What is lacking if the end did not wait for this sender; empty: nothing.
@@ -91,6 +91,13 @@ public:
     [[nodiscard]] std::optional<Standing> standing() const;
 
 private:
+    enum class Stage {
+        taking,
+        draining,  ///< what is in hand is finished
+        leaving,   ///< the sender was told, or could not be
+        left,
+    };
+    [[nodiscard]] bool stopped() const noexcept { return stage_ != Stage::taking; }
     void attempt();
     [[nodiscard]] bool holds();
     [[nodiscard]] bool in_short_break() const;
@@ -123,7 +130,8 @@ private:
     platform::Timer timer_;
     LinkPtr link_;
     std::uint16_t channel_ = 0;
-    bool connected_ = false, stopped_ = false, left_ = false, has_left_ = false;
+    Stage stage_ = Stage::taking;
+    bool connected_ = false;
     int held_ = 0;
     bool held_up_ = false;  ///< it would have come back meanwhile
     std::function<void()> on_left_;

@@ -1,0 +1,359 @@
+// A source, drones behind it and a collector, as plain objects in one process: subscriptions, the inputs of their
+// consumers with tickets and filters, and what is under way between them. Connections break, drones die with all they
+// have and restart, members of groups hand back. Whatever happens, an input is given no more than it allows, of what
+// must arrive each event gets one result or is reported, nothing gets two results, and nothing stalls.
+#include "random_steps.hpp"
+
+#include <hive/event/answer_filter.hpp>
+#include <hive/event/input_progress.hpp>
+#include <hive/event/ticket.hpp>
+
+#include <list>
+#include <map>
+#include <set>
+
+namespace hive::event {
+namespace {
+
+using namespace random;
+using namespace std::chrono_literals;
+
+class ChainWalk {
+public:
+    ChainWalk(Dice& dice, std::size_t hops) : dice_(dice), hops_(hops) { begin(); }
+
+    void step()
+    {
+        const auto kind = dice_.between(1, 1000);
+        Line& line = *dice_.one_of(lines_);
+        if (kind <= 200)
+            produce();
+        else if (kind <= 450)
+            down(line);
+        else if (kind <= 650)
+            up(line);
+        else if (kind <= 940)
+            process(line);
+        else if (kind <= 970)
+            line.connected ? cut(line, Fate::lost_connection) : come_back(line);
+        else if (kind <= 980)
+            kill(line.to);
+        else if (kind <= 998)
+            pass(std::chrono::milliseconds(dice_.between(1, 2000)));
+        else
+            end();
+        hear_told();
+    }
+
+    void check() const
+    {
+        for (const auto& drone : drones_)
+            hold(!drone.out || balanced(drone.out->ledger()), "the accounts balance");
+    }
+
+private:
+    struct Drone {
+        std::string name;
+        std::optional<Subscription> out{};  ///< none: it collects
+        std::int64_t epoch = 1, turns = 0;
+        AnswerFilter filter{};
+        std::shared_ptr<int> life = std::make_shared<int>(0);
+    };
+    struct Arrival {
+        std::int64_t generation, number;
+        Event event;
+    };
+    struct Line {  ///< from an output to an input
+        Drone* from;
+        Drone* to;
+        ConnectionOptions options;
+        ReceiverId id = 0;
+        bool connected = false;
+        std::int64_t place = 0;
+        InputProgress progress{};
+        std::deque<Send> down{};
+        std::deque<protocol::Request> up{};
+        std::deque<Arrival> arrived{};
+        std::int64_t carried = 0;  ///< unprocessed when it registered
+        Clock::time_point lost_at{};
+        [[nodiscard]] bool shared() const { return !options.group.empty(); }
+        [[nodiscard]] std::int64_t unprocessed() const
+        {
+            return std::ranges::count(arrived, progress.generation(), &Arrival::generation);
+        }
+    };
+    struct Told {  ///< that an event may be acknowledged
+        Line* line;
+        std::weak_ptr<int> life;
+        std::int64_t generation, number;
+    };
+
+    /// One source, some layers of one drone or a group, one collector.
+    void begin()
+    {
+        drones_.clear();
+        lines_.clear();
+        told_.clear();
+        owed_.clear();
+        reported_.clear();
+        results_.clear();
+        std::vector<Drone*> layer{&drones_.emplace_back(Drone{.name = "source"})};
+        for (std::size_t hop = 1; hop <= hops_; ++hop) {
+            const auto size = hop == hops_ ? 1 : dice_.between(1, 3);
+            std::vector<Drone*> next;
+            for (std::int64_t i = 0; i < size; ++i)
+                next.push_back(&drones_.emplace_back(Drone{.name = "d" + std::to_string(drones_.size())}));
+            const auto options = size > 1        ? sharing(500ms, static_cast<int>(dice_.between(1, 3)))
+                                 : dice_.yes(30) ? streaming()
+                                                 : window(static_cast<int>(dice_.between(1, 4)));
+            for (Drone* from : layer) {
+                from->out.emplace(kind(*from, size > 1));
+                for (Drone* to : next)
+                    lines_.push_back({.from = from, .to = to, .options = options});
+            }
+            layer = std::move(next);
+        }
+        for (Line& line : lines_)
+            come_back(line);
+    }
+    static Subscription::Kind kind(const Drone& from, bool shared)
+    {
+        return {.shared_as = shared ? from.name + ".out#workers" : "", .epoch = from.epoch};
+    }
+
+    void produce()
+    {
+        Drone& source = drones_.front();
+        Event event;
+        event.identity = {.source = source.name, .epoch = 1, .sequence = ++sequence_, .lossless = dice_.yes(70)};
+        if (event.identity.lossless && source.out->active())
+            owed_.insert(sequence_);
+        emit(source, std::move(event));
+    }
+    void emit(Drone& from, Event event)
+    {
+        event.sender = from.name;
+        event.kind = "drone";
+        event.output = "out";
+        event.type = "image/jpeg";
+        std::optional<Share> own;
+        if (event.identity.lossless)
+            own = Share{.of = from.name + ".out", .epoch = from.epoch, .turn = ++from.turns};
+        const auto emission = std::make_shared<const Emission>(std::move(event), true, own);
+        decide(from, [&](Decisions& to) { from.out->offer(emission, now_, to); });
+    }
+
+    /// The next event arrives.
+    void down(Line& line)
+    {
+        if (line.down.empty())
+            return;
+        const Send send = std::move(line.down.front());
+        line.down.pop_front();
+        Event event = send.event->event();
+        hold(line.progress.allows(event.identity.lossless), "an input is given no more than it allows");
+        const auto number = line.progress.receive(event.identity.lossless, 0);
+        const auto& share = send.share ? send.share : send.event->own();
+        if (share)
+            event.identity.shares.push_back(*share);
+        event.input = "in";
+        event.ticket = ticket(line, line.progress.generation(), number);
+        line.arrived.push_back({line.progress.generation(), number, std::move(event)});
+        hold(line.options.transfer == Transfer::streaming || line.unprocessed() <= line.carried + line.options.window,
+             "an input gets no more than its window beyond what it had when it registered");
+        decide(*line.from, [&](Decisions& to) { line.from->out->written(line.id, send.event->size(), now_, to); });
+        flush(line);
+    }
+    /// When the last one is gone, the event is acknowledged, unless its drone has died meanwhile.
+    Ticket ticket(Line& line, std::int64_t generation, std::int64_t number)
+    {
+        const std::weak_ptr<int> life = line.to->life;
+        const auto tell = [this, &line, life, generation, number](Acknowledgement* owed) {
+            delete owed;
+            told_.push_back({&line, life, generation, number});
+        };
+        return {{new Acknowledgement, tell}, true};
+    }
+    void hear_told()
+    {
+        for (; !told_.empty(); told_.pop_front())
+            if (const auto& told = told_.front(); !told.life.expired()) {
+                told.line->progress.heard(told.generation, told.number, true, true, false);
+                flush(*told.line);
+            }
+    }
+
+    /// The sender hears a request.
+    void up(Line& line)
+    {
+        if (line.up.empty())
+            return;
+        const auto request = std::move(line.up.front());
+        line.up.pop_front();
+        decide(*line.from, [&](Decisions& to) {
+            line.from->out->request(line.id, {request.id, request.worked, request.done}, request.back, now_, to);
+        });
+    }
+
+    /// The oldest is processed; a member may hand it back instead.
+    void process(Line& line)
+    {
+        if (line.arrived.empty() || (line.to->out && !line.to->out->active()))
+            return;
+        const Arrival arrival = std::move(line.arrived.front());
+        line.arrived.pop_front();
+        const bool back = line.shared() && dice_.yes(5);
+        if (!back && line.to->filter.first(arrival.event))
+            line.to->out ? pass_on(*line.to, arrival.event) : collect(arrival.event);
+        line.progress.heard(arrival.generation, arrival.number, true, back, back);
+        flush(line);
+    }
+    void pass_on(Drone& drone, const Event& event)
+    {
+        Event result;
+        result.identity = event.identity;
+        if (event.identity.lossless)
+            result.ticket = event.ticket.of_cause();
+        emit(drone, std::move(result));
+    }
+    void collect(const Event& event)
+    {
+        hold(results_.insert(event.identity.sequence).second, "nothing gets two results");
+    }
+
+    /// A drone whose results wait asks for nothing.
+    void flush(Line& line)
+    {
+        if (!line.connected)
+            return;
+        if (auto news = line.progress.news(!line.to->out || !line.to->out->backlogged()))
+            line.up.push_back(std::move(*news));
+    }
+
+    void cut(Line& line, Fate how)
+    {
+        line.down.clear();
+        line.up.clear();
+        if (!std::exchange(line.connected, false))
+            return;
+        line.lost_at = now_;
+        decide(*line.from, [&](Decisions& to) { line.from->out->detach(line.id, how, true, now_, to); });
+    }
+    /// It registers again, and says what it has. Its place is kept while the source waits for it.
+    void come_back(Line& line)
+    {
+        auto& subscription = *line.from->out;
+        if (line.connected)
+            return;
+        if (!subscription.awaited())
+            line.place = ++places_;
+        const bool knows = !line.shared() && line.progress.place() == line.place;
+        const auto received = knows ? std::optional(line.progress.arrived()) : std::nullopt;
+        line.id = ++last_id_;
+        line.connected = true;
+        decide(*line.from, [&](Decisions& to) {
+            const auto taken = subscription.attach(line.id, line.options, received, nullptr, now_, to);
+            hold(line.progress.begin(1, line.options, line.shared() ? 0 : line.place, taken) == knows,
+                 "who comes back in time goes on where it was");
+        });
+        line.carried = line.unprocessed();
+        flush(line);
+    }
+
+    /// A drone dies with all that it has, and runs again. It knows from its state whom it served.
+    void kill(Drone* drone)
+    {
+        if (!drone->out)
+            return;
+        drone->life = std::make_shared<int>(0);
+        drone->filter = {};
+        ++drone->epoch;
+        drone->turns = 0;
+        bool shared = false;
+        for (Line& line : lines_)
+            if (line.to == drone) {
+                cut(line, Fate::lost_killed);
+                line.arrived.clear();
+                line.progress = {};
+            } else if (line.from == drone) {
+                line.connected = false;
+                line.down.clear();
+                line.up.clear();
+                line.lost_at = now_;
+                line.progress.lose_place();
+                shared = line.shared();
+            }
+        drone->out.emplace(kind(*drone, shared));
+        drone->out->expect(shared ? std::nullopt : std::optional(now_ + Subscription::kept_for));
+    }
+
+    void pass(Clock::duration time)
+    {
+        now_ += time;
+        for (Line& line : lines_)
+            if (!line.connected && now_ > line.lost_at + Subscription::kept_for - 5s)
+                come_back(line);
+        for (Drone& drone : drones_)
+            if (drone.out)
+                decide(drone, [&](Decisions& to) { drone.out->tick(now_, to); });
+    }
+
+    /// Everybody is there and deals with everything.
+    void end()
+    {
+        const auto busy = [](const Drone& drone) { return drone.out && drone.out->ledger().in_flight() > 0; };
+        for (int round = 0; round == 0 || std::ranges::any_of(drones_, busy); ++round) {
+            hold(round < 20'000, "nothing stalls when all deal with what they get");
+            for (Line& line : lines_) {
+                come_back(line);
+                while (!line.down.empty())
+                    down(line);
+                for (auto left = line.arrived.size(); left > 0; --left)
+                    process(line);
+                while (!line.up.empty())
+                    up(line);
+            }
+            hear_told();
+            pass(1ms);
+        }
+        for (const auto sequence : owed_)
+            hold(results_.contains(sequence) || reported_.contains(sequence),
+                 "what must arrive has a result, or failed");
+        begin();
+    }
+
+    template <class Call>
+    void decide(Drone& from, Call call)
+    {
+        const auto decisions = decided(call);
+        for (const auto& send : decisions.sends)
+            std::ranges::find_if(lines_, [&](const Line& line) {
+                return line.from == &from && line.id == send.receiver;
+            })->down.push_back(send);
+        for (const auto& event : decisions.failed)
+            reported_.insert(sequence_of(event));
+        for (Line& line : lines_)
+            if (line.to == &from)
+                flush(line);
+    }
+
+    Dice& dice_;
+    std::size_t hops_;
+    std::set<std::int64_t> owed_, reported_, results_;
+    Clock::time_point now_ = start;
+    ReceiverId last_id_ = 0;
+    std::int64_t sequence_ = 0, places_ = 0;
+    std::deque<Told> told_;  // outlives what holds tickets
+    std::list<Line> lines_;
+    std::list<Drone> drones_;
+};
+
+}  // namespace
+
+TEST_CASE("chain: a hundred thousand random steps over one, two and three hops break no promise")
+{
+    for (const std::size_t hops : {1, 2, 3})
+        walk(100'000, [hops](Dice& dice) { return ChainWalk(dice, hops); });
+}
+
+}  // namespace hive::event
