@@ -10,8 +10,9 @@ constexpr std::int64_t max_asked = 256;
 constexpr std::int64_t max_unacknowledged = 256 + 64, members = 2;
 /// Live events of a stream, at either end (Subscription::max_queued_events, Mailbox::most_events).
 constexpr std::int64_t max_streamed_live = 1024;
-/// One is with the drone's code, and the end of another is being told.
-constexpr std::int64_t max_in_hand = 2;
+/// Of those in hand, one is with the drone's code, and the end of another is being told. The others were discarded at
+/// once, as a whole queue is, and the end of each is still to be told.
+constexpr std::int64_t max_beyond_queue = 2;
 /// Of an output: the collector, the hearer, a group.
 constexpr std::int64_t other_edges = 3;
 /// Of an input that is being connected anew.
@@ -60,8 +61,9 @@ Problems Sizes::look(const Statuses& statuses) const
             }
         }
         for (const auto& input : status.inputs) {
-            report.at_most(queue(input.options), input.queued, "queued of ", input.from, " -> ", name);
-            report.at_most(max_in_hand, input.in_hand, "in hand of ", input.from, " -> ", name);
+            const auto most_queued = queue(input.options);
+            report.at_most(most_queued, input.queued, "queued of ", input.from, " -> ", name);
+            report.at_most(most_queued + max_beyond_queue, input.in_hand, "in hand of ", input.from, " -> ", name);
         }
         report.at_most(most.inputs, std::ssize(status.inputs), "inputs of ", name);
         report.at_most(1, std::ssize(status.left), "left inputs of ", name);

@@ -131,7 +131,8 @@ TEST_CASE("bounded: queues and rows that have grown are a problem")
     };
     CHECK(after([](Statuses&) {}).empty());
     CHECK(is_of(after([](Statuses& all) { image_input(all).queued = 257; }), "bounded"));
-    CHECK(is_of(after([](Statuses& all) { image_input(all).in_hand = 3; }), "bounded"));
+    CHECK(after([](Statuses& all) { image_input(all).in_hand = 258; }).empty());  // a whole queue was discarded at once
+    CHECK(is_of(after([](Statuses& all) { image_input(all).in_hand = 259; }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { tick_edge(all).waiting = 257; }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { tick_edge(all).events.came(600); }), "bounded"));
     CHECK(is_of(after([](Statuses& all) { all["a1"].inputs.resize(3); }), "bounded"));
@@ -176,16 +177,18 @@ TEST_CASE("waits: a drone that has halted and works is a problem")
     a1.state = State::halted;
     CHECK(oracle.look(statuses).empty());
     a1.inputs[0].discarded = 2;
+    a1.inputs[0].in_hand = 0;
+    a1.inputs[0].processed = 1;  // that was in hand at the first look
     CHECK(oracle.look(statuses).empty());
-    a1.inputs[0].processed = 1;
+    a1.inputs[0].processed = 2;
     CHECK(is_of(oracle.look(statuses), "waits"));
     a1.outputs[0].produced = 1;
     CHECK(is_of(oracle.look(statuses), "waits"));
     a1.state = State::idle;
-    a1.inputs[0].processed = 2;
+    a1.inputs[0].processed = 3;
     CHECK(oracle.look(statuses).empty());
     a1.state = State::halted;  // it has finished what it was working on
-    a1.inputs[0].processed = 3;
+    a1.inputs[0].processed = 4;
     CHECK(oracle.look(statuses).empty());
 }
 
