@@ -153,13 +153,12 @@ void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Dec
             seat.subscription().adopt(std::move(group.subscription), now, decisions);
 }
 
-/// Does nobody but the newcomer stand in this group, or may come back to it?
+/// Was the newcomer a member of this group, which has none now and waits for no other?
 bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer)
 {
     const bool was_lost = group.lost.erase(newcomer.receiver) > 0;
-    const bool retires = std::ranges::any_of(
-        seats_, [&](const auto& row) { return row.second.group == &group && row.second.heir == newcomer.id; });
-    return (was_lost || retires) && !group.subscription.present() && group.lost.empty();
+    return (was_lost || group.members.contains(newcomer.receiver)) && !group.subscription.present()
+           && group.lost.empty();
 }
 
 void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)

@@ -137,6 +137,20 @@ TEST_CASE("regroup: a killed member that is back as a plain receiver gets what i
     CHECK(world.table.asked());
 }
 
+TEST_CASE("regroup: a member that left takes along what may have been answered when it is connected plainly")
+{
+    World world;
+    world.add(face(1, sharing(2)));
+    world.offer(1, true);
+    world.offer(2, true);
+    world.lose(1, Fate::lost_connection);
+    CHECK(world.add(face(2, sharing(2), false)) == Got{{2, {1, 2}}});
+    world.leave(2);
+    CHECK(world.failed.empty());
+    CHECK(world.add(face(3, window(4), false)) == Got{{3, {1, 2}}});
+    CHECK(world.row("group workers").events.in_flight() == 0);
+}
+
 TEST_CASE("regroup: a group waits on for a member that did not come back as a plain receiver")
 {
     World world;
