@@ -48,6 +48,8 @@ Json to_json(const Registration& registration)
         json["place"] = registration.place;
     if (registration.taken)
         json["taken"] = *registration.taken;
+    if (registration.tried != 0)
+        json["tried"] = registration.tried;
     return json;
 }
 
@@ -63,7 +65,8 @@ Registration registration_from_json(const Json& object)
                               .options = fields.has("options") ? connection_options(fields.object("options"))
                                                                : ConnectionOptions{},
                               .place = fields.integer_or("place", 0, max_json_integer, 0),
-                              .taken = {}};
+                              .taken = {},
+                              .tried = fields.integer_or("tried", 0, max_json_integer, 0)};
     if (fields.has("taken"))
         registration.taken = fields.integer("taken", 0, max_json_integer);
     return registration;

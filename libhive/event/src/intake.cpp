@@ -118,7 +118,9 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .stateful = spec_.stateful,
                                         .options = spec_.options,
                                         .place = progress_.place(),
-                                        .taken = {}};
+                                        .taken = {},
+                                        .tried = tried_};
+    tried_ = tried_ != 0 ? tried_ : epoch_;
     if (progress_.place() != 0)
         registration.taken = progress_.arrived();
     try {
@@ -162,6 +164,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result)
         return failed(error);
     }
     connected_ = true;
+    tried_ = 0;
     sender_leaves_ = false;
     end_.reset();  // the sender tells of it again, if it is still so
     on_end_();

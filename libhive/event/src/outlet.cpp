@@ -79,23 +79,9 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
     if (registration.receiver != name && !registration.receiver.starts_with(name + "."))
         throw Error(Errc::not_permitted, name + " may not receive as " + in_quotes(registration.receiver));
     (void)choice(link, registration);
-    require_newest(link, registration);
     require_few_encodings(link, registration);
     if (is_guest(link))
         require_modest(registration);
-}
-
-/// Over one connection packets keep their order. Over two of the same module an earlier registration, given up by then,
-/// may come after the one that was made in its place, and would push that out.
-void Outlet::require_newest(const Link& link, const protocol::Registration& registration) const
-{
-    if (!is_unique(link))
-        return;
-    for (const auto& [id, place] : places_)
-        if (place.receiver == registration.receiver && place.registration > registration.epoch
-            && place.link.get() != &link && place.link->peer().name == link.peer().name
-            && place.link->peer().epoch == link.peer().epoch)
-            throw Error(Errc::refused, registration.receiver + " has registered again since");
 }
 
 /// A viewer looks on: it takes no work, and costs no encoding that nobody else would want.
@@ -142,11 +128,19 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                       .options = registration.options,
                       .place = registration.place,
                       .taken = registration.taken,
+                      .tried = guest                     ? 0
+                               : registration.tried != 0 ? registration.tried
+                                                         : registration.epoch,
                       .run = link->peer().epoch,
                       .unique = is_unique(*link),
                       .guest = guest};
-    if (const auto before = table_.standing(newcomer))
+    if (const auto before = table_.standing(newcomer)) {
+        // Over one connection packets keep their order. Over two an earlier registration, given up by then, may come
+        // after the one that was made in its place, and would push that out.
+        if (places_.at(*before).registration > registration.epoch)
+            throw Error(Errc::refused, registration.receiver + " has registered again since");
         newcomer.drains = places_.at(*before).link == link;
+    }
     Decisions decisions;
     const auto welcome = table_.add(newcomer, lease_now(), decisions);
     if (welcome.ends)

@@ -37,12 +37,19 @@ std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcome
     // A receiver that only watches pushes no other from its place.
     const auto same = [&](const Seat& seat) {
         return newcomer.unique ? seat.run == newcomer.run
-                               : takes_bodies(newcomer) && seat.plain && seat.plain->place == newcomer.place;
+                               : takes_bodies(newcomer) && seat.plain && is_at(*seat.plain, newcomer);
     };
     for (const auto& [id, seat] : seats_)
         if (!seat.heir && seat.receiver == newcomer.receiver && same(seat))
             return id;
     return std::nullopt;
+}
+
+/// Has it this place, or had it before the confirmation that would have told so was lost?
+bool ReceiverTable::is_at(const Plain& plain, const Newcomer& newcomer)
+{
+    return plain.place == newcomer.place
+           || (newcomer.tried != 0 && plain.tried == newcomer.tried && plain.run == newcomer.run);
 }
 
 /// @return  `before`, if it ends now
@@ -78,7 +85,7 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
     const auto in_use = [](const Plain& plain) { return plain.subscription.present() || plain.subscription.awaited(); };
     auto found = plain_.end();
     if (!newcomer.guest && takes_bodies(newcomer))
-        found = find([&](const Plain& plain) { return plain.place == newcomer.place && in_use(plain); });
+        found = find([&](const Plain& plain) { return is_at(plain, newcomer) && in_use(plain); });
     if (found == plain_.end() && newcomer.unique)
         found = find([&](const Plain& plain) {
             return plain.subscription.awaited() || (plain.subscription.present() && plain.run == newcomer.run);
@@ -86,8 +93,7 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
     if (found == plain_.end() && newcomer.place == 0 && takes_bodies(newcomer))
         found = find([](const Plain& plain) { return plain.registered.newest == 0; });
     if (found == plain_.end())
-        found = find(
-            [&](const Plain& plain) { return !in_use(plain) && (newcomer.unique || plain.place == newcomer.place); });
+        found = find([&](const Plain& plain) { return !in_use(plain) && (newcomer.unique || is_at(plain, newcomer)); });
     if (found != plain_.end())
         return *found;
     return plain_.emplace_back(Plain{.receiver = newcomer.receiver,
@@ -103,6 +109,7 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
     const auto taken = plain.place == newcomer.place ? newcomer.taken : std::nullopt;
     if (!goes_on)
         plain.place = epoch_ + static_cast<std::int64_t>(newcomer.id);
+    plain.tried = newcomer.tried;
     plain.run = newcomer.run;
     plain.registered.options = newcomer.options;
     plain.registered.newest = newcomer.epoch;

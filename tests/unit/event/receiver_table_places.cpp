@@ -76,6 +76,32 @@ TEST_CASE("kept place: a receiver that is back before its end was noticed goes o
     CHECK(world.offer(2, true) == Got{{2, {2}}});
 }
 
+TEST_CASE("kept place: a receiver whose confirmation was lost goes on where it was registered")
+{
+    World world;
+    world.add({.id = 1, .receiver = "results", .options = window(2), .tried = 7});
+    const auto place = world.welcome.place;
+    world.offer(1, true);
+    Newcomer again{.id = 2, .receiver = "results", .options = window(2), .tried = 7};
+    SUBCASE("and the end of that connection is not noticed yet")
+    {
+        CHECK(world.add(again) == Got{{2, {1}}});
+        CHECK(world.welcome.ends == ReceiverId{1});
+        world.lose(1, Fate::lost_connection);
+    }
+    SUBCASE("and that connection has ended")
+    {
+        world.lose(1, Fate::lost_connection);
+        CHECK(world.add(again) == Got{{2, {1}}});
+    }
+    CHECK(world.welcome.place == place);
+    CHECK(world.table.why() != Reason::place_kept);
+    world.add({.id = 3, .receiver = "results", .options = window(2), .tried = 8});  // another receiver of its name
+    CHECK(world.welcome.place != place);
+    world.add({.id = 4, .receiver = "results", .options = window(2), .tried = 7, .run = 1});  // and one of another run
+    CHECK(world.welcome.place != place);
+}
+
 TEST_CASE("displaced: a drone that registers again is received once, before its old connection is seen to be dead")
 {
     auto watching = window(4);

@@ -69,13 +69,15 @@ TEST_CASE("registration: every field survives the way")
                                         .stateful = true,
                                         .options = {},
                                         .place = 17,
-                                        .taken = 0};
+                                        .taken = 0,
+                                        .tried = 5};
     registration.options.window = 4;
     const auto read = protocol::registration_from_json(parse_json(to_text(to_json(registration))));
     CHECK_EQ(to_json(read), to_json(registration));
     CHECK_EQ(read.options.window, 4);
     CHECK_EQ(read.place, 17);
     CHECK_EQ(read.taken, 0);
+    CHECK_EQ(read.tried, 5);
     registration.taken.reset();
     CHECK_FALSE(protocol::registration_from_json(to_json(registration)).taken);
 }

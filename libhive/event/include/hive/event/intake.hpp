@@ -139,6 +139,7 @@ private:
     Clock::time_point lost_at_ = Clock::now();
     std::optional<std::string> end_;  ///< nothing more will come, and what is said about that
     std::int64_t epoch_ = 0;          ///< of the registration
+    std::int64_t tried_ = 0;          ///< the first one since the last that was confirmed
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;

@@ -96,7 +96,6 @@ private:
         bool data;                              ///< receives bodies
         std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
     };
-    void require_newest(const Link& link, const protocol::Registration& registration) const;
     void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] std::int64_t pid_of(const std::string& application) const;

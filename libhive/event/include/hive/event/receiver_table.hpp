@@ -21,9 +21,10 @@ struct Newcomer {
     ConnectionOptions options = {};
     std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
     std::optional<std::int64_t> taken = {};  ///< at that place
-    std::int64_t run = 0;                    ///< the epoch of its module: another run of a drone has another
-    bool unique = false;                     ///< a drone's: what is kept under its name is its own
-    bool guest = false;                      ///< it looks on, and nobody waits for it
+    std::int64_t tried = 0;  ///< epoch of the first registration since it was last confirmed, this one included
+    std::int64_t run = 0;    ///< the epoch of its module: another run of a drone has another
+    bool unique = false;     ///< a drone's: what is kept under its name is its own
+    bool guest = false;      ///< it looks on, and nobody waits for it
     /// If it stands elsewhere: that registration deals with what it has in hand before it ends.
     bool drains = false;
 };
@@ -139,7 +140,8 @@ private:
         std::string receiver;
         Subscription subscription;
         std::int64_t place = 0;
-        std::int64_t run = 0;  ///< of the module of its last consumer
+        std::int64_t tried = 0;  ///< by its last consumer
+        std::int64_t run = 0;    ///< of the module of its last consumer
         Registered registered{};
         bool unique = true;  ///< a drone's; false: the next receiver of this name may be another application
     };
@@ -164,6 +166,7 @@ private:
         [[nodiscard]] Subscription& subscription() const { return plain ? plain->subscription : group->subscription; }
     };
 
+    [[nodiscard]] static bool is_at(const Plain& plain, const Newcomer& newcomer);
     [[nodiscard]] std::int64_t row_of(const Plain& plain) const;
     Plain& plain_for(const Newcomer& newcomer);
     Group& group_named(const std::string& name);
