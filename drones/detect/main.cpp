@@ -20,18 +20,54 @@ namespace {
 
 using detect::Object;
 
+constexpr std::size_t max_header = 56 * 1024;  ///< bytes of all objects; an event's header holds 60 KiB
+
+hive::Json points_json(const std::vector<cv::Point>& points)
+{
+    hive::Json list = hive::Json::array();
+    for (const cv::Point& point : points)
+        list.push_back({point.x, point.y});
+    return list;
+}
+
+hive::Json to_json(const Object& object, const cv::Mat& picture)
+{
+    hive::Json json{{"x", object.box.x},
+                    {"y", object.box.y},
+                    {"w", object.box.width},
+                    {"h", object.box.height},
+                    {"class", object.name},
+                    {"score", std::round(object.score * 1000) / 1000},
+                    {"colours", colours::of(picture, object.box)}};
+    if (!object.corners.empty())
+        json["corners"] = points_json(object.corners);
+    if (!object.mask.empty())
+        json["mask"] = points_json(object.mask);
+    for (const detect::Keypoint& keypoint : object.keypoints)
+        json["keypoints"].push_back({keypoint.at.x, keypoint.at.y, std::round(keypoint.score * 100) / 100});
+    return json;
+}
+
+/// The best objects, as many as an event's header holds.
 hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& picture)
 {
     hive::Json list = hive::Json::array();
-    for (const Object& object : objects)
-        list.push_back({{"x", object.box.x},
-                        {"y", object.box.y},
-                        {"w", object.box.width},
-                        {"h", object.box.height},
-                        {"class", object.name},
-                        {"score", std::round(object.score * 1000) / 1000},
-                        {"colours", colours::of(picture, object.box)}});
+    std::size_t bytes = 0;
+    for (const Object& object : objects) {
+        hive::Json json = to_json(object, picture);
+        if ((bytes += json.dump().size() + 1) > max_header)
+            break;
+        list.push_back(std::move(json));
+    }
     return {{"objects", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+}
+
+hive::Constraint one_of_the_layouts()
+{
+    hive::Constraint constraint = hive::one_of({"auto"});
+    for (const detect::Layout& layout : detect::layouts())
+        constraint.choices.emplace_back(layout.name);
+    return constraint;
 }
 
 /// The parameters, and the detector that they ask for.
@@ -94,15 +130,14 @@ private:
         drone.parameter(
             "classes", settings_.classes, hive::anything().by_operator(),
             "file of the model's class names, one a line; empty: those in the model's file, or else numbers");
-        drone.parameter("layout", layout_,
-                        hive::one_of({"auto", "yolov5", "yolov8", "yolov10", "yolov7", "ssd", "ssd-apart"}),
-                        "how the model writes its objects; auto: as the shapes of its outputs tell");
+        drone.parameter("layout", layout_, one_of_the_layouts(),
+                        "how the model writes its objects; auto: as its outputs tell");
         drone.parameter("input_width", settings_.input.width, hive::between(0, 4096).in("px"),
                         "width of the model's input; 0: what its file says, or else 640");
         drone.parameter("input_height", settings_.input.height, hive::between(0, 4096).in("px"),
                         "height of the model's input; 0: what its file says, or else 640");
-        drone.parameter("fit", settings_.fit, hive::one_of({"letterbox", "stretch"}),
-                        "how a picture is fitted into the model's input");
+        drone.parameter("fit", settings_.fit, hive::one_of({"auto", "letterbox", "stretch", "crop"}),
+                        "how a picture is fitted into the model's input; auto: crop for a classifier, else letterbox");
         drone.parameter("input_scale", settings_.scale, hive::between(0, 255),
                         "the model sees (pixel - mean) times this");
         drone.parameter("mean", mean_, hive::anything(), "one number, or three in the model's order of colours");

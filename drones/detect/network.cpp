@@ -1,6 +1,7 @@
 // Loads the model and explains failures, converts pictures to inputs and outputs to objects.
 #include "network.hpp"
 
+#include "masks.hpp"
 #include "onnx_file.hpp"
 
 #include <opencv2/imgproc.hpp>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,8 +18,8 @@ namespace detect {
 namespace {
 
 constexpr std::size_t longest_name = 64;
-constexpr int usual_side = 640;               ///< px; of YOLO
-const cv::Scalar margin_grey(114, 114, 114);  // what YOLO models were trained with
+constexpr int usual_side = 640;  ///< px; of YOLO
+constexpr double degrees = 180 / CV_PI;
 
 void require_file(const std::string& path, const std::string& what)
 {
@@ -25,16 +27,43 @@ void require_file(const std::string& path, const std::string& what)
         throw std::runtime_error("no " + what + " at " + path);
 }
 
+/// The operator at which OpenCV gave up, from its message; empty: none is named.
+std::string operator_in(const std::string& message)
+{
+    static const std::regex names(R"re(Node \[(\w+)|of type "(\w+))re");
+    std::smatch found;
+    if (!std::regex_search(message, found, names))
+        return {};
+    return found[1].matched ? found[1] : found[2];
+}
+
+/// @param reason  of OpenCV; it names lines of OpenCV, and the sentence says what a user can know
+[[noreturn]] void refuse(const std::string& path, const std::string& reason, const std::string& otherwise)
+{
+    if (const auto lacking = operator_in(reason); !lacking.empty())
+        throw std::runtime_error(path + " needs the operator " + lacking + ", which OpenCV " + cv::getVersionString()
+                                 + " cannot run as it stands there");
+    throw std::runtime_error(path + otherwise);
+}
+
 cv::dnn::Net read_net(const std::string& path)
 {
     require_file(path, "model");
+    std::string reason;
     try {
         cv::dnn::Net net = cv::dnn::readNetFromONNX(path);
         if (!net.empty())
             return net;
-    } catch (const cv::Exception&) {  // names lines of OpenCV; the sentence below says what a user can know
+    } catch (const cv::Exception& error) {
+        reason = error.what();
     }
-    throw std::runtime_error(path + " is not an ONNX model that OpenCV's DNN can read");
+    refuse(path, reason, " is not an ONNX model that OpenCV's DNN can read");
+}
+
+cv::RotatedRect turned_box(const Candidate& candidate)
+{
+    const cv::Point2d middle = (candidate.box.tl() + candidate.box.br()) / 2;
+    return {middle, candidate.box.size(), static_cast<float>(candidate.angle * degrees)};
 }
 
 std::vector<int> shape_of(const cv::Mat& output) { return {output.size.p, output.size.p + output.dims}; }
@@ -94,32 +123,43 @@ void Network::read_card()
     const auto short_enough = [](const std::string& name) { return name.size() <= longest_name; };
     if (names_.empty() && std::ranges::all_of(card.names, short_enough))
         names_ = card.names;
+    known_ = {names_.size(), settings_.input, card.task, card.keypoints, card.numbers};
 }
 
 void Network::choose_output()
 {
-    std::vector<std::vector<int>> shapes;
+    const cv::Mat grey(settings_.input, CV_8UC3, cv::Scalar::all(114));
     try {
-        for (const cv::Mat& output : run(cv::Mat(settings_.input, CV_8UC3, margin_grey)))
-            shapes.push_back(output.type() == CV_32F ? shape_of(output) : std::vector<int>());
+        place_ = place_in(run(grey));
     } catch (const cv::Exception& error) {
-        throw std::runtime_error(settings_.model + " does not run with an input of "
-                                 + std::to_string(settings_.input.width) + "x" + std::to_string(settings_.input.height)
-                                 + " (input_width, input_height): " + error.err);
+        refuse(settings_.model, error.what(),
+               " does not run with an input of " + std::to_string(settings_.input.width) + "x"
+                   + std::to_string(settings_.input.height) + " (input_width, input_height): " + error.err);
     }
-    if (const auto place = layout_of(shapes, names_.size(), settings_.layout)) {
-        place_ = *place;
-        return;
+}
+
+Place Network::place_in(const std::vector<cv::Mat>& outputs) const
+{
+    std::vector<std::vector<int>> shapes;
+    std::string list, reason, known;
+    for (const cv::Mat& output : outputs) {
+        shapes.push_back(output.type() == CV_32F ? shape_of(output) : std::vector<int>());
+        list += (list.empty() ? "" : ", ") + shape_text(shapes.back());
     }
-    std::string list;
-    for (const auto& shape : shapes)
-        list += (list.empty() ? "" : ", ") + shape_text(shape);
+    for (const Place& place : places_in(shapes, known_, settings_.layout)) {
+        const auto wrong = objection(outputs, place);
+        if (!wrong)
+            return place;
+        reason += "; " + *wrong;
+    }
+    if (reason.empty())
+        for (const Layout& layout : layouts())
+            known += (known.empty() ? ": " : ", ") + std::string(layout.name) + " " + std::string(layout.outputs);
     const std::string classes =
         names_.empty() ? "" : " for the " + std::to_string(names_.size()) + " classes that are named";
     throw std::runtime_error(settings_.model + " gives " + list + ", which is no output of "
                              + (settings_.layout.empty() ? "a known detector" : "the layout " + settings_.layout)
-                             + classes
-                             + ": 1xNx(5+classes), 1x(4+classes)xN, 1xNx6, Nx7, 1x1xNx7, or 1xNx4 and 1xNxclasses");
+                             + classes + reason + known);
 }
 
 std::vector<cv::Mat> Network::run(const cv::Mat& input)
@@ -131,29 +171,13 @@ std::vector<cv::Mat> Network::run(const cv::Mat& input)
     return outputs;
 }
 
-Network::Fit Network::fit(cv::Size picture) const
+Fit::Kind Network::kind_of_fit() const
 {
-    const cv::Point2d whole(static_cast<double>(settings_.input.width) / picture.width,
-                            static_cast<double>(settings_.input.height) / picture.height);
     if (settings_.fit == "stretch")
-        return {whole, {0, 0}};
-    const double scale = std::min(whole.x, whole.y);
-    return {
-        {scale, scale},
-        {(settings_.input.width - scale * picture.width) / 2, (settings_.input.height - scale * picture.height) / 2}};
-}
-
-cv::Mat Network::input_from(const cv::Mat& picture, const Fit& fit) const
-{
-    cv::Mat colour = picture;
-    if (picture.channels() == 1)
-        cv::cvtColor(picture, colour, cv::COLOR_GRAY2BGR);
-    cv::Rect place(cvRound(fit.offset.x), cvRound(fit.offset.y), cvRound(fit.scale.x * picture.cols),
-                   cvRound(fit.scale.y * picture.rows));
-    place = (place + cv::Size(place.width == 0, place.height == 0)) & cv::Rect({}, settings_.input);
-    cv::Mat input(settings_.input, CV_8UC3, margin_grey);
-    cv::resize(colour, input(place), place.size());
-    return input;
+        return Fit::Kind::stretch;
+    const bool crop =
+        settings_.fit == "crop" || (settings_.fit == "auto" && place_.layout->table == Layout::Table::single);
+    return crop ? Fit::Kind::crop : Fit::Kind::letterbox;
 }
 
 std::string Network::name(int class_index) const
@@ -162,27 +186,70 @@ std::string Network::name(int class_index) const
     return index < names_.size() ? names_[index] : std::to_string(class_index);
 }
 
+/// Of the boxes of one class that overlap, the best.
+std::vector<Candidate> Network::kept(std::vector<Candidate> found) const
+{
+    std::map<int, std::vector<std::size_t>> by_class;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        by_class[found[i].class_index].push_back(i);
+    std::vector<Candidate> best;
+    for (const auto& [class_index, places] : by_class) {
+        std::vector<cv::Rect2d> boxes;
+        std::vector<cv::RotatedRect> turned;
+        std::vector<float> scores;
+        for (const std::size_t i : places) {
+            boxes.push_back(found[i].box);
+            turned.push_back(turned_box(found[i]));
+            scores.push_back(static_cast<float>(found[i].score));
+        }
+        std::vector<int> chosen;
+        const auto most = static_cast<float>(overlap);
+        if (place_.layout->extra == Layout::Extra::angle)
+            cv::dnn::NMSBoxes(turned, scores, 0, most, chosen);
+        else
+            cv::dnn::NMSBoxes(boxes, scores, 0, most, chosen);
+        for (const int i : chosen)
+            best.push_back(std::move(found[places[static_cast<std::size_t>(i)]]));
+    }
+    return best;
+}
+
+Object Network::object_from(const Candidate& candidate, const std::vector<cv::Mat>& outputs, const Fit& fit) const
+{
+    Object object{cv::Rect(fit.in_picture(candidate.box)), name(candidate.class_index), candidate.score};
+    const auto place = [&](double x, double y) { return cv::Point(fit.in_picture(cv::Point2d(x, y))); };
+    const auto& extra = candidate.extra;
+    switch (place_.layout->extra) {
+    case Layout::Extra::none: break;
+    case Layout::Extra::mask:
+        for (const cv::Point& point : mask_outline(outputs[place_.prototypes], extra, candidate.box, settings_.input))
+            object.mask.push_back(place(point.x, point.y));
+        break;
+    case Layout::Extra::keypoints:
+        for (auto number = extra.begin(); number != extra.end(); number += place_.numbers)
+            object.keypoints.push_back({place(number[0], number[1]), place_.numbers > 2 ? number[2] : 1.0});
+        break;
+    case Layout::Extra::angle:
+        cv::Point2f corners[4];
+        turned_box(candidate).points(corners);
+        for (const cv::Point2f& corner : corners)
+            object.corners.push_back(place(corner.x, corner.y));
+        object.box = cv::boundingRect(object.corners);
+        break;
+    }
+    return object;
+}
+
 std::vector<Object> Network::find(const cv::Mat& picture)
 {
-    const Fit fitted = fit(picture.size());
-    const auto outputs = run(input_from(picture, fitted));
-    std::map<int, std::pair<std::vector<cv::Rect2d>, std::vector<float>>> by_class;
-    for (const Candidate& candidate : candidates(outputs, place_, settings_.input, min_score)) {
-        const cv::Point2d corner((candidate.box.x - fitted.offset.x) / fitted.scale.x,
-                                 (candidate.box.y - fitted.offset.y) / fitted.scale.y);
-        const cv::Size2d size(candidate.box.width / fitted.scale.x, candidate.box.height / fitted.scale.y);
-        auto& [boxes, scores] = by_class[candidate.class_index];
-        boxes.emplace_back(corner, size);
-        scores.push_back(static_cast<float>(candidate.score));
-    }
+    const Fit fit(picture.size(), settings_.input, kind_of_fit());
+    const auto outputs = run(fit.input_from(picture));
     std::vector<Object> objects;
-    for (const auto& [class_index, found] : by_class) {
-        const auto& [boxes, scores] = found;
-        std::vector<int> kept;
-        cv::dnn::NMSBoxes(boxes, scores, 0, static_cast<float>(overlap), kept);
-        for (const int i : kept)
-            if (const cv::Rect box = cv::Rect(boxes[i]) & cv::Rect({}, picture.size()); !box.empty())
-                objects.push_back({box, name(class_index), scores[i]});
+    for (const Candidate& candidate : kept(candidates(outputs, place_, settings_.input, min_score))) {
+        Object object = object_from(candidate, outputs, fit);
+        object.box &= cv::Rect({}, picture.size());
+        if (!object.box.empty())
+            objects.push_back(std::move(object));
     }
     sort(objects);
     objects.resize(std::min(objects.size(), most_objects));

@@ -1,6 +1,7 @@
 // Finds objects with a detector network from an ONNX file, through OpenCV's DNN.
 #pragma once
 
+#include "fit.hpp"
 #include "model_output.hpp"
 #include "object.hpp"
 
@@ -17,11 +18,11 @@ struct NetworkSettings {
     std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: those that the
                           ///< model's file tells, or else numbers
     cv::Size input;       ///< px; a side of 0: what the file says, or else 640
-    std::string layout;   ///< a name as name_of() gives it; empty: told by the shapes of the outputs
-    std::string fit = "letterbox";  ///< how a picture becomes the input: "letterbox" (grey margins) or "stretch"
-    double scale = 1.0 / 255;       ///< the input is (pixel - mean) * scale
-    cv::Scalar mean;                ///< for each channel, in the order of the model
-    bool swap = true;               ///< the model wants RGB; pictures are BGR
+    std::string layout;   ///< the name of one; empty: told by the outputs
+    std::string fit = "auto";  ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
+    double scale = 1.0 / 255;  ///< the input is (pixel - mean) * scale
+    cv::Scalar mean;           ///< for each channel, in the order of the model
+    bool swap = true;          ///< the model wants RGB; pictures are BGR
 
     bool operator==(const NetworkSettings&) const = default;
 };
@@ -37,28 +38,28 @@ public:
     explicit Network(const NetworkSettings& settings);
 
     /// @param picture  8 bit, BGR or grey; not changed
+    /// @throws std::runtime_error  for a score above 1
     [[nodiscard]] std::vector<Object> find(const cv::Mat& picture);
-    [[nodiscard]] Layout layout() const { return place_.layout; }
+    [[nodiscard]] std::string_view layout() const { return place_.layout->name; }
     [[nodiscard]] cv::Size input() const { return settings_.input; }
     [[nodiscard]] std::size_t classes() const { return names_.size(); }  ///< that have a name
 
 private:
-    /// From px of the picture to px of the input: times `scale`, plus `offset`.
-    struct Fit {
-        cv::Point2d scale, offset;
-    };
-
     void read_card();
     void choose_output();
-    [[nodiscard]] Fit fit(cv::Size picture) const;
-    [[nodiscard]] cv::Mat input_from(const cv::Mat& picture, const Fit& fit) const;
+    [[nodiscard]] Place place_in(const std::vector<cv::Mat>& outputs) const;
+    [[nodiscard]] Fit::Kind kind_of_fit() const;
     [[nodiscard]] std::vector<cv::Mat> run(const cv::Mat& input);
+    [[nodiscard]] std::vector<Candidate> kept(std::vector<Candidate> found) const;
+    [[nodiscard]] Object object_from(const Candidate& candidate, const std::vector<cv::Mat>& outputs,
+                                     const Fit& fit) const;
     [[nodiscard]] std::string name(int class_index) const;
 
     NetworkSettings settings_;
     std::vector<std::string> names_;
+    Knowledge known_;
     cv::dnn::Net net_;
-    Place place_{};  ///< of the objects among the model's outputs
+    Place place_;  ///< of the objects among the model's outputs
 };
 
 /// The lines of the file; none without a path.

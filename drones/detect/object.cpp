@@ -21,7 +21,13 @@ void draw(cv::Mat& picture, const std::vector<Object>& objects)
     for (const Object& object : objects) {
         char score[32];
         std::snprintf(score, sizeof score, " %.2f", object.score);
-        cv::rectangle(picture, object.box, green, 2, cv::LINE_AA);
+        if (object.corners.empty())
+            cv::rectangle(picture, object.box, green, 2, cv::LINE_AA);
+        for (const auto* outline : {&object.corners, &object.mask})
+            cv::polylines(picture, *outline, true, green, 2, cv::LINE_AA);
+        for (const Keypoint& keypoint : object.keypoints)
+            if (keypoint.score >= 0.5)
+                cv::circle(picture, keypoint.at, 3, green, cv::FILLED, cv::LINE_AA);
         cv::putText(picture, object.name + score, object.box.tl() + cv::Point(4, 16), cv::FONT_HERSHEY_SIMPLEX, 0.5,
                     green, 1, cv::LINE_AA);
     }

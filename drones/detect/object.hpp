@@ -8,10 +8,18 @@
 
 namespace detect {
 
+struct Keypoint {
+    cv::Point at;      ///< px of the picture, perhaps outside
+    double score = 1;  ///< 0 to 1; 1 as well where the network gives none
+};
+
 struct Object {
     cv::Rect box;      ///< px, within the picture
     std::string name;  ///< of its class
     double score = 0;  ///< of a network 0 to 1; of the people finder the margin of its classifier, mostly 0 to 4
+    std::vector<cv::Point> corners = {};   ///< px; four, of an oriented box
+    std::vector<cv::Point> mask = {};      ///< px; its outline
+    std::vector<Keypoint> keypoints = {};  ///< in the order of the network
 };
 
 constexpr std::size_t most_objects = 300;  ///< of one picture; the best

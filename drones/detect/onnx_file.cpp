@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
-#include <optional>
-#include <utility>
+#include <tuple>
 
 namespace detect {
 namespace {
 
 constexpr std::uint64_t longest_text = 1 << 20;
 constexpr int largest_side = 4096;
-constexpr std::size_t most_names = 10'000;
+constexpr std::size_t most_names = 10'000, max_task = 32;
+constexpr int max_keypoints = 1000;
 
 /// The fields of one message, one after the other. Whatever is wrong ends them.
 class Fields {
@@ -170,6 +171,16 @@ std::vector<std::string> names_from(const std::string& text)
     return names;
 }
 
+std::optional<std::pair<int, int>> keypoints_from(const std::string& text)
+{
+    int count = 0, numbers = 0, end = 0;
+    const int read = std::sscanf(text.c_str(), " [ %5d , %5d ] %n", &count, &numbers, &end);
+    const bool whole = read == 2 && end == static_cast<int>(text.size());
+    return whole && count > 0 && count <= max_keypoints && (numbers == 2 || numbers == 3)
+               ? std::optional(std::pair(count, numbers))
+               : std::nullopt;
+}
+
 /// ModelProto: graph = 7, metadata_props = 14.
 ModelCard model_card(const std::string& path)
 {
@@ -183,8 +194,13 @@ ModelCard model_card(const std::string& path)
         if (model.number == 7)
             card.input = input_of(model.inside());
         else if (model.number == 14) {
-            if (const auto [key, value] = entry(model.inside()); key == "names")
+            const auto [key, value] = entry(model.inside());
+            if (key == "names")
                 card.names = names_from(value);
+            else if (key == "task" && value.size() <= max_task)
+                card.task = value;
+            else if (const auto shape = key == "kpt_shape" ? keypoints_from(value) : std::nullopt)
+                std::tie(card.keypoints, card.numbers) = *shape;
         }
     return card;
 }

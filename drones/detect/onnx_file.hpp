@@ -1,17 +1,21 @@
-// What an ONNX file says of the model in it, read without the network: the size of its input, and the names of its
-// classes.
+// What an ONNX file says of the model in it, read without the network: the size of its input, and what Ultralytics'
+// exports say of its classes and its task.
 #pragma once
 
 #include <opencv2/core/types.hpp>
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace detect {
 
 struct ModelCard {
     cv::Size input;                  ///< px; 0: not fixed, or not told
-    std::vector<std::string> names;  ///< of the classes, as Ultralytics' exports tell them; empty: not told
+    std::vector<std::string> names;  ///< of the classes, empty: not told
+    std::string task;                ///< detect, segment, pose, obb or classify; empty: not told
+    int keypoints = 0, numbers = 3;  ///< of an object, and of a keypoint; 0: not told
 
     bool operator==(const ModelCard&) const = default;
 };
@@ -23,5 +27,8 @@ ModelCard model_card(const std::string& path);
 /// {0: 'person', 1: "cat's bed"} in the order of the numbers, which have to be 0, 1, 2 and so on; empty if it is
 /// anything else.
 std::vector<std::string> names_from(const std::string& text);
+
+/// [17, 3]: 2 or 3 numbers of each keypoint; nothing if it is anything else.
+std::optional<std::pair<int, int>> keypoints_from(const std::string& text);
 
 }  // namespace detect

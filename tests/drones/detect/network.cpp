@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 #include <network.hpp>
 #include <onnx_file.hpp>
-#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <array>
@@ -60,10 +60,9 @@ TEST_CASE("network: each layout of a model is found out, and its box is where th
     const onnx::File names(".names", "cup\r\nspoon\n\n");
     struct Case {
         onnx::Model model;
-        detect::Layout layout;
+        std::string_view layout;
     };
-    for (const Case& known :
-         {Case{yolo5(), detect::Layout::rows}, {yolo8(), detect::Layout::columns}, {ssd(), detect::Layout::corners}}) {
+    for (const Case& known : {Case{yolo5(), "yolov5"}, {yolo8(), "yolov8"}, {ssd(), "ssd"}}) {
         const onnx::File model(".onnx", onnx::bytes_of(known.model));
         Network network(settings(model, &names));
         CHECK(network.layout() == known.layout);
@@ -82,10 +81,9 @@ TEST_CASE("network: lists with the suppression inside, and boxes apart from thei
     onnx::Model finished = constant({1, 2, 6}, {2, 2, 4, 6, 0.9F, 1, 0, 0, 0, 0, 0, 0}),
                 numbered = constant({1, 7}, {0, 2, 2, 4, 6, 1, 0.9F});
     const onnx::File names(".names", "background\ncup\nspoon\n");
-    for (const auto& [known, layout] : {std::pair(&apart, detect::Layout::apart),
-                                        {&finished, detect::Layout::finished},
-                                        {&numbered, detect::Layout::numbered}}) {
-        CAPTURE(std::string(detect::name_of(layout)));
+    for (const auto& [known, layout] :
+         {std::pair(&apart, std::string_view("ssd-apart")), {&finished, "yolov10"}, {&numbered, "yolov7"}}) {
+        CAPTURE(layout);
         const onnx::File model(".onnx", onnx::bytes_of(*known));
         Network network(settings(model, &names));
         CHECK(network.layout() == layout);
@@ -101,7 +99,7 @@ TEST_CASE("network: the size of the input and the names of the classes are read 
 {
     onnx::Model model = yolo8();
     model.width = 16;
-    model.names = "{0: 'cup', 1: \"cat's bed\"}";
+    model.metadata = {{"names", "{0: 'cup', 1: \"cat's bed\"}"}};
     const onnx::File file(".onnx", onnx::bytes_of(model)), names(".names", "first\nsecond\n");
     NetworkSettings wanted = settings(file);
     wanted.input = {};
@@ -113,13 +111,111 @@ TEST_CASE("network: the size of the input and the names of the classes are read 
     CHECK(Network(wanted).find(grey_picture({160, 80})).at(0).name == "first");
 }
 
+TEST_CASE("network: a finished list of a single class is one, and its box is where the model says")
+{
+    onnx::Model one = constant({1, 2, 6}, {2, 2, 4, 6, 0.9F, 0, 0, 0, 0, 0, 0, 0});
+    one.metadata = {{"names", "{0: 'ball'}"}};
+    const onnx::File file(".onnx", onnx::bytes_of(one));
+    Network network(settings(file));
+    CHECK(network.layout() == "yolov10");
+    const auto objects = network.find(grey_picture({80, 80}));
+    REQUIRE(objects.size() == 1);
+    CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
+    CHECK(objects[0].name == "ball");
+}
+
+TEST_CASE("network: keypoints, oriented boxes and masks are placed in the picture")
+{
+    const auto seen = [](onnx::Model model, const char* task) {
+        model.metadata = {{"names", "{0: 'cup'}"}, {"task", task}, {"kpt_shape", "[2, 3]"}};
+        const onnx::File file(".onnx", onnx::bytes_of(model));
+        return Network(settings(file)).find(grey_picture({160, 80})).at(0);  // times 20, without margins of 2
+    };
+    const auto person = seen(constant({1, 1, 12}, {2, 3, 6, 5, 0.9F, 0, 3, 4, 0.75F, 5, 4, 0.25F}), "pose");
+    CHECK(person.box == cv::Rect(40, 20, 80, 40));
+    REQUIRE(person.keypoints.size() == 2);
+    CHECK(person.keypoints[0].at == cv::Point(60, 40));
+    CHECK(person.keypoints[1].score == 0.25);
+
+    const auto ship = seen(constant({1, 1, 7}, {4, 4, 2, 1, 0.9F, 0, static_cast<float>(CV_PI / 2)}), "obb");
+    CHECK(ship.box.width == doctest::Approx(20).epsilon(0.06));  // turned by a right angle
+    CHECK(ship.box.height == doctest::Approx(40).epsilon(0.06));
+    CHECK(ship.corners.size() == 4);
+
+    onnx::Model segmented = constant({1, 1, 8}, {2, 2, 6, 6, 0.9F, 0, 1, -1});
+    std::vector<float> prototypes(2 * 64, 0.0F);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x)
+            prototypes[static_cast<std::size_t>(x < 4 ? 8 * y + x : 64 + 8 * y + x)] = 1;  // the left half is it
+    segmented.more.push_back({"prototypes", {1, 2, 8, 8}, prototypes});
+    const auto outline = cv::boundingRect(seen(segmented, "segment").mask);
+    CHECK(outline.tl() == cv::Point(40, 0));
+    CHECK(outline.br().x <= 81);
+    CHECK(outline.br().y >= 60);
+}
+
+TEST_CASE("network: oriented boxes that only their upright frames share do not suppress each other")
+{
+    // Two thin ones side by side, at 45 degrees.
+    const auto angle = static_cast<float>(CV_PI / 4);
+    onnx::Model model = constant({1, 2, 7}, {4, 3.5F, 6, 0.2F, 0.9F, 0, angle, 4, 4.5F, 6, 0.2F, 0.8F, 0, angle});
+    model.metadata = {{"names", "{0: 'ship'}"}, {"task", "obb"}};
+    const onnx::File file(".onnx", onnx::bytes_of(model));
+    CHECK(Network(settings(file)).find(grey_picture({80, 80})).size() == 2);
+}
+
+TEST_CASE("network: a classifier sees the middle of the picture, and says what the picture is")
+{
+    // Its input is as it says: the first pixel's red.
+    onnx::Model model = constant({1, 2}, {0, 0.1F});
+    model.wires = {{0, 0, 1}};
+    model.metadata = {{"names", "{0: 'bright', 1: 'dark'}"}, {"task", "classify"}};
+    const onnx::File file(".onnx", onnx::bytes_of(model));
+    Network network(settings(file));
+    cv::Mat picture = grey_picture({160, 80});
+    picture(cv::Rect(40, 0, 80, 80)).setTo(cv::Scalar::all(204));  // the middle
+    const auto objects = network.find(picture);
+    REQUIRE(objects.size() == 1);
+    CHECK(objects[0].name == "bright");
+    CHECK(objects[0].score == doctest::Approx(0.8));
+    CHECK(objects[0].box == cv::Rect(40, 0, 80, 80));
+}
+
+TEST_CASE("network: a score above 1 is refused, at the first run and later")
+{
+    onnx::Model model = constant({1, 6, 2}, {3, 0, 4, 0, 2, 0, 4, 0, 0, 0, 0, 0});
+    model.wires = {{0, 8, 1}};
+    const onnx::File file(".onnx", onnx::bytes_of(model));
+    NetworkSettings wanted = settings(file);
+    wanted.layout = "yolov8";
+    wanted.scale = 1.0 / 120;  // the grey of the first run is below 1
+    Network network(wanted);
+    CHECK(network.find(cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(100))).size() == 1);
+    CHECK_THROWS_AS(static_cast<void>(network.find(cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(200)))), std::runtime_error);
+    wanted.scale = 1;
+    CHECK(refusal(wanted).find("as yolov8 it gives a score of 114, which is not between 0 and 1") != std::string::npos);
+}
+
+TEST_CASE("network: an operator that OpenCV lacks is named")
+{
+    for (const char* operation : {"TopK", "NonMaxSuppression", "GridSample"}) {
+        onnx::Model model = yolo8();
+        model.operation = operation;
+        const onnx::File file(".onnx", onnx::bytes_of(model));
+        const std::string sentence = refusal(settings(file));
+        CHECK_MESSAGE(sentence.find("needs the operator " + std::string(operation) + ", which OpenCV")
+                          != std::string::npos,
+                      sentence);
+    }
+}
+
 TEST_CASE("network: a layout that is told is the only one that is considered")
 {
     const onnx::File file(".onnx", onnx::bytes_of(constant({1, 7, 6}, std::vector<float>(42))));
     NetworkSettings wanted = settings(file);
-    CHECK(Network(wanted).layout() == detect::Layout::finished);
+    CHECK(Network(wanted).layout() == "yolov10");
     wanted.layout = "yolov5";
-    CHECK(Network(wanted).layout() == detect::Layout::rows);
+    CHECK(Network(wanted).layout() == "yolov5");
     wanted.layout = "ssd";
     CHECK(refusal(wanted).find("which is no output of the layout ssd") != std::string::npos);
 }
@@ -156,6 +252,14 @@ TEST_CASE("model card: names are read in the order of their numbers, or not at a
         CHECK(detect::names_from(wrong).empty());
 }
 
+TEST_CASE("model card: the shape of the keypoints is two numbers that can be")
+{
+    CHECK(detect::keypoints_from("[17, 3]") == std::pair(17, 3));
+    CHECK(detect::keypoints_from("[ 5,2 ]") == std::pair(5, 2));
+    for (const char* wrong : {"", "[17]", "[17, 4]", "[-1, 3]", "[17, 3] x", "[100000, 3]", "17, 3"})
+        CHECK_FALSE(detect::keypoints_from(wrong));
+}
+
 TEST_CASE("network: a wide picture is letterboxed or stretched into the input, and its boxes are mapped back")
 {
     const onnx::File model(".onnx", onnx::bytes_of(ssd()));
@@ -184,8 +288,8 @@ TEST_CASE("network: the picture reaches the model scaled, without the mean, in t
     CHECK(seen().score == doctest::Approx(0.8));
     wanted.swap = false;
     CHECK(seen().name == "first");
-    wanted.mean = detect::mean_from("153,0,0");
-    CHECK(seen().score == doctest::Approx(0.2).epsilon(0.01));
+    wanted.mean = detect::mean_from("102,0,0");
+    CHECK(seen().score == doctest::Approx(0.4).epsilon(0.01));
 }
 
 TEST_CASE("network: what is not seen well enough is left out")
@@ -241,8 +345,9 @@ TEST_CASE("network: a model or a file of classes that is not there, or is none, 
 TEST_CASE("network: a model that does not run with that input, or gives something else, is refused with the shape")
 {
     const onnx::File model(".onnx", onnx::bytes_of(yolo5())),
-        classifier(".onnx", onnx::bytes_of(constant({1, 10}, std::vector<float>(10)))), names(".names", "a\nb\nc\nd\n");
-    CHECK(refusal(settings(classifier)).find("gives 1x10, which is no output of a known detector")
+        features(".onnx", onnx::bytes_of(constant({1, 10, 2, 2}, std::vector<float>(40)))),
+        names(".names", "a\nb\nc\nd\n");
+    CHECK(refusal(settings(features)).find("gives 1x10x2x2, which is no output of a known detector")
           != std::string::npos);
     CHECK(refusal(settings(model, &names)).find("gives 1x7x7, which is no output of a known detector for the 4 classes")
           != std::string::npos);

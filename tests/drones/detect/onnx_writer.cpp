@@ -107,7 +107,7 @@ std::string bytes_of(const Model& model)
         weights[static_cast<std::size_t>(wire.to) * inputs + static_cast<std::size_t>(wire.from)] = wire.factor;
     const std::vector<std::uint64_t> input_sides{1, 3, static_cast<std::uint64_t>(model.height),
                                                  static_cast<std::uint64_t>(model.width)};
-    std::string graph = part(1, node("Flatten", {"image"}, "row")) + part(2, "tiny")
+    std::string graph = part(1, node(model.operation, {"image"}, "row")) + part(2, "tiny")
                         + part(11, value_info("image", input_sides))
                         + output("row", "objects", model.shape, model.constants, weights);
     if (!model.more.empty())  // from the three means of the input: that needs few weights
@@ -115,7 +115,9 @@ std::string bytes_of(const Model& model)
     for (const Model::Output& other : model.more)
         graph += output("means", other.name, other.shape, other.constants,
                         std::vector<float>(3 * other.constants.size(), 0.0F));
-    const std::string metadata = model.names.empty() ? "" : part(14, part(1, "names") + part(2, model.names));
+    std::string metadata;
+    for (const auto& [key, value] : model.metadata)
+        metadata += part(14, part(1, key) + part(2, value));
     return number(1, 7) + part(7, graph) + part(8, part(1, "") + number(2, 11)) + metadata;
 }
 

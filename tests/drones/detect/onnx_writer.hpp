@@ -28,7 +28,8 @@ struct Model {
         std::vector<float> constants;
     };
     std::vector<Output> more = {};
-    std::string names = {};  ///< of the classes, in the file's metadata; empty: none
+    std::vector<std::pair<std::string, std::string>> metadata = {};
+    std::string operation = "Flatten";  ///< of the first node; another one makes a model that cannot run
 };
 
 /// The bytes of the model in the format of ONNX (protocol buffers).

@@ -119,3 +119,34 @@ TEST_CASE("detect: a model that is set while pictures come is used, with the nam
     swarm.hivectl_done({"set", "detect", "model="});
     CHECK(comes(Json::array()));
 }
+
+TEST_CASE("detect: more keypoints than an event holds leave out the weakest objects")
+{
+    const Swarm swarm;
+    constexpr int people = 300, numbers = 57;
+    std::vector<float> rows;
+    for (int i = 0; i < people; ++i) {
+        const float x = static_cast<float>(i % 20), y = static_cast<float>(i / 20);  // none overlaps another
+        rows.insert(rows.end(), {x, y, x + 0.9F, y + 0.9F, 0.99F - 0.001F * static_cast<float>(i), 0});
+        rows.resize(static_cast<std::size_t>((i + 1) * numbers), 10.0F);
+    }
+    onnx::Model person{.width = 20, .height = 15, .shape = {1, people, numbers}, .constants = rows, .wires = {}};
+    person.metadata = {{"names", "{0: 'person'}"}, {"task", "pose"}, {"kpt_shape", "[17, 3]"}};
+    for (std::size_t i = 8; i < rows.size(); ++i)
+        if (i % numbers >= 8 && (i % numbers - 8) % 3 == 0)
+            person.constants[i] = 0.5F;
+    const onnx::File model(".onnx", onnx::bytes_of(person));
+    const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "faces=0"});
+    const auto detect = swarm.drone("detect", "detect", {"model=" + model.path()});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"detect", "objects"}});
+    application.connect({"camera", ""}, {"detect", ""});
+    const auto result = collector->next(patient(Milliseconds(20'000)));
+    REQUIRE(result);
+    const Json& objects = result->header.at("objects");
+    CHECK(objects.size() > 50);
+    CHECK(objects.size() < people);
+    CHECK(objects.at(0).at("score") == 0.99);
+    CHECK(objects.at(0).at("keypoints").size() == 17);
+    CHECK(objects.at(0).at("keypoints").at(0) == Json({320, 320, 0.5}));
+}

@@ -1,0 +1,79 @@
+// The layouts in which known networks write their objects, and the choice of the one that a network has.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace detect {
+
+/// Where things stand in one row of a table, an object a row. A place of -1: not there.
+struct Layout {
+    enum class Table {
+        rows,
+        columns,
+        apart,
+        single
+    };  ///< apart: boxes and scores in two; single: scores without boxes
+    enum class Box { centre, corners };
+    enum class Extra { none, mask, keypoints, angle };  ///< at the end of the row
+    enum class Scores { plain, sigmoid, softmax };      ///< what makes the numbers scores from 0 to 1
+    enum class Background { none, first, last };        ///< the class that is no object
+
+    std::string_view name;     ///< as the parameter `layout` has it
+    std::string_view outputs;  ///< their shapes, as a person reads them
+    Table table = Table::rows;
+    int min_sides = 3, max_sides = 3;  ///< of the output
+    Box box = Box::corners;
+    int box_at = 0;
+    bool shares = false;  ///< of the input's sides; else px of the input
+    int image_at = -1, objectness_at = -1, score_at = -1, class_at = -1;
+    int scores_at = -1;  ///< the first of one score for each class, instead of score_at and class_at
+    Extra extra = Extra::none;
+    Scores scores = Scores::plain;
+    Background background = Background::none;
+};
+
+/// All layouts; where two look alike, the one that is tried first comes first.
+std::span<const Layout> layouts();
+/// @throws std::out_of_range
+const Layout& layout_named(std::string_view name);
+
+/// What is known of a network beside its outputs.
+struct Knowledge {
+    std::size_t classes = 0;  ///< that have names; 0: unknown
+    cv::Size input = {};
+    std::string task = {};           ///< of Ultralytics: detect, segment, pose, obb, classify; empty: unknown
+    int keypoints = 0, numbers = 3;  ///< of an object, and of a keypoint: x, y and perhaps a score; 0: unknown
+};
+
+/// A layout, and the outputs in which it is.
+struct Place {
+    const Layout* layout = nullptr;
+    std::size_t boxes = 0, scores = 0;  ///< places in the list of outputs; the same one but for Table::apart
+    std::size_t prototypes = 0;         ///< of masks
+    int classes = 0;                    ///< scores of a row
+    int numbers = 3;                    ///< of a keypoint
+    bool operator==(const Place&) const = default;
+};
+
+/// The layouts that a network with outputs of these shapes may have, the likeliest first.
+/// @param wanted  the name of the only layout to consider, also where it is unlikely; empty: any
+std::vector<Place> places_in(const std::vector<std::vector<int>>& shapes, const Knowledge& known,
+                             std::string_view wanted = {});
+/// Why the numbers of these outputs cannot have that layout: scores that are not between 0 and 1, or boxes that are no
+/// shares of the input. Nothing if they can.
+std::optional<std::string> objection(const std::vector<cv::Mat>& outputs, const Place& place);
+
+/// The output without the sides of 1 at its front, an object a row; without copying, except Table::columns.
+cv::Mat table_of(const cv::Mat& output, Layout::Table table);
+/// "1x84x8400"
+std::string shape_text(const std::vector<int>& shape);
+
+constexpr double max_score = 1.001;  ///< 1, and what half precision adds to it
+
+}  // namespace detect

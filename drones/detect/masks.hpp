@@ -1,0 +1,17 @@
+// Makes the outline of an object from what a segmenting network says of its mask.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <vector>
+
+namespace detect {
+
+/// The outline of the largest part of the mask, at most 64 points in px of the input; empty: there is none in the box.
+/// @param prototypes    1 x M x H x W: pictures of the whole input
+/// @param coefficients  M; the mask is where the sum of so much of each prototype is above 0 (YOLACT, Bolya et al.)
+/// @param box           in px of the input
+std::vector<cv::Point> mask_outline(const cv::Mat& prototypes, const std::vector<float>& coefficients,
+                                    const cv::Rect2d& box, cv::Size input);
+
+}  // namespace detect
