@@ -93,9 +93,9 @@ void Drawing::draw(cv::Mat& picture, const Mark& mark) const
     const auto colour = colour_of(mark.id);
     for (const Shape& shape : mark.shapes)
         draw(picture, shape, colour);
-    if (mark.uncertain && uncertain == Uncertain::dashed)
+    if (mark.framed && mark.uncertain && uncertain == Uncertain::dashed)
         dashed_box(picture, pixels(mark.box), colour, width_for(picture));
-    else
+    else if (mark.framed)
         cv::rectangle(picture, pixels(mark.box), colour, width_for(picture), cv::LINE_AA);
     if (labels && !mark.label.empty())
         write_label(picture, mark.label, pixels(mark.box), colour);
@@ -107,8 +107,10 @@ void Drawing::draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colou
     std::vector<cv::Point> points;
     for (const auto& point : shape.points)
         points.push_back(pixel(point));
+    if (shape.form == Shape::Form::area)
+        fill(picture, points, colour);
     if (shape.form != Shape::Form::dots)
-        return cv::polylines(picture, points, shape.form == Shape::Form::outline, colour, width, cv::LINE_AA);
+        return cv::polylines(picture, points, shape.form != Shape::Form::line, colour, width, cv::LINE_AA);
     for (const auto& point : points)
         cv::circle(picture, point, 2 * width, colour, cv::FILLED, cv::LINE_AA);
 }

@@ -14,6 +14,7 @@ using nlohmann::json;
 
 constexpr double largest = 1e6;  // px; no picture comes near
 constexpr std::size_t longest_label = 48;
+constexpr double min_score = 0.5;  ///< of a point
 
 std::optional<double> number(const json& object, const char* key)
 {
@@ -37,7 +38,7 @@ std::string text(const json& object, const char* key)
 
 std::optional<cv::Point2d> point(const json& value)
 {
-    if (value.is_array() && value.size() == 2)
+    if (value.is_array() && (value.size() == 2 || value.size() == 3))
         return point(json{{"x", value[0]}, {"y", value[1]}});
     if (!value.is_object())
         return std::nullopt;
@@ -45,20 +46,33 @@ std::optional<cv::Point2d> point(const json& value)
     return x && y ? std::optional(cv::Point2d(*x, *y)) : std::nullopt;
 }
 
+/// A network that gives all keypoints tells with a score which of them it sees.
+bool is_unseen(const json& point)
+{
+    return point.is_array() && point.size() == 3 && point[2].is_number() && point[2].get<double>() < min_score;
+}
+
+Shape::Form form_of(const std::string& name)
+{
+    using enum Shape::Form;
+    if (name == "trail")
+        return line;
+    if (name == "mask")
+        return area;
+    return name == "hull" || name == "contour" || name == "corners" ? outline : dots;
+}
+
 std::optional<Shape> shape(const std::string& name, const json& values)
 {
     if (!values.is_array() || values.empty())
         return std::nullopt;
-    Shape shape;
-    if (name == "trail")
-        shape.form = Shape::Form::line;
-    else if (name == "hull" || name == "contour")
-        shape.form = Shape::Form::outline;
+    Shape shape{form_of(name), {}};
     for (const auto& value : values) {
         const auto place = point(value);
         if (!place)
             return std::nullopt;
-        shape.points.push_back(*place);
+        if (!is_unseen(value))
+            shape.points.push_back(*place);
     }
     return shape;
 }
@@ -130,8 +144,10 @@ std::optional<Mark> mark(const json& object)
     Mark mark{{*x, *y, *width, *height}, id, label_of(object, id), {}};
     mark.uncertain = is_uncertain(object);
     for (const auto& [name, value] : object.items())
-        if (auto found = shape(name, value))
+        if (auto found = shape(name, value)) {
+            mark.framed = mark.framed && name != "corners";
             mark.shapes.push_back(std::move(*found));
+        }
     return mark;
 }
 

@@ -11,7 +11,7 @@ namespace annotate {
 
 /// Points that belong to a mark, px.
 struct Shape {
-    enum class Form { dots, line, outline };
+    enum class Form { dots, line, outline, area };
     Form form = Form::dots;
     std::vector<cv::Point2d> points;
 };
@@ -22,6 +22,7 @@ struct Mark {
     std::string id = {};     ///< of a track, the same from picture to picture; empty: none
     std::string label = {};  ///< what to write beside it: "person #3 87 %"; printable ASCII, 48 characters at most
     std::vector<Shape> shapes = {};
+    bool framed = true;      ///< the box is drawn
     bool uncertain = false;  ///< a track that is not confirmed, or whose box is predicted
 };
 
@@ -41,8 +42,9 @@ struct Marks {
 /// The marks in a header: every object with numbers x, y, w and h that stands in one of its fields, alone or in an
 /// array. Beside these a mark may have
 /// - class, kind, gesture, pose, label (texts or whole numbers), id, score (0 to 1), speed (px/s): they make the label;
-/// - any array of points, each [x, y] or {"x", "y"}: trail is drawn as a line, hull and contour as an outline, others
-/// as dots. What is anything else, or over a million, is left out.
+/// - any array of points, each [x, y], [x, y, score] or {"x", "y"}: trail is drawn as a line, hull, contour and corners
+/// as an outline (corners instead of the box), mask as an area, others as dots. What is anything else, or over a
+/// million, is left out; so are points whose score is below a half.
 /// - missing (above 0) or confirmed (false): then it is uncertain.
 /// Regions are the objects in `zones` and `lines` with an array `points` of at least 3 or 2 points from 0 to 1.
 Marks marks_in(const nlohmann::json& header);

@@ -32,6 +32,17 @@ void dashed_box(cv::Mat& picture, const cv::Rect& box, const cv::Scalar& colour,
         dashed_line(picture, {x, first.y}, {x, last.y}, colour, width);
 }
 
+void fill(cv::Mat& picture, const std::vector<cv::Point>& outline, const cv::Scalar& colour)
+{
+    constexpr double share = 0.4;  // of the colour
+    const cv::Rect part = cv::boundingRect(outline) & cv::Rect({}, picture.size());
+    if (part.empty())
+        return;
+    cv::Mat image = picture(part), filled = image.clone();
+    cv::fillPoly(filled, outline, colour, cv::LINE_8, 0, -part.tl());
+    cv::addWeighted(filled, share, image, 1 - share, 0, image);
+}
+
 void arrow_to_the_right(cv::Mat& picture, cv::Point a, cv::Point b, const cv::Scalar& colour, int width)
 {
     const cv::Point2d along = b - a, middle = cv::Point2d(a + b) / 2;

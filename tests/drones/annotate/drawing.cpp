@@ -145,6 +145,20 @@ TEST_CASE("drawing: a trail is an open line, a hull a closed one, fingers are do
     CHECK(at(dots, 50, 20) == black);
 }
 
+TEST_CASE("drawing: a mask is an area through which the image shows, and corners take the place of the box")
+{
+    const std::vector<cv::Point2d> corners{{20, 20}, {80, 20}, {80, 80}, {20, 80}};
+    const cv::Mat grey(200, 300, CV_8UC3, cv::Scalar::all(100));
+    const auto mask = drawn({.all = {{.box = {20, 20, 61, 61}, .shapes = {{Shape::Form::area, corners}}}}}, {}, grey);
+    CHECK(at(mask, 50, 50) == cv::Vec3b(84, 148, 84));  // 40 % of green
+    CHECK(at(mask, 50, 20) == green);
+    CHECK(at(mask, 90, 50) == cv::Vec3b(100, 100, 100));
+    const auto turned =
+        drawn({.all = {{.box = {100, 100, 50, 50}, .shapes = {{Shape::Form::outline, corners}}, .framed = false}}});
+    CHECK(at(turned, 50, 20) == green);
+    CHECK(lit(turned, {95, 95, 60, 60}) == 0);
+}
+
 TEST_CASE("drawing: a track keeps its colour, and twenty tracks have at least eighteen")
 {
     std::set<std::tuple<int, int, int>> colours;

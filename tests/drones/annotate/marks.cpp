@@ -87,6 +87,20 @@ TEST_CASE("marks: arrays of points are shapes, in both ways of writing them; wha
     CHECK(mark.shapes[2].points == std::vector<cv::Point2d>{{1, 2}, {3, 4}});
 }
 
+TEST_CASE("marks: the masks, oriented boxes and keypoints of detect are areas, outlines and dots")
+{
+    const json square{{1, 2}, {3, 2}, {3, 4}, {1, 4}};
+    const auto mark =
+        marks_in(with({{"corners", square}, {"keypoints", {{5, 6, 0.9}, {0, 0, 0.1}}}, {"mask", square}})).all.at(0);
+    REQUIRE(mark.shapes.size() == 3);
+    CHECK(mark.shapes[0].form == Shape::Form::outline);
+    CHECK_FALSE(mark.framed);  // the corners are its frame
+    CHECK(mark.shapes[1].form == Shape::Form::dots);
+    CHECK(mark.shapes[1].points == std::vector<cv::Point2d>{{5, 6}});  // the other one is not seen
+    CHECK(mark.shapes[2].form == Shape::Form::area);
+    CHECK(marks_in(with({{"mask", square}})).all.at(0).framed);
+}
+
 TEST_CASE("marks: what has no place, or an impossible one, is no mark")
 {
     for (const json& value :
