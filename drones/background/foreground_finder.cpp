@@ -27,6 +27,7 @@ cv::Ptr<cv::BackgroundSubtractor> make(const ModelSettings& settings)
 /// a tenth of the history from the beginning. The samples of knn have to be filled quickly first.
 double learning_rate(const ModelSettings& settings) { return settings.method == "mog2" ? 1.0 / settings.history : -1; }
 
+constexpr int renewal = 25;  ///< pictures in which the known background hardly changes
 constexpr int settled = 50;  ///< pictures after which KNN learns slowly enough
 
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
@@ -58,25 +59,34 @@ void ForegroundFinder::begin(const cv::Mat& picture)
     size_ = picture.size();
     type_ = picture.type();
     learned_ = 0;
+    known_.release();
 }
 
 /// If the light has changed, the model is begun anew with the background that it knew, in the new light: so what stands
-/// before it stays foreground. (Of a grey picture KNN cannot tell what it knows.)
+/// before it stays foreground. (Of a grey picture KNN cannot tell what it knows.) The whole background is made only for
+/// a change: small copies tell, and that of the background is kept, for much foreground may stay for long.
 bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
 {
     const bool told = model.method == "mog2" || picture.channels() == 3;
     if (!told || 100.0 * cv::countNonZero(mask == foreground) <= light * static_cast<double>(mask.total()))
         return false;
     cv::Mat known, ignored;
-    subtractor_->getBackgroundImage(known);
-    const auto lit = in_the_light_of(picture, known);
-    if (!lit)
+    if (known_.empty() || learned_ - known_at_ >= renewal) {
+        subtractor_->getBackgroundImage(known);
+        known_ = reduced(known);
+        known_at_ = learned_;
+    }
+    const auto gains = change_of_light(reduced(picture), known_);
+    if (!gains)
         return false;
+    subtractor_->getBackgroundImage(known);
+    const cv::Mat lit = in_the_light(known, *gains);
+    known_.release();
     subtractor_ = make(model);
     // Of one picture a mixture takes the noise for large, which suits. A young KNN takes in whatever stays for a
     // moment.
     for (int i = 0; i < (model.method == "mog2" ? 1 : settled); ++i)
-        subtractor_->apply(*lit, ignored, learning_rate(model));
+        subtractor_->apply(lit, ignored, learning_rate(model));
     return true;
 }
 

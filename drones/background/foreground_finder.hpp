@@ -66,7 +66,8 @@ private:
     ModelSettings begun_with_;
     cv::Size size_;
     int type_ = 0;
-    std::int64_t learned_ = 0;
+    std::int64_t learned_ = 0, known_at_ = 0;
+    cv::Mat known_;  ///< the background when known_at_ pictures were learned, small; empty: not looked at yet
 };
 
 }  // namespace background

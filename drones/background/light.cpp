@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <vector>
 
 namespace background {
 namespace {
@@ -26,21 +24,6 @@ double median(std::vector<double>& numbers)
     const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
     std::nth_element(numbers.begin(), middle, numbers.end());
     return *middle;
-}
-
-/// Small copies, each pixel the mean of a part, so that noise and small movements hardly count.
-cv::Mat reduced(const cv::Mat& picture)
-{
-    const int step = std::max(1, std::max(picture.cols, picture.rows) / places);
-    cv::Mat small(std::max(1, picture.rows / step), std::max(1, picture.cols / step), picture.type());
-    for (int y = 0; y < small.rows; ++y)
-        for (int x = 0; x < small.cols; ++x) {
-            const cv::Scalar mean =
-                cv::mean(picture(cv::Rect(x * step, y * step, step, step) & cv::Rect({}, picture.size())));
-            for (int channel = 0; channel < picture.channels(); ++channel)
-                small.ptr(y, x)[channel] = cv::saturate_cast<unsigned char>(mean[channel]);
-        }
-    return small;
 }
 
 /// How many times as bright a channel of `picture` is; nothing if too few places tell.
@@ -67,28 +50,47 @@ double agreement(const cv::Mat& picture, const cv::Mat& lit)
 
 }  // namespace
 
-std::optional<cv::Mat> in_the_light_of(const cv::Mat& picture, const cv::Mat& known)
+cv::Mat reduced(const cv::Mat& picture)
+{
+    const int step = std::max(1, std::max(picture.cols, picture.rows) / places);
+    cv::Mat small(std::max(1, picture.rows / step), std::max(1, picture.cols / step), picture.type());
+    for (int y = 0; y < small.rows; ++y)
+        for (int x = 0; x < small.cols; ++x) {
+            const cv::Scalar mean =
+                cv::mean(picture(cv::Rect(x * step, y * step, step, step) & cv::Rect({}, picture.size())));
+            for (int channel = 0; channel < picture.channels(); ++channel)
+                small.ptr(y, x)[channel] = cv::saturate_cast<unsigned char>(mean[channel]);
+        }
+    return small;
+}
+
+std::optional<std::vector<double>> change_of_light(const cv::Mat& picture, const cv::Mat& known)
 {
     if (known.size() != picture.size() || known.type() != picture.type())
         return std::nullopt;
-    std::vector<cv::Mat> channels, seen, remembered;
-    cv::split(known, channels);
-    cv::split(reduced(picture), seen);
-    cv::split(reduced(known), remembered);
-    double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (std::size_t i = 0; i < channels.size(); ++i) {
+    std::vector<cv::Mat> seen, remembered;
+    cv::split(picture, seen);
+    cv::split(known, remembered);
+    std::vector<double> gains;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
         const auto gain = gain_of(seen[i], remembered[i]);
         if (!gain)
             return std::nullopt;
         remembered[i].convertTo(remembered[i], -1, *gain);
         if (agreement(seen[i], remembered[i]) < agreeing)
             return std::nullopt;
-        channels[i].convertTo(channels[i], -1, *gain);
-        least = std::min(least, *gain);
-        most = std::max(most, *gain);
+        gains.push_back(*gain);
     }
-    if (most > colour_cast * least)
-        return std::nullopt;
+    const auto [least, most] = std::ranges::minmax(gains);
+    return most <= colour_cast * least ? std::optional(gains) : std::nullopt;
+}
+
+cv::Mat in_the_light(const cv::Mat& picture, const std::vector<double>& gains)
+{
+    std::vector<cv::Mat> channels;
+    cv::split(picture, channels);
+    for (std::size_t i = 0; i < channels.size(); ++i)
+        channels[i].convertTo(channels[i], -1, gains[i]);
     cv::Mat lit;
     cv::merge(channels, lit);
     return lit;

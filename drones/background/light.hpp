@@ -4,13 +4,20 @@
 #include <opencv2/core/mat.hpp>
 
 #include <optional>
+#include <vector>
 
 namespace background {
 
-/// The known background in the light of the picture, if the picture is mostly that: each channel a certain number of
-/// times as bright (exposure, daylight, lamps) in at least half of the places, and all channels by about the same
+/// A small copy, each pixel the mean of a part, so that noise and small movements hardly count.
+cv::Mat reduced(const cv::Mat& picture);
+
+/// How many times as bright each channel of the picture is, if the picture is mostly the known background in another
+/// light (exposure, daylight, lamps): at least half of the places agree, and all channels change by about the same
 /// number, so that it is no large thing of another colour.
-/// @param picture, known  8 bit, of one size and number of channels
-std::optional<cv::Mat> in_the_light_of(const cv::Mat& picture, const cv::Mat& known);
+/// @param picture, known  reduced; of one size and number of channels
+std::optional<std::vector<double>> change_of_light(const cv::Mat& picture, const cv::Mat& known);
+
+/// The picture with each channel so many times as bright.
+cv::Mat in_the_light(const cv::Mat& picture, const std::vector<double>& gains);
 
 }  // namespace background

@@ -197,6 +197,24 @@ TEST_CASE("foreground: a large thing of another colour before the camera is no c
     CHECK(found.blobs[0].area > 12'000);
 }
 
+TEST_CASE("foreground: a change of the light is seen soon after a large thing that was none, and long after")
+{
+    for (const int later : {1, 30}) {
+        CAPTURE(later);
+        ForegroundFinder finder;
+        Clip clip;
+        for (int index = 0; index < 50; ++index)
+            static_cast<void>(finder.find(clip.picture(index)));
+        cv::Mat picture = clip.picture(0);
+        picture(cv::Rect(10, 10, 140, 100)) = cv::Scalar(200, 40, 40);
+        CHECK_FALSE(finder.find(picture).light_changed);
+        for (int index = 1; index < later; ++index)
+            CHECK_FALSE(finder.find(clip.picture(50 + index)).light_changed);
+        CHECK(finder.find(clip.picture(50 + later) * 0.5).light_changed);
+        CHECK_FALSE(finder.find(clip.picture(51 + later) * 0.5).light_changed);
+    }
+}
+
 TEST_CASE("foreground: a method that nobody knows is refused")
 {
     ForegroundFinder finder;
