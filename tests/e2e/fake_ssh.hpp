@@ -13,7 +13,7 @@ namespace hive::test {
 
 /// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh,
 /// and what runs there goes on when it is killed. me@gpu1 is sound; on me@gpu2 a drone called brief is killed as soon
-/// as it is ready; on bare there is no hivectl.
+/// as it is ready; no drone of me@gpu3 is reached from here; me@gpu4 does not answer; on bare there is no hivectl.
 class FakeSsh {
 public:
     FakeSsh(const Swarm& here, const Swarm& there)
@@ -22,10 +22,13 @@ public:
         std::filesystem::create_directory(directory_);
         const auto file = directory_ / "ssh";
         std::ofstream(file) << "#!/bin/sh\n"
-                               "if [ \"$1\" = -G ]; then echo hostname 127.0.0.1; exit; fi\n"
+                               "if [ \"$1\" = -G ]; then\n"
+                               "  test $3 = me@gpu3 && echo hostname nowhere.invalid || echo hostname 127.0.0.1\n"
+                               "  exit\n"
+                               "fi\n"
                                "while [ \"$1\" != -- ]; do shift; done\n"
                                "case $2 in\n"
-                               "  me@gpu1) HIVE_HOME="
+                               "  me@gpu[13]) HIVE_HOME="
                             << there.home().string() << " PATH=" << there.program("hivectl").parent_path().string()
                             << ":$PATH setsid -w sh -c \"$3\" & wait $!; exit ;;\n"
                             << "  me@gpu2) HIVE_HOME=" << there.home().string()
@@ -33,6 +36,7 @@ public:
                             << ":$PATH; export HIVE_HOME PATH; sh -c \"$3\"; code=$?\n"
                                "    case $3 in *\"'start'\"*) kill -9 $(cat $HIVE_HOME/brief.lock) ;; esac\n"
                                "    exit $code ;;\n"
+                               "  me@gpu4) exec sleep 100 ;;\n"
                                "  bare) PATH=/nowhere exec /bin/sh -c \"$3\" ;;\n"
                                "esac\n"
                                "echo 'ssh: Could not resolve hostname '$2 >&2\n"

@@ -1,4 +1,4 @@
-// Drones that take long until they are ready on another machine, or end there before they are met from here.
+// Drones that take long until they are ready on another machine, or are never met from here: why is said at once.
 #include "fake_ssh.hpp"
 #include "worker_swarm.hpp"
 
@@ -7,6 +7,59 @@
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
+
+namespace {
+
+/// A swarm of one drone on that machine.
+Json far_ticker(const std::string& ssh, const Json& drone)
+{
+    Json ticker{{"kind", "ticker"}, {"on", "far"}};
+    ticker.update(drone);
+    return {{"swarm", "far"}, {"drones", {{"t", ticker}}}, {"engines", {{"far", {{"ssh", ssh}}}}}};
+}
+
+}  // namespace
+
+TEST_CASE("up: that a drone on another machine has another key, or is not reached from here, is said at once")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    here.hivectl_done({"key", "new"});
+    there.hivectl_done({"key", "new"});
+    const File file(here, far_ticker("me@gpu1", {{"key", there.key_file().string()}}));
+    const auto other_key = ssh.hivectl({"up", file, "--timeout", "100"});
+    CHECK(other_key.exit_code == 5);
+    CHECK(other_key.took < patient(5'000ms));
+    CHECK_MESSAGE(has(other_key.err, "t: cannot reach tcp://127.0.0.1:"), other_key.err);
+    CHECK_MESSAGE(has(other_key.err, "wrong swarm key"), other_key.err);
+    file.write(far_ticker("me@gpu3", {{"insecure", true}}));
+    const auto closed = ssh.hivectl({"up", file, "--timeout", "100"});
+    CHECK(closed.exit_code == 5);
+    CHECK(closed.took < patient(8'000ms));
+    CHECK_MESSAGE(
+        has(closed.err, "t runs on gpu3 and is not reached from here: t: cannot reach tcp://nowhere.invalid:"),
+        closed.err);
+    CHECK_MESSAGE(has_processes(there, 0), closed.err);
+    CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
+}
+
+TEST_CASE("up: --timeout holds, and the drones of other machines are ended, though a machine does not answer")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    auto content = far_ticker("me@gpu4", {{"insecure", true}});
+    content["drones"]["beside"] = {{"kind", "sleeper"}, {"on", "gpu1"}, {"insecure", true}};
+    content["drones"]["near"] = {{"kind", "sleeper"}};
+    content["engines"]["gpu1"] = {{"ssh", "me@gpu1"}};
+    const File file(here, content);
+    const auto refused = ssh.hivectl({"up", file, "--timeout", "4"});
+    CHECK(refused.exit_code == 5);
+    CHECK(refused.took < patient(6'500ms));
+    CHECK_MESSAGE(has(refused.err, "gpu4 has not answered in time: whether t runs there is unknown"), refused.err);
+    CHECK_MESSAGE(has_processes(there, 0), refused.err);
+    CHECK_MESSAGE(has_processes(here, 0), refused.err);
+    CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
+}
 
 TEST_CASE("up: Ctrl-C leaves nothing behind on another machine, however long a drone there takes until it is ready")
 {

@@ -148,9 +148,9 @@ struct Application::Core::Asking {
 };
 
 Application::Core::Reply Application::Core::send(const Place& place, protocol::PacketType type, const Json& header,
-                                                 const Body& body)
+                                                 const Body& body, event::Clock::time_point until)
 {
-    const Asking asking{place, type, header, body, deadline(), changes_nothing(type)};
+    const Asking asking{place, type, header, body, until, changes_nothing(type)};
     module.loop().perform([this, asking] { begin(asking); });
     return asking.reply;
 }
@@ -208,7 +208,7 @@ bool Application::Core::answers(const Place& place)
 {
     if (is_here(place))
         return directory.home().alive(place.drone);
-    const auto reply = send(place, protocol::PacketType::status, {{"skip", max_json_integer}}, {});
+    const auto reply = send(place, protocol::PacketType::status, {{"skip", max_json_integer}}, {}, deadline());
     return !std::holds_alternative<Error>(wait_for(reply));
 }
 
@@ -235,7 +235,7 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
         while (replies.size() < std::min(drones.size(), i + asked_at_once)) {
             const auto next = replies.size();
             if (const auto* place = std::get_if<Place>(&places[next]))
-                replies.push_back(send(*place, type, headers[next], {}));
+                replies.push_back(send(*place, type, headers[next], {}, deadline()));
             else
                 replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(places[next])));
         }
@@ -256,7 +256,7 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
 
 Json Application::Core::ask(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
 {
-    const auto reply = send(place(drone), type, header, body);
+    const auto reply = send(place(drone), type, header, body, deadline());
     const auto& outcome = wait_for(reply);
     if (const auto* error = std::get_if<Error>(&outcome))
         throw named(drone, *error);

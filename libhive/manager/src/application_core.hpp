@@ -60,6 +60,11 @@ public:
     void wait(event::Clock::time_point deadline, const std::function<bool()>& done);
     void require_not_cancelled() const;
 
+    /// Comes by the deadline: the module sees to it.
+    using Reply = std::shared_ptr<const std::optional<event::Outcome>>;
+    Reply send(const Place& place, protocol::PacketType type, const Json& header, const Body& body,
+               event::Clock::time_point until);
+
     std::chrono::milliseconds timeout;
     std::function<std::string(const std::string&)> advice_if_missing;
     std::function<bool()> cancelled;  ///< may be empty
@@ -67,10 +72,7 @@ public:
     event::Module module;
 
 private:
-    using Reply =
-        std::shared_ptr<const std::optional<event::Outcome>>;  ///< comes by the deadline: the module sees to it
     struct Asking;
-    Reply send(const Place& place, protocol::PacketType type, const Json& header, const Body& body);
     void begin(const Asking& asking);
     const event::Outcome& wait_for(const Reply& reply);
 };

@@ -13,9 +13,10 @@
 #include <fstream>
 #include <linux/close_range.h>
 #include <mutex>
+#include <poll.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -135,6 +136,8 @@ LeftAlone& left_alone()
 
 BackgroundProcess::Started::~Started()
 {
+    if (descriptor >= 0)
+        ::close(descriptor);
     if (pid <= 0 || status)
         return;
     const std::lock_guard lock(left_alone().mutex);
@@ -163,10 +166,12 @@ BackgroundProcess::BackgroundProcess(const fs::path& program, const std::vector<
     if (made == 0)
         become(child);
     const int error = made < 0 ? errno : report.wait();
-    if (made > 0 && error != 0)
+    if (made > 0 && error != 0) {
         ::waitpid(made, nullptr, 0);
-    else
+    } else if (made > 0) {
         started_->pid = made;
+        started_->descriptor = static_cast<int>(::syscall(SYS_pidfd_open, made, 0));
+    }
     require_started(error, "run " + program.string() + " with its log in " + log.string());
 }
 
@@ -178,17 +183,26 @@ std::optional<int> BackgroundProcess::ended()
     return started_->status;
 }
 
-void BackgroundProcess::end()
+bool BackgroundProcess::await_end(std::chrono::steady_clock::time_point until)
 {
-    // Not reaped yet, so the pid is still its own.
-    if (!ended())
-        ::kill(pid(), SIGTERM);
-    for (int i = 0; i < 300 && !ended(); ++i)  // a drone ends within two seconds, whatever its code does
-        std::this_thread::sleep_for(10ms);
-    if (!ended())
+    pollfd over{descriptor(), POLLIN, 0};
+    while (!ended()) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+        if (left <= 0ms)
+            return false;
+        ::poll(&over, 1, static_cast<int>(std::min<std::chrono::milliseconds>(left, 1h).count()));
+    }
+    return true;
+}
+
+void BackgroundProcess::end(std::chrono::steady_clock::time_point kill_at)
+{
+    if (ended())
+        return;
+    ::kill(pid(), SIGTERM);  // not reaped yet, so the pid is still its own
+    if (!await_end(kill_at))
         ::kill(pid(), SIGKILL);
-    while (!ended())
-        std::this_thread::sleep_for(1ms);
+    await_end(std::chrono::steady_clock::time_point::max());
 }
 
 std::string BackgroundProcess::last_words(std::size_t lines) const

@@ -221,6 +221,15 @@ std::optional<CommandResult> RunningCommand::poll(std::chrono::milliseconds pati
     }
 }
 
+std::vector<int> RunningCommand::descriptors() const
+{
+    std::vector<int> open;
+    for (const auto& stream : parts_->streams)
+        if (stream.fd >= 0)
+            open.push_back(stream.fd);
+    return open;
+}
+
 CommandResult run_command(const std::vector<std::string>& words, std::chrono::milliseconds limit,
                           const std::vector<std::string>& environment)
 {

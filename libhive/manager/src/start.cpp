@@ -1,12 +1,12 @@
-// One engine and one drone: the loop polls the engine until the drone is placed, then the drone until it is ready.
+// One engine and one drone: the loop hears the engine until the drone is placed, then the drone until it is ready.
 #include "engines/engine.hpp"
+#include "inquiry.hpp"
 
 #include <hive/name.hpp>
 #include <hive/program.hpp>
 #include <hive/start.hpp>
 
 #include <algorithm>
-#include <thread>
 
 namespace hive {
 namespace {
@@ -36,7 +36,8 @@ void require_time(const StartOptions& options, Clock::time_point end, const std:
 /// Waits until the drone that runs is ready. Is it of the kind? That of a Python file is what the file says.
 bool is_meant(Application& application, const StartOptions& options)
 {
-    for (const auto end = Clock::now() + options.limit;; std::this_thread::sleep_for(10ms)) {
+    Inquiry inquiry(application);
+    for (const auto end = Clock::now() + options.limit;; inquiry.wait(std::min(end, Clock::now() + 10ms), {})) {
         const auto answer = application.status(std::vector{options.drone.name}).at(0);
         if (!answer.error && answer.status.state != State::starting)
             return is_python_file(options.drone.kind) || answer.status.kind == options.drone.kind;
@@ -48,15 +49,19 @@ bool is_meant(Application& application, const StartOptions& options)
 class Start {
 public:
     Start(Application& application, const StartOptions& options)
-        : application_(application), options_(options), engine_(engine_for(application, options))
+        : application_(application),
+          options_(options),
+          inquiry_(application),
+          engine_(engine_for(application, options)),
+          end_(Clock::now() + options.limit)
     {
-        engine_->begin({options.drone});
+        engine_->begin({options.drone}, end_);
     }
     ~Start()
     {
         if (!ready_)
             try {
-                engine_->stop({options_.drone.name});
+                engine_->stop({options_.drone.name}, std::max(end_, Clock::now()) + 2s);
             } catch (const Error&) {
                 // The error that brought us here is thrown.
             }
@@ -77,7 +82,9 @@ private:
 
     Application& application_;
     const StartOptions& options_;
+    Inquiry inquiry_;
     std::unique_ptr<Engine> engine_;
+    Clock::time_point end_;
     std::optional<Place> place_;
     bool ready_ = false;
 };
@@ -95,22 +102,27 @@ void Start::poll_engine()
 
 bool Start::answers()
 {
-    const auto answer = application_.status(std::vector{options_.drone.name + "@" + place_->host}).at(0);
-    if (answer.error)
-        engine_->look_again(options_.drone.name);
-    return !answer.error && answer.status.state != State::starting;
+    const auto reference = options_.drone.name + "@" + place_->host;
+    inquiry_.ask({reference}, 2s);
+    for (const auto& answer : inquiry_.take()) {
+        if (!answer.error)
+            return answer.status.state != State::starting;
+        if (answer.error->code() == Errc::not_permitted)
+            throw *answer.error;  // another key does not become this one
+        engine_->look_again(options_.drone.name, *answer.error);
+    }
+    return false;
 }
 
 Place Start::await()
 {
-    const auto end = Clock::now() + options_.limit;
     for (;;) {
         poll_engine();
         ready_ = place_ && answers();
         if (ready_)
             return *place_;
-        require_time(options_, end, " and was stopped");
-        std::this_thread::sleep_for(10ms);
+        require_time(options_, end_, " and was stopped");
+        inquiry_.wait(std::min(end_, Clock::now() + 10ms), engine_->descriptors());
     }
 }
 

@@ -250,6 +250,7 @@ public:
     void exception_policy(const std::string& drone, ExceptionPolicy policy);
 
 private:
+    friend class Inquiry;
     class Core;
     std::unique_ptr<Core> core_;
 };

@@ -29,14 +29,21 @@ public:
     [[nodiscard]] pid_t pid() const { return started_->pid; }
     /// The status as of waitpid once it has ended; it is reaped then. 0 when the program around us has reaped it.
     std::optional<int> ended();
-    /// Asks it to end, then insists after a second; returns when it is reaped.
-    void end();
+    /// Readable when it has ended.
+    [[nodiscard]] int descriptor() const { return started_->descriptor; }
+    /// Waits for its end. False: it has not ended by then.
+    bool await_end(std::chrono::steady_clock::time_point until);
+    /// Asks it to end, then insists at that time; returns when it is reaped. A drone ends within two seconds, whatever
+    /// its code does.
+    void end(std::chrono::steady_clock::time_point kill_at = std::chrono::steady_clock::now()
+                                                             + std::chrono::seconds(3));
     /// The last lines that it wrote, at most `lines`.
     [[nodiscard]] std::string last_words(std::size_t lines) const;
 
 private:
     struct Started {
         pid_t pid = -1;
+        int descriptor = -1;  ///< a pidfd
         std::optional<int> status{};
         ~Started();
     };

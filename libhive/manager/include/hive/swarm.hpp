@@ -68,7 +68,7 @@ public:
     /// Starts drones again that fell and whose plan says so, at most 5 times within 60 s each; then
     /// Application::failed() has them. What down() ended, or an up() that has it no more, stays down until it
     /// is brought up again; neither has to wait for a drone of this machine that is just being started again. One on
-    /// another machine is ready first, or given up after 75 s. Returns when `watch` says that it is cancelled; the
+    /// another machine is ready first, or given up after 62 s. Returns when `watch` says that it is cancelled; the
     /// swarm goes on.
     /// @param told  hears what happened, as a sentence
     void stay(const std::function<void(const std::string& text)>& told, const SwarmWatch& watch);

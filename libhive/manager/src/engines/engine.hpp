@@ -3,6 +3,7 @@
 
 #include <hive/swarm.hpp>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,23 +15,28 @@ namespace hive {
 /// begin() and poll() wait for moments at most: one thread drives the engines of all machines in turn.
 class Engine {
 public:
+    using Clock = std::chrono::steady_clock;
+
     /// What has become of a drone that was begun.
     struct Report {
         std::string drone;
         Place place{};                 ///< where it is met; whether it is ready yet, it says itself
         std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name does already
+        bool found = false;            ///< it ran before it was begun
     };
 
     virtual ~Engine() = default;
-    /// Takes the order to start these; they are started a few at a time, while poll() is called.
-    virtual void begin(std::vector<SwarmDrone> drones) = 0;
+    /// Takes the order to start these, to be ready by then; they are started a few at a time, while poll() is called.
+    virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until) = 0;
     /// What is new since the last call: one report for each drone that was begun.
     virtual std::vector<Report> poll() = 0;
+    /// One of these descriptors is readable when poll() may have something new. Without one, only looking tells.
+    [[nodiscard]] virtual std::vector<int> descriptors() const { return {}; }
     /// A drone that was met does not answer: poll() is to report once more what has become of it.
-    virtual void look_again(const std::string& drone) = 0;
-    /// Ends what this engine began and what of it is still to be started. Returns when it is gone, or tells why it is
-    /// not; drones that it never began are left alone.
-    virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) = 0;
+    virtual void look_again(const std::string& drone, const Error& why) = 0;
+    /// Ends what this engine began and what of it is still to be started. Returns by then, when it is gone, or tells
+    /// why it is not; drones that it never began are left alone. Other engines may be doing the same on other threads.
+    virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) = 0;
 };
 
 /// @param host  as the plan calls the machine

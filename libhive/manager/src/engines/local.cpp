@@ -18,15 +18,20 @@ namespace {
 /// So many at a time that the processors are busy, but the first ones are soon ready.
 constexpr std::size_t at_once = 16;
 constexpr std::size_t lines_shown = 15;
+constexpr std::chrono::seconds grace(3);  ///< as BackgroundProcess::end()
 
 class LocalEngine final : public Engine {
 public:
     explicit LocalEngine(std::filesystem::path home) : home_(std::move(home)) {}
 
-    void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
+    void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
+    {
+        std::ranges::move(drones, std::back_inserter(waiting_));
+    }
     std::vector<Report> poll() override;
-    void look_again(const std::string& drone) override;
-    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
+    [[nodiscard]] std::vector<int> descriptors() const override;
+    void look_again(const std::string& drone, const Error& why) override;
+    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
     struct Begun {
@@ -59,11 +64,20 @@ std::vector<Engine::Report> LocalEngine::poll()
     return reports;
 }
 
-void LocalEngine::look_again(const std::string& drone)
+void LocalEngine::look_again(const std::string& drone, const Error&)
 {
     for (auto& begun : begun_)
         if (begun.drone == drone && std::exchange(begun.met, false))
             ++not_met_;
+}
+
+std::vector<int> LocalEngine::descriptors() const
+{
+    std::vector<int> ends;
+    for (const auto& begun : begun_)
+        if (!begun.met)
+            ends.push_back(begun.process.descriptor());
+    return ends;
 }
 
 void LocalEngine::start(const SwarmDrone& drone, std::vector<Report>& reports)
@@ -95,18 +109,19 @@ std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
                   .error = not_ready(begun.drone, *status, begun.process.last_words(lines_shown))};
 }
 
-/// All are asked before one is waited for.
-std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& drones)
+/// All are asked before one is waited for. Which is 3 s at most, so it is not cut short.
+std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
     for (auto& begun : begun_)
         if (meant(begun.drone) && !begun.process.ended())
             ::kill(begun.process.pid(), SIGTERM);
+    const auto kill_at = Clock::now() + grace;
     std::erase_if(begun_, [&](Begun& begun) {
         if (!meant(begun.drone))
             return false;
-        begun.process.end();
+        begun.process.end(kill_at);
         return true;
     });
     return {};

@@ -12,15 +12,12 @@
 #include <deque>
 #include <list>
 #include <map>
-#include <thread>
-
 #include <unistd.h>
 
 namespace hive {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t steps_at_once = 16;  ///< begun and not yet met
 constexpr std::size_t step_log_lines = 15;
@@ -49,10 +46,14 @@ public:
                 options_.push_back(option.get<std::string>());
     }
 
-    void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
+    void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
+    {
+        std::ranges::move(drones, std::back_inserter(waiting_));
+    }
     std::vector<Report> poll() override;
-    void look_again(const std::string& drone) override;
-    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
+    [[nodiscard]] std::vector<int> descriptors() const override;
+    void look_again(const std::string& drone, const Error& why) override;
+    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
     struct Step {
@@ -107,11 +108,20 @@ std::vector<Engine::Report> SlurmEngine::poll()
     return reports;
 }
 
-void SlurmEngine::look_again(const std::string& drone)
+void SlurmEngine::look_again(const std::string& drone, const Error&)
 {
     for (auto& step : steps_)
         if (step.drone.name == drone)
             step.met = false;
+}
+
+std::vector<int> SlurmEngine::descriptors() const
+{
+    auto all = asking_ ? asking_->descriptors() : std::vector<int>();
+    for (const auto& step : steps_)
+        if (!step.met)
+            all.push_back(step.process.descriptor());
+    return all;
 }
 
 /// Where the node is met, Slurm knows. False as long as that is not known.
@@ -216,7 +226,7 @@ std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>
 }
 
 /// A drone that is told to end by SIGTERM forgets what it was told; srun itself would kill it.
-std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& drones)
+std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
@@ -245,15 +255,10 @@ std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& dron
 
 bool SlurmEngine::await_end(const std::vector<std::string>& drones)
 {
-    const auto running = [&](Step& step) {
-        return std::ranges::find(drones, step.drone.name) != drones.end() && !step.process.ended();
-    };
-    for (const auto until = Clock::now() + patience_to_end; Clock::now() < until;) {
-        if (std::ranges::none_of(steps_, running))
-            return true;
-        std::this_thread::sleep_for(10ms);
-    }
-    return false;
+    const auto until = Clock::now() + patience_to_end;
+    return std::ranges::all_of(steps_, [&](Step& step) {
+        return std::ranges::find(drones, step.drone.name) == drones.end() || step.process.await_end(until);
+    });
 }
 
 }  // namespace

@@ -23,8 +23,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t sessions_at_once = 8;
 /// And all engines of this process together, so that descriptors do not run out: each takes three.
 constexpr int sessions_everywhere = 64;
-constexpr auto patience_there = 60s;                  ///< for one drone to be ready
-constexpr auto patience_here = patience_there + 15s;  ///< longer, so that what a start there came to is known here
+constexpr auto a_moment_more = 2s;  ///< than a start there may take, so that what it came to is known here
 constexpr auto patience_to_stop = 30s;
 constexpr auto patience_to_look = 10s;
 constexpr auto look_every = 1s;  ///< what has become of a drone that was ready there and does not answer here
@@ -37,14 +36,23 @@ class SshEngine final : public Engine {
 public:
     SshEngine(const std::string& ssh, const std::filesystem::path& home) : ssh_(ssh), remote_(ssh, home) {}
 
-    void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
+    void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override
+    {
+        std::ranges::move(drones, std::back_inserter(waiting_));
+        until_ = until;
+    }
     std::vector<Report> poll() override;
-    void look_again(const std::string& drone) override;
-    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
+    [[nodiscard]] std::vector<int> descriptors() const override;
+    void look_again(const std::string& drone, const Error& why) override;
+    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
-    using Clock = std::chrono::steady_clock;
-
+    /// A drone that was ready there and does not answer here.
+    struct Silent {
+        Error why;
+        int answers = 0;  ///< that did not come
+        Clock::time_point next_look{};
+    };
     /// One hivectl there.
     struct Session {
         Session(std::string name, const std::vector<std::string>& words, std::chrono::milliseconds limit)
@@ -64,10 +72,12 @@ private:
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
     void look_at_the_silent(std::vector<Report>& reports);
+    [[nodiscard]] Error silence_of(const std::string& drone) const;
     void read_log(const std::string& drone, std::vector<Report>& reports);
     Place place_of(const std::string& drone, const Json& started);
-    void await_starts();
-    std::optional<Error> stop_there(const std::vector<std::string>& drones) const;
+    void await_starts(Clock::time_point until);
+    [[nodiscard]] std::optional<Error> stop_there(const std::vector<std::string>& drones,
+                                                  Clock::time_point until) const;
 
     std::string ssh_;
     Remote remote_;
@@ -75,18 +85,31 @@ private:
     std::deque<SwarmDrone> waiting_;
     std::list<Session> starts_;
     std::list<Session> looks_, logs_;  ///< at drones that were ready there and do not answer here
-    std::map<std::string, Clock::time_point> next_look_;
+    std::map<std::string, Silent> silent_;
+    Clock::time_point until_{};    ///< when what was begun is to be ready
     std::set<std::string> begun_;  ///< that may run because of this engine
     bool connected_ = false;       ///< the first session has made the connection that the others share
 };
 
+/// As hivectl takes them: whole ones, 1 at least.
+std::int64_t seconds_until(Engine::Clock::time_point until)
+{
+    return std::max<std::int64_t>(1, std::chrono::ceil<std::chrono::seconds>(until - Engine::Clock::now()).count());
+}
+
+std::chrono::milliseconds time_until(Engine::Clock::time_point until)
+{
+    return std::chrono::ceil<std::chrono::milliseconds>(
+        std::max(until - Engine::Clock::now(), Engine::Clock::duration(0)));
+}
+
 /// A drone that others find: at a port, unless the plan says which.
-std::vector<std::string> words_of(SwarmDrone drone)
+std::vector<std::string> words_of(SwarmDrone drone, Engine::Clock::time_point until)
 {
     if (drone.listen.empty())
         drone.listen = "tcp://0.0.0.0";
     std::vector<std::string> words{"start", drone.kind, "--as", drone.name, "--json", "--if-missing", "--timeout"};
-    words.push_back(std::to_string(patience_there / 1s));
+    words.push_back(std::to_string(seconds_until(until)));
     const auto program = arguments_of(drone);
     for (std::size_t i = 2; i < program.size(); ++i)  // behind --name NAME
         if (program[i] != "--set")
@@ -135,14 +158,28 @@ std::vector<Engine::Report> SshEngine::poll()
     return reports;
 }
 
-/// The drone was ready when it was reported, since the hivectl there waits for that; but it may have ended since.
-void SshEngine::look_again(const std::string& drone)
+std::vector<int> SshEngine::descriptors() const
+{
+    std::vector<int> all;
+    for (const auto* sessions : {&starts_, &looks_, &logs_})
+        for (const auto& session : *sessions)
+            std::ranges::copy(session.command.descriptors(), std::back_inserter(all));
+    return all;
+}
+
+/// The drone was ready when it was reported, since the hivectl there waits for that; but it may have ended since. One
+/// answer that comes late says little of a slow network.
+void SshEngine::look_again(const std::string& drone, const Error& why)
 {
     const auto now = Clock::now();
-    auto& next = next_look_.try_emplace(drone, now + look_every).first->second;
-    if (now < next || looks_.size() + logs_.size() >= sessions_at_once || running_everywhere >= sessions_everywhere)
+    auto& silent = silent_.try_emplace(drone, Silent{.why = why}).first->second;
+    silent.why = why;
+    ++silent.answers;
+    const bool slow = why.code() == Errc::timeout && silent.answers == 1;
+    if (slow || now < silent.next_look || looks_.size() + logs_.size() >= sessions_at_once
+        || running_everywhere >= sessions_everywhere)
         return;
-    next = now + patience_to_look + look_every;
+    silent.next_look = now + patience_to_look + look_every;
     looks_.emplace_back(drone, remote_.command({"ps", drone}), patience_to_look);
 }
 
@@ -152,6 +189,8 @@ void SshEngine::look_at_the_silent(std::vector<Report>& reports)
         const auto result = look.command.poll();
         if (result && !result->late && result->exit_code == not_found)
             read_log(look.drone, reports);
+        else if (result && !result->late && result->exit_code == 0)
+            reports.push_back({.drone = look.drone, .error = silence_of(look.drone)});
         return result.has_value();
     });
     std::erase_if(logs_, [&](Session& log) {
@@ -163,6 +202,14 @@ void SshEngine::look_at_the_silent(std::vector<Report>& reports)
                                                                 + (result->out.empty() ? "(nothing)" : result->out))});
         return result.has_value();
     });
+}
+
+Error SshEngine::silence_of(const std::string& drone) const
+{
+    const auto& why = silent_.at(drone).why;
+    return {why.code(), drone + " runs on " + remote_.host() + " and is not reached from here: " + why.what(),
+            why.advice().empty() ? "open its port to this machine, or choose one that is open: \"listen\""
+                                 : why.advice()};
 }
 
 void SshEngine::read_log(const std::string& drone, std::vector<Report>& reports)
@@ -177,7 +224,7 @@ void SshEngine::start_next(std::vector<Report>& reports)
     const auto drone = std::move(waiting_.front());
     waiting_.pop_front();
     try {
-        starts_.emplace_back(drone.name, remote_.command(words_of(drone)), patience_here);
+        starts_.emplace_back(drone.name, remote_.command(words_of(drone, until_)), time_until(until_ + a_moment_more));
         begun_.insert(drone.name);
     } catch (const Error& error) {
         reports.push_back({.drone = drone.name, .error = error});
@@ -192,9 +239,10 @@ try {
     connected_ = true;
     if (result.exit_code == 0) {
         const Json started = parse_json(result.out);
-        if (Fields(started, "what hivectl start printed").flag_or("found", false))
+        const bool found = Fields(started, "what hivectl start printed").flag_or("found", false);
+        if (found)
             begun_.erase(drone);  // somebody else's, or that of a hivectl that was killed: not ours to end
-        return {.drone = drone, .place = place_of(drone, started)};
+        return {.drone = drone, .place = place_of(drone, started), .found = found};
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has ended it
@@ -219,26 +267,26 @@ Place SshEngine::place_of(const std::string& drone, const Json& started)
 
 /// A start that is under way there goes on when its ssh is ended here, so it is waited for, as long as the hivectl
 /// there may take, and then undone. One that is asked to stop before it is ready there would be ready later.
-void SshEngine::await_starts()
+void SshEngine::await_starts(Clock::time_point until)
 {
     for (auto& start : starts_)
-        if (const auto result = start.command.poll(patience_here))  // all of them began by now
+        if (const auto result = start.command.poll(time_until(until)))
             static_cast<void>(report_of(start.drone, *result));
     starts_.clear();
 }
 
-std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones)
+std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones, Clock::time_point until)
 {
     std::set<std::string> meant(drones.begin(), drones.end());
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant.contains(drone.name); });
-    await_starts();
+    await_starts(until);
     std::erase_if(meant, [&](const std::string& name) { return !begun_.contains(name); });
     if (meant.empty())
         return {};
     std::vector<SwarmFailure> remains;
-    if (stop_there({meant.begin(), meant.end()}))
+    if (stop_there({meant.begin(), meant.end()}, until))
         for (const auto& name : meant)  // which of them is it?
-            if (const auto error = stop_there({name}))
+            if (const auto error = stop_there({name}, until))
                 remains.push_back({name, *error});
     for (const auto& name : meant)
         if (std::ranges::find(remains, name, &SwarmFailure::drone) == remains.end())
@@ -246,11 +294,16 @@ std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones
     return remains;
 }
 
-std::optional<Error> SshEngine::stop_there(const std::vector<std::string>& drones) const
+std::optional<Error> SshEngine::stop_there(const std::vector<std::string>& drones, Clock::time_point until) const
 try {
-    std::vector<std::string> words{"stop"};
+    until = std::min(until, Clock::now() + patience_to_stop);
+    if (Clock::now() >= until)
+        throw Error(Errc::timeout,
+                    remote_.host() + " has not answered in time: whether " + drones.front() + " runs there is unknown",
+                    "see there: ssh " + ssh_ + " hivectl ps");
+    std::vector<std::string> words{"stop", "--timeout", std::to_string(seconds_until(until - 1s))};
     words.insert(words.end(), drones.begin(), drones.end());
-    const auto result = remote_.hivectl(words, patience_to_stop);
+    const auto result = remote_.hivectl(words, time_until(until));
     if (result.exit_code == 0 || (drones.size() == 1 && result.exit_code == not_found))
         return std::nullopt;
     return Error(Errc::failed, remote_.host() + ": " + last_line(result.err));

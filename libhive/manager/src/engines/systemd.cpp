@@ -20,7 +20,6 @@ namespace hive {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::ptrdiff_t units_at_once = 32;  ///< begun and not yet met
 constexpr std::size_t journal_lines = 15;
@@ -31,10 +30,14 @@ class SystemdEngine final : public Engine {
 public:
     explicit SystemdEngine(std::filesystem::path home) : home_(std::move(home)) {}
 
-    void begin(std::vector<SwarmDrone> drones) override { std::ranges::move(drones, std::back_inserter(waiting_)); }
+    void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
+    {
+        std::ranges::move(drones, std::back_inserter(waiting_));
+    }
     std::vector<Report> poll() override;
-    void look_again(const std::string& drone) override;
-    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones) override;
+    [[nodiscard]] std::vector<int> descriptors() const override;
+    void look_again(const std::string& drone, const Error& why) override;
+    std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
     struct Unit {
@@ -110,10 +113,19 @@ std::vector<Engine::Report> SystemdEngine::poll()
     return reports;
 }
 
-void SystemdEngine::look_again(const std::string& drone)
+void SystemdEngine::look_again(const std::string& drone, const Error&)
 {
     if (const auto found = units_.find(drone); found != units_.end())
         found->second.met = false;
+}
+
+std::vector<int> SystemdEngine::descriptors() const
+{
+    std::vector<int> all;
+    for (const auto* command : {&calling_, &asking_})
+        if (*command)
+            std::ranges::copy((*command)->descriptors(), std::back_inserter(all));
+    return all;
 }
 
 /// A few units at a time, so that the first ones are soon ready.
@@ -243,7 +255,7 @@ std::vector<std::string> SystemdEngine::names_not_met() const
 }
 
 /// Their units are gone with them.
-std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones)
+std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     std::erase_if(waiting_,
                   [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); });

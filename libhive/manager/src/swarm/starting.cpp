@@ -7,19 +7,43 @@
 #include <hive/event/clock.hpp>
 
 #include <algorithm>
+#include <future>
 #include <iterator>
-#include <thread>
 
 namespace hive::swarm {
 
 using namespace std::chrono_literals;
 
-Starting::Starting(Application& application, const SwarmPlan& plan) : application_(application), plan_(plan) {}
+namespace {
+
+/// A lock that is free, or a name that is taken, tells nobody: it has to be looked at.
+constexpr auto look_every = 10ms;
+constexpr auto patience_for_answer = 2s;
+constexpr auto patience_to_undo = 2s;
+
+/// Ends these. What cannot be ended is told.
+std::vector<SwarmFailure> stopped(Engine& engine, const std::vector<std::string>& drones,
+                                  Engine::Clock::time_point until)
+try {
+    return engine.stop(drones, until);
+} catch (const Error& error) {
+    std::vector<SwarmFailure> remains;
+    for (const auto& drone : drones)
+        remains.push_back({drone, error});
+    return remains;
+}
+
+}  // namespace
+
+Starting::Starting(Application& application, const SwarmPlan& plan)
+    : application_(application), plan_(plan), inquiry_(application)
+{
+}
 
 std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
                                         const SwarmWatch& watch, AtFailure at_failure)
 {
-    const auto end = event::Clock::now() + patience;
+    end_ = event::Clock::now() + patience;
     begin(drones);
     while (!waiting_.empty() && (failures_.empty() || at_failure == AtFailure::go_on)) {
         hear_engines();
@@ -30,28 +54,45 @@ std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, 
             watch.on_waiting({waiting_.begin(), waiting_.end()});
         if (watch.cancelled && watch.cancelled())
             failed(waiting_.empty() ? plan_.name : *waiting_.begin(), Error(Errc::stopped, "interrupted"));
-        else if (event::Clock::now() >= end)
+        else if (event::Clock::now() >= end_)
             for (const auto& drone : std::set(waiting_))
-                failed(drone, Error(Errc::timeout, drone + " was not ready in time", "allow more: --timeout SECONDS"));
+                failed(drone, not_ready_in_time(drone));
         else
-            std::this_thread::sleep_for(10ms);
+            wait();
     }
     return std::exchange(failures_, {});
 }
 
+void Starting::wait()
+{
+    std::vector<int> descriptors;
+    for (const auto& [host, engine] : engines_)
+        std::ranges::copy(engine->descriptors(), std::back_inserter(descriptors));
+    inquiry_.wait(std::min(end_, event::Clock::now() + look_every), descriptors);
+}
+
+Error Starting::not_ready_in_time(const std::string& drone) const
+{
+    const auto last = last_errors_.find(drone);
+    if (last == last_errors_.end())
+        return {Errc::timeout, drone + " was not ready in time", "allow more: --timeout SECONDS"};
+    return {Errc::timeout, drone + " was not ready in time: " + last->second.what(), last->second.advice()};
+}
+
+/// Each engine on a thread of its own: a machine that does not answer takes the time of no other one.
 std::vector<SwarmFailure> Starting::undo(const std::set<std::string>& drones)
 {
-    std::vector<SwarmFailure> remains;
+    const auto until = std::max(end_, event::Clock::now()) + patience_to_undo;
     std::map<Engine*, std::vector<std::string>> by_engine;
     for (const auto& drone : drones)
         by_engine[&engine_of(*plan_.drone(drone))].push_back(drone);
+    std::vector<std::future<std::vector<SwarmFailure>>> stops;
     for (const auto& [engine, begun] : by_engine)
-        try {
-            std::ranges::move(engine->stop(begun), std::back_inserter(remains));
-        } catch (const Error& error) {  // the other engines end theirs all the same
-            for (const auto& drone : begun)
-                remains.push_back({drone, error});
-        }
+        stops.push_back(
+            std::async(std::launch::async, [engine, &begun, until] { return stopped(*engine, begun, until); }));
+    std::vector<SwarmFailure> remains;
+    for (auto& stop : stops)
+        std::ranges::move(stop.get(), std::back_inserter(remains));
     auto ended = drones;
     for (const auto& failure : remains)
         ended.erase(failure.drone);
@@ -59,21 +100,11 @@ std::vector<SwarmFailure> Starting::undo(const std::set<std::string>& drones)
     return remains;
 }
 
-/// But of those that answer: an engine leaves alone what it has found and not begun.
 void Starting::forget_places(const std::set<std::string>& drones)
-try {
-    std::vector<Place> elsewhere;
-    for (const auto& [drone, place] : places_)
-        if (drones.contains(drone))
-            elsewhere.push_back(place);
-    std::vector<std::string> names;
-    std::ranges::transform(elsewhere, std::back_inserter(names), &Place::drone);
-    const auto answers = application_.status(names);
-    for (std::size_t i = 0; i < elsewhere.size(); ++i)
-        if (answers[i].error)
-            application_.forget_place(elsewhere[i]);
-} catch (const Error&) {
-    // Cancelled once more: they stay in the list, as unreachable.
+{
+    for (const auto& drone : drones)
+        if (const auto found = places_.find(drone); found != places_.end())
+            application_.forget_place(found->second);
 }
 
 Engine& Starting::engine_of(const SwarmDrone& drone)
@@ -92,7 +123,7 @@ void Starting::begin(const std::vector<std::string>& drones)
     begun_ = {drones.begin(), drones.end()};
     waiting_ = begun_;
     for (auto& [engine, orders] : by_engine)
-        engine->begin(std::move(orders));
+        engine->begin(std::move(orders), end_);
 }
 
 void Starting::hear_engines()
@@ -103,7 +134,8 @@ void Starting::hear_engines()
             if (!report.error) {
                 if (!is_here(report.place)) {
                     places.push_back(report.place);
-                    places_[report.drone] = report.place;
+                    if (!report.found)
+                        places_[report.drone] = report.place;
                 }
                 placed_.insert(report.drone);
             } else if (report.error->code() == Errc::name_taken) {
@@ -116,27 +148,38 @@ void Starting::hear_engines()
 
 void Starting::look_who_is_ready()
 {
-    const auto names = std::vector(placed_.begin(), placed_.end());
-    for (const auto& answer : application_.status(names))
-        try {
-            if (answer.error) {
-                engine_of(*plan_.drone(answer.drone)).look_again(answer.drone);
-                continue;
+    inquiry_.ask({placed_.begin(), placed_.end()}, patience_for_answer);
+    for (const auto& answer : inquiry_.take())
+        if (placed_.contains(answer.drone))
+            try {
+                hear(answer);
+            } catch (const Error& error) {
+                failed(answer.drone, error);
             }
-            if (answer.status.state == State::starting)
-                continue;
-            require_same(plan_, *plan_.drone(answer.drone), answer);
-            placed_.erase(answer.drone);
-            waiting_.erase(answer.drone);
-        } catch (const Error& error) {
-            failed(answer.drone, error);  // another was faster
-        }
+}
+
+void Starting::hear(const StatusAnswer& answer)
+{
+    const auto& drone = *plan_.drone(answer.drone);
+    if (answer.error && answer.error->code() == Errc::not_permitted)
+        throw *answer.error;  // another key does not become this one
+    if (answer.error) {
+        last_errors_.insert_or_assign(drone.name, *answer.error);
+        return engine_of(drone).look_again(drone.name, *answer.error);
+    }
+    last_errors_.erase(drone.name);
+    if (answer.status.state == State::starting)
+        return;
+    require_same(plan_, drone, answer);  // another may have been faster
+    placed_.erase(drone.name);
+    waiting_.erase(drone.name);
 }
 
 void Starting::failed(std::string drone, const Error& error)
 {
-    waiting_.erase(drone);
     placed_.erase(drone);
+    if (waiting_.erase(drone) == 0 && plan_.drone(drone))
+        return;  // it is ready, or has failed before
     failures_.push_back({std::move(drone), error});
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../engines/engine.hpp"
+#include "../inquiry.hpp"
 
 #include <hive/swarm.hpp>
 
@@ -24,7 +25,7 @@ public:
     /// Returns when all are ready, or when it is known that not all will be: at the first failure, or of all.
     std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
                                   const SwarmWatch& watch, AtFailure at_failure = AtFailure::end);
-    /// Ends what was begun. What cannot be ended is told.
+    /// Ends what was begun, within 2 s behind the time that run() had. What cannot be ended is told.
     std::vector<SwarmFailure> undo() { return undo(std::exchange(begun_, {})); }
     std::vector<SwarmFailure> undo(const std::set<std::string>& drones);
 
@@ -32,8 +33,11 @@ private:
     Engine& engine_of(const SwarmDrone& drone);
     void begin(const std::vector<std::string>& drones);
     void forget_places(const std::set<std::string>& drones);
+    void wait();
     void hear_engines();
     void look_who_is_ready();
+    void hear(const StatusAnswer& answer);
+    [[nodiscard]] Error not_ready_in_time(const std::string& drone) const;
     void failed(std::string drone,
                 const Error& error);  // by value: it may come out of the sets that it is taken out of
 
@@ -43,7 +47,10 @@ private:
     std::set<std::string> begun_;                             ///< all
     std::set<std::string> placed_;                            ///< of those: met somewhere, but not known to be ready
     std::set<std::string> waiting_;                           ///< of those begun: neither ready nor failed
-    std::map<std::string, Place> places_;                     ///< where those are met that are elsewhere
+    std::map<std::string, Place> places_;       ///< where those are met that are elsewhere, and were begun here
+    std::map<std::string, Error> last_errors_;  ///< why those in placed_ do not answer
+    Inquiry inquiry_;
+    event::Clock::time_point end_{};
     std::vector<SwarmFailure> failures_;
 };
 
