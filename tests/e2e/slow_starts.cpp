@@ -4,6 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <csignal>
+#include <utility>
+
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
@@ -41,6 +44,25 @@ TEST_CASE("up: that a drone on another machine has another key, or is not reache
         closed.err);
     CHECK_MESSAGE(has_processes(there, 0), closed.err);
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
+}
+
+TEST_CASE("down: drones of another machine that are gone, or hang, keep it from nothing")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    auto content = far_ticker("me@gpu1", {{"insecure", true}});
+    content["drones"]["hung"] = content["drones"]["gone"] = content["drones"]["t"];
+    const File file(here, content);
+    REQUIRE(ssh.hivectl({"up", file}).exit_code == 0);
+    for (const auto& [drone, signal] : {std::pair{"gone", SIGKILL}, {"hung", SIGSTOP}})
+        ::kill(static_cast<pid_t>(there.application().status(drone).pid), signal);
+    const auto down = ssh.hivectl({"down", "--timeout", "3"});
+    CHECK_MESSAGE(down.exit_code == 0, down.err);
+    CHECK(lines_of(down.out) == 3);
+    CHECK(has_processes(there, 0));
+    CHECK(there.application().remembered().empty());
+    CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
+    CHECK(has(ssh.hivectl({"down"}).err, "no swarm was brought up"));
 }
 
 TEST_CASE("up: --timeout holds, and the drones of other machines are ended, though a machine does not answer")

@@ -173,6 +173,12 @@ void forgive_haste(std::vector<Answer>& answers)
             answer.error.reset();
 }
 
+/// Or be killed: one of this machine that gives no answer hangs.
+bool may_end(const Place& place, const Answer& answer)
+{
+    return !answer.error || (is_here(place) && answer.error->code() == Errc::timeout);
+}
+
 }  // namespace
 
 std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
@@ -194,7 +200,8 @@ std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
     for (std::size_t asked = 0; const auto& drone : drones) {
         const bool ran = asked < running.size() && running[asked] == drone;
         answers.push_back(ran ? std::move(stopped[asked]) : Answer{drone, {}, {}});
-        if (const auto* place = ran ? std::get_if<Place>(&places[asked]) : nullptr; place && !answers.back().error)
+        if (const auto* place = ran ? std::get_if<Place>(&places[asked]) : nullptr;
+            place && may_end(*place, answers.back()))
             answers.back().error = core_->wait_until_gone(*place, until);
         asked += ran ? 1 : 0;
     }

@@ -212,11 +212,24 @@ bool Application::Core::answers(const Place& place)
     return !std::holds_alternative<Error>(wait_for(reply));
 }
 
+void Application::Core::kill(const std::string& drone) const
+{
+    if (const auto pid = directory.home().holder(drone); pid > 0 && directory.home().alive(drone))
+        platform::kill_process(pid);
+    directory.home().forget_state(drone);
+}
+
 std::optional<Error> Application::Core::wait_until_gone(const Place& place, event::Clock::time_point until)
 {
+    bool killed = false;
     while (answers(place)) {
-        if (event::Clock::now() >= until)
+        if (event::Clock::now() >= until && (killed || !is_here(place)))
             return Error(Errc::timeout, place.drone + " was told to stop and still runs");
+        if (event::Clock::now() >= until) {
+            kill(place.drone);
+            killed = true;
+            until = event::Clock::now() + std::chrono::seconds(1);
+        }
         require_not_cancelled();
         platform::sleep_for(std::chrono::milliseconds(2));
     }

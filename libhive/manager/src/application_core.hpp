@@ -48,7 +48,10 @@ public:
     void note_answers(const std::vector<StatusAnswer>& answers);
     /// Does a drone live there, as far as it can be told from here?
     [[nodiscard]] bool answers(const Place& place);
-    /// Strikes its place off the list when it is; otherwise the error is Errc::timeout.
+    /// Ends a drone of this machine that does not do so itself, and forgets what it was told.
+    void kill(const std::string& drone) const;
+    /// Strikes its place off the list when it is. By then one of this machine is killed; of another one the error is
+    /// Errc::timeout.
     [[nodiscard]] std::optional<Error> wait_until_gone(const Place& place, event::Clock::time_point until);
     /// Has what this drone was told outlived it?
     [[nodiscard]] bool remembers(const std::string& drone) const;

@@ -1,6 +1,7 @@
 // What the system tells about processes.
 #include <hive/platform/process.hpp>
 
+#include <csignal>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -26,6 +27,8 @@ bool process_ends(std::int64_t pid)
     fields >> state >> skipped >> skipped >> skipped >> skipped >> skipped >> flags;
     return state == "Z" || state == "X" || (flags & exiting) != 0;
 }
+
+void kill_process(std::int64_t pid) { ::kill(static_cast<pid_t>(pid), SIGKILL); }
 
 void sleep_for(std::chrono::nanoseconds time) { std::this_thread::sleep_for(time); }
 

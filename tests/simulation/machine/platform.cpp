@@ -26,6 +26,7 @@ WallClock::time_point WallClock::now() noexcept
 
 std::int64_t own_pid() noexcept { return world().current() ? world().current()->pid : 1; }
 bool process_ends(std::int64_t pid) { return world().ends(pid); }
+void kill_process(std::int64_t pid) { world().kill(pid); }
 void sleep_for(std::chrono::nanoseconds time) { world().sleep(time); }
 std::uint64_t entropy() { return world().entropy(); }
 

@@ -103,6 +103,15 @@ Process& World::spawn(std::string name, std::function<void()> main)
     return process;
 }
 
+void World::kill(std::int64_t pid)
+{
+    at(now_, [this, pid] {
+        for (const auto& process : processes_)
+            if (process->pid == pid)
+                kill(*process);
+    });
+}
+
 void World::kill(Process& process)
 {
     if (process.dead)

@@ -127,6 +127,8 @@ public:
     Process& spawn(std::string name, std::function<void()> main);
     /// Nothing of it runs any more, but for the destructors on its stacks, for which nothing in the world exists.
     void kill(Process& process);
+    /// The same, as soon as what runs now has to wait.
+    void kill(std::int64_t pid);
     [[nodiscard]] bool ends(std::int64_t pid) const;
     /// What is running; null outside of all processes.
     [[nodiscard]] Process* current() const { return current_; }

@@ -241,8 +241,8 @@ public:
 
     void halt(const std::string& drone);
     void resume(const std::string& drone);
-    /// Ends a drone and forgets what it was told, and its place; returns when it is gone. One that crashed on this
-    /// machine is forgotten only.
+    /// Ends a drone and forgets what it was told, and its place; returns when it is gone. One of this machine that
+    /// hangs is killed when the time is over, one that crashed is forgotten only.
     void stop(const std::string& drone);
     /// The same of many at once; returns when all are gone, or their time is over.
     std::vector<Answer> stop(const std::vector<std::string>& drones);

@@ -5,7 +5,39 @@
 #include <hive/program.hpp>
 #include <hive/protocol/connect_text.hpp>
 
+#include <algorithm>
+#include <future>
+#include <iterator>
+
 namespace hive {
+
+namespace {
+
+std::vector<SwarmFailure> stopped(Engine& engine, const std::vector<std::string>& drones,
+                                  Engine::Clock::time_point until)
+try {
+    return engine.stop(drones, until);
+} catch (const Error& error) {
+    std::vector<SwarmFailure> remains;
+    for (const auto& drone : drones)
+        remains.push_back({drone, error});
+    return remains;
+}
+
+}  // namespace
+
+std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::string>>& drones,
+                                   Engine::Clock::time_point until)
+{
+    std::vector<std::future<std::vector<SwarmFailure>>> stops;
+    for (const auto& [engine, names] : drones)
+        stops.push_back(
+            std::async(std::launch::async, [engine, &names, until] { return stopped(*engine, names, until); }));
+    std::vector<SwarmFailure> remains;
+    for (auto& stop : stops)
+        std::ranges::move(stop.get(), std::back_inserter(remains));
+    return remains;
+}
 
 std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string& host,
                                     const std::filesystem::path& home)

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,9 @@ public:
     [[nodiscard]] virtual std::vector<int> descriptors() const { return {}; }
     /// A drone that was met does not answer: poll() is to report once more what has become of it.
     virtual void look_again(const std::string& drone, const Error& why) = 0;
+    /// Counts these as begun, by an earlier process, so that stop() ends them. Drones of this machine need no engine
+    /// for that: Application::stop() ends them, whatever they do.
+    virtual void adopt(const std::vector<std::string>&) {}
     /// Ends what this engine began and what of it is still to be started. Returns by then, when it is gone, or tells
     /// why it is not; drones that it never began are left alone. Other engines may be doing the same on other threads.
     virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) = 0;
@@ -43,6 +47,11 @@ public:
 /// @param home  where drones of this machine meet
 std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string& host,
                                     const std::filesystem::path& home);
+
+/// Ends drones, each engine on a thread of its own: a machine that does not answer takes the time of no other one. What
+/// cannot be ended is told.
+std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::string>>& drones,
+                                   Engine::Clock::time_point until);
 
 /// Adds --expect for each planned receiver of this drone whose ports are known.
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
@@ -58,7 +67,7 @@ std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home);
 std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
 /// @param settings  {"options": [further ones of srun]}
 /// @param node      as Slurm calls it
-/// Throws Errc::refused outside of an allocation.
+/// Outside of an allocation begin() throws Errc::refused.
 std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
                                           const std::filesystem::path& home);
 /// @param settings  the machine as ssh knows it: "lab-cam1"

@@ -43,6 +43,7 @@ public:
     }
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() const override;
+    void adopt(const std::vector<std::string>& drones) override { begun_.insert(drones.begin(), drones.end()); }
     void look_again(const std::string& drone, const Error& why) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 

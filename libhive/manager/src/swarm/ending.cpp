@@ -2,18 +2,23 @@
 #include "ending.hpp"
 
 #include "../directory.hpp"
+#include "../engines/engine.hpp"
+#include "../inquiry.hpp"
 #include "draining.hpp"
 
 #include <hive/event/clock.hpp>
 
 #include <algorithm>
-#include <thread>
+#include <map>
+#include <set>
 
 namespace hive::swarm {
 
 using namespace std::chrono_literals;
 
 namespace {
+
+constexpr auto patience_of_engines = 2s;  ///< beyond the time that drones have to end
 
 std::vector<std::string> without(const std::vector<StatusAnswer>& all, const std::vector<std::string>& some)
 {
@@ -29,6 +34,7 @@ std::vector<std::string> without(const std::vector<StatusAnswer>& all, const std
 SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& watch)
 {
     const auto end = event::Clock::now() + patience;
+    forget_crashed();
     auto left = ask();
     const auto all = left.size();
     for (const auto& source : sources(left))
@@ -44,7 +50,7 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
             names.clear();
             std::ranges::transform(left, std::back_inserter(names), &StatusAnswer::drone);
         }
-        stop(names);
+        stop(names, end);
         if (watch.on_progress)
             watch.on_progress(all - left.size() + names.size(), all, "ended");
         if (watch.on_waiting)
@@ -52,9 +58,19 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
         if (late)
             break;
         if (names.empty())
-            std::this_thread::sleep_for(10ms);
+            Inquiry(application_).wait(event::Clock::now() + 10ms, {});
     }
     return std::move(outcome_);
+}
+
+/// What they were told is for drones that come back.
+void Ending::forget_crashed()
+{
+    auto names = application_.remembered();
+    for (const auto& failed : application_.failed())
+        names.push_back(failed.drone);
+    std::erase_if(names, [&](const std::string& name) { return !plan_.drone(name); });
+    application_.stop(names);
 }
 
 /// Those that run. What has failed to end is not asked again.
@@ -70,14 +86,56 @@ std::vector<StatusAnswer> Ending::ask() const
     return answers;
 }
 
-void Ending::stop(const std::vector<std::string>& drones)
+void Ending::stop(const std::vector<std::string>& drones, event::Clock::time_point end)
 {
+    std::vector<Answer> silent;
     for (const auto& answer : application_.stop(drones)) {
-        if (answer.error && answer.error->code() != Errc::not_found)
-            outcome_.failures.push_back({answer.drone, *answer.error});
+        if (!answer.error || answer.error->code() == Errc::not_found)
+            ended(answer.drone);
+        else if (is_elsewhere(answer.drone))
+            silent.push_back(answer);
         else
-            outcome_.steps.push_back({.what = SwarmStep::What::stop, .drone = answer.drone});
+            outcome_.failures.push_back({answer.drone, *answer.error});
     }
+    if (!silent.empty())
+        stop_silent(silent, end);
+}
+
+/// What does not answer from another machine may be gone, hang, or be cut off. Its engine can tell, and end it.
+void Ending::stop_silent(const std::vector<Answer>& silent, event::Clock::time_point end)
+{
+    std::map<std::string, std::unique_ptr<Engine>> engines;
+    std::map<Engine*, std::vector<std::string>> by_engine;
+    std::set<std::string> left;
+    for (const auto& [drone, result, error] : silent) {
+        const auto& host = plan_.drone(drone)->host;
+        auto& engine = engines[host];
+        if (!engine)
+            engine = make_engine(plan_.engine_of(host), host, application_.home());
+        engine->adopt({drone});
+        by_engine[engine.get()].push_back(drone);
+    }
+    for (auto& failure : stop_all(by_engine, std::max(end, event::Clock::now()) + patience_of_engines)) {
+        left.insert(failure.drone);
+        outcome_.failures.push_back(std::move(failure));
+    }
+    for (const auto& answer : silent)
+        if (!left.contains(answer.drone)) {
+            application_.forget_place(application_.place(answer.drone));
+            ended(answer.drone);
+        }
+}
+
+bool Ending::is_elsewhere(const std::string& drone) const
+try {
+    return !is_here(application_.place(drone)) && plan_.drone(drone)->host != Place::here;
+} catch (const Error&) {
+    return false;  // none of that name is known any more
+}
+
+void Ending::ended(const std::string& drone)
+{
+    outcome_.steps.push_back({.what = SwarmStep::What::stop, .drone = drone});
 }
 
 }  // namespace hive::swarm

@@ -1,6 +1,7 @@
 // Takes a swarm down: its sources first, and each drone when it has handed on what it had.
 #pragma once
 
+#include <hive/event/clock.hpp>
 #include <hive/swarm.hpp>
 
 #include <chrono>
@@ -17,8 +18,12 @@ public:
     SwarmOutcome run(std::chrono::milliseconds patience, const SwarmWatch& watch);
 
 private:
+    void forget_crashed();
     [[nodiscard]] std::vector<StatusAnswer> ask() const;
-    void stop(const std::vector<std::string>& drones);
+    void stop(const std::vector<std::string>& drones, event::Clock::time_point end);
+    void stop_silent(const std::vector<Answer>& silent, event::Clock::time_point end);
+    [[nodiscard]] bool is_elsewhere(const std::string& drone) const;
+    void ended(const std::string& drone);
 
     Application& application_;
     const SwarmPlan& plan_;

@@ -7,7 +7,6 @@
 #include <hive/event/clock.hpp>
 
 #include <algorithm>
-#include <future>
 #include <iterator>
 
 namespace hive::swarm {
@@ -20,18 +19,6 @@ namespace {
 constexpr auto look_every = 10ms;
 constexpr auto patience_for_answer = 2s;
 constexpr auto patience_to_undo = 2s;
-
-/// Ends these. What cannot be ended is told.
-std::vector<SwarmFailure> stopped(Engine& engine, const std::vector<std::string>& drones,
-                                  Engine::Clock::time_point until)
-try {
-    return engine.stop(drones, until);
-} catch (const Error& error) {
-    std::vector<SwarmFailure> remains;
-    for (const auto& drone : drones)
-        remains.push_back({drone, error});
-    return remains;
-}
 
 }  // namespace
 
@@ -79,20 +66,13 @@ Error Starting::not_ready_in_time(const std::string& drone) const
     return {Errc::timeout, drone + " was not ready in time: " + last->second.what(), last->second.advice()};
 }
 
-/// Each engine on a thread of its own: a machine that does not answer takes the time of no other one.
 std::vector<SwarmFailure> Starting::undo(const std::set<std::string>& drones)
 {
     const auto until = std::max(end_, event::Clock::now()) + patience_to_undo;
     std::map<Engine*, std::vector<std::string>> by_engine;
     for (const auto& drone : drones)
         by_engine[&engine_of(*plan_.drone(drone))].push_back(drone);
-    std::vector<std::future<std::vector<SwarmFailure>>> stops;
-    for (const auto& [engine, begun] : by_engine)
-        stops.push_back(
-            std::async(std::launch::async, [engine, &begun, until] { return stopped(*engine, begun, until); }));
-    std::vector<SwarmFailure> remains;
-    for (auto& stop : stops)
-        std::ranges::move(stop.get(), std::back_inserter(remains));
+    auto remains = stop_all(by_engine, until);
     auto ended = drones;
     for (const auto& failure : remains)
         ended.erase(failure.drone);
