@@ -13,7 +13,9 @@
 
 #include <hive/name.hpp>
 #include <hive/remote.hpp>
+#include <hive/swarm.hpp>
 
+#include <algorithm>
 #include <deque>
 #include <fstream>
 #include <optional>
@@ -85,6 +87,15 @@ int follow(const std::filesystem::path& file, std::streamoff from, const Options
     return interrupt::exit_code();
 }
 
+/// The output of a step of Slurm comes to the machine that started it.
+bool is_step(hive::Application& application, const std::string& drone)
+{
+    return std::ranges::any_of(hive::Swarm::remembered(application), [&](const hive::SwarmPlan& plan) {
+        const auto* const found = plan.drone(drone);
+        return found && plan.engine_of(found->host).name == "slurm";
+    });
+}
+
 int read_there(const hive::Place& place, const Options& options, Session& session)
 {
     if (place.ssh.empty())
@@ -112,7 +123,8 @@ int run(const Options& options, Session& session)
 {
     auto& application = session.application();
     if (runs(application, options.name))
-        if (const auto place = application.place(options.name); is_elsewhere(place))
+        if (const auto place = application.place(options.name);
+            is_elsewhere(place) && !is_step(application, place.drone))
             return read_there(place, options, session);
     const auto name = options.name.substr(0, options.name.find('@'));
     const auto file = session.home() / (hive::require_name(name, "drone") + ".log");
@@ -139,7 +151,7 @@ Verb verb()
             .summary = "Prints the last lines that a drone has written, wherever it runs",
             .details = "On this machine it reads NAME.log in the directory where drones meet, which hivectl start has "
                        "begun. It ends with the stack of a drone that died of a signal such as SIGSEGV. The log of a "
-                       "drone that was started with --on is read through ssh.",
+                       "drone that was started with --on is read through ssh; that of a step of Slurm lies here.",
             .examples = "hivectl logs face -n 5",
             .timeout = "how long to wait for the other machine (default 5), or to follow (default: for ever)",
             .operands = {Operand::drone},

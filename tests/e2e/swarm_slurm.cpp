@@ -56,7 +56,7 @@ TEST_CASE("up under slurm: a swarm on three nodes, each drone a step, what fell 
                   : row.at("name") == "worker-1" || row.at("name") == "worker-3" ? "n2"
                                                                                  : "n3"));
     CHECK(lines_of(lab.shell_done("hivectl results 'worker-*' -n 8")) == 8);
-    CHECK(has(lab.shell_done("hivectl logs source || cat $HIVE_HOME/source.log"), "listening on tcp://"));
+    CHECK(has(lab.shell_done("hivectl logs source"), "listening on tcp://"));
     CHECK(lab.shell_done(up).empty());
 
     lab.shell_done("scancel --signal=KILL $(squeue -s -h -j $SLURM_JOB_ID -o '%i %j' | grep worker-2 | cut -d' ' -f1)");
@@ -65,6 +65,8 @@ TEST_CASE("up under slurm: a swarm on three nodes, each drone a step, what fell 
     CHECK(lab.steps() == all);
     lab.shell_done("scancel " + lab.job());
     CHECK(eventually([&] { return lab.processes() == 0; }, 20'000ms));
+    CHECK(lines_of(lab.shell_done("hivectl down")) == 5);
+    CHECK(lab.shell_done("hivectl place list --json") == "[]\n");
 }
 
 TEST_CASE("up under slurm: a killed up leaves what the next one finds, and one that fails leaves nothing")

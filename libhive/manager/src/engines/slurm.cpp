@@ -12,6 +12,11 @@
 #include <deque>
 #include <list>
 #include <map>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace hive {
@@ -46,12 +51,10 @@ public:
                 options_.push_back(option.get<std::string>());
     }
 
-    void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
-    {
-        std::ranges::move(drones, std::back_inserter(waiting_));
-    }
+    void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override;
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() const override;
+    void adopt(const std::vector<std::string>& drones) override { adopted_.insert(drones.begin(), drones.end()); }
     void look_again(const std::string& drone, const Error& why) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
@@ -70,7 +73,7 @@ private:
     [[nodiscard]] std::optional<Report> look(Step& step) const;
     [[nodiscard]] Report place_of(const std::string& drone, int port) const;
     [[nodiscard]] std::vector<std::string> steps_named(const std::vector<std::string>& drones) const;
-    bool await_end(const std::vector<std::string>& drones);
+    [[nodiscard]] std::vector<std::string> left_of(const std::vector<std::string>& drones);
 
     std::string node_;
     std::filesystem::path home_;
@@ -80,6 +83,7 @@ private:
     std::optional<RunningCommand> asking_;
     std::deque<SwarmDrone> waiting_;
     std::list<Step> steps_;
+    std::set<std::string> adopted_;
 };
 
 /// Of "NodeName=n1 ... NodeAddr=10.0.0.7 ...".
@@ -90,6 +94,15 @@ std::string address_in(const std::string& text)
     return begin == std::string::npos
                ? ""
                : text.substr(begin + key.size(), text.find_first_of(" \n", begin) - begin - key.size());
+}
+
+void SlurmEngine::begin(std::vector<SwarmDrone> drones, Clock::time_point)
+{
+    if (job_.empty())
+        throw Error(Errc::refused,
+                    "the drones on " + node_ + " are steps of a Slurm allocation, and there is none here",
+                    "bring the swarm up from a shell of salloc, or from an sbatch script");
+    std::ranges::move(drones, std::back_inserter(waiting_));
 }
 
 std::vector<Engine::Report> SlurmEngine::poll()
@@ -196,12 +209,12 @@ std::optional<Engine::Report> SlurmEngine::look(Step& step) const
     const auto status = step.process.ended();
     if (!status)
         return reachable(address_, step.port) ? std::optional(place_of(name, step.port)) : std::nullopt;
-    const auto words = step.process.last_words(step_log_lines);
-    if (words.find(name + " runs already") != std::string::npos)
+    const bool refused = WIFEXITED(*status) && WEXITSTATUS(*status) == info(Errc::name_taken).exit_code;
+    if (refused)
         for (int attempt = 0; attempt < port_tries; ++attempt)
             if (const int port = port_of(job_, name, attempt); reachable(address_, port))
                 return place_of(name, port);  // a hivectl that was killed had begun it
-    return Report{.drone = name, .error = not_ready(name, *status, words)};
+    return Report{.drone = name, .error = not_ready(name, *status, step.process.last_words(step_log_lines))};
 }
 
 Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
@@ -212,15 +225,19 @@ Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
             .place = {.drone = drone, .host = node_, .address = "tcp://" + host + ":" + std::to_string(port)}};
 }
 
-/// "JOB.STEP" of each.
+/// "JOB.STEP" of each; of the job around us, or of any where there is none.
 std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>& drones) const
 {
     const auto listed =
-        run_command({"squeue", "--steps", "--noheader", "--jobs=" + job_, "--format=%i %j"}, patience_of_slurm);
+        run_command({"squeue", "--steps", "--me", "--noheader", "--format=%i %N %j"}, patience_of_slurm);
+    if (listed.late || listed.exit_code != 0)
+        throw Error(Errc::unreachable, "Slurm does not say which steps run: " + last_line(listed.err),
+                    "try it: squeue");
     std::vector<std::string> ids;
     std::istringstream lines(listed.out);
-    for (std::string id, name; lines >> id && std::getline(lines >> std::ws, name);)
-        if (std::ranges::find(drones, name.substr(0, name.find_last_not_of(' ') + 1)) != drones.end())
+    for (std::string id, node, name; lines >> id >> node && std::getline(lines >> std::ws, name);)
+        if ((job_.empty() || id.starts_with(job_ + ".")) && node == node_
+            && std::ranges::find(drones, name.substr(0, name.find_last_not_of(' ') + 1)) != drones.end())
             ids.push_back(id);
     return ids;
 }
@@ -231,15 +248,16 @@ std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& dron
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
     std::vector<std::string> ours;
+    std::ranges::copy_if(adopted_, std::back_inserter(ours), meant);
     for (auto& step : steps_)
         if (meant(step.drone.name) && !step.process.ended())
             ours.push_back(step.drone.name);
+    auto ids = ours.empty() ? ours : steps_named(ours);
     for (const auto* signal : {"--signal=TERM", "--signal=KILL"})
-        if (auto ids = ours.empty() ? ours : steps_named(ours); !ids.empty()) {
+        if (!ids.empty()) {
             ids.insert(ids.begin(), {"scancel", signal});
             run_command(ids, patience_of_slurm);
-            if (await_end(ours))
-                break;
+            ids = left_of(ours);
         }
     std::erase_if(steps_, [&](Step& step) {
         if (meant(step.drone.name))
@@ -247,18 +265,23 @@ std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& dron
         return meant(step.drone.name);
     });
     std::vector<SwarmFailure> remains;
-    if (!ours.empty() && !steps_named(ours).empty())
+    if (!ids.empty())
         for (const auto& name : ours)
             remains.push_back({name, Error(Errc::timeout, "the step of " + name + " on " + node_ + " has not ended")});
     return remains;
 }
 
-bool SlurmEngine::await_end(const std::vector<std::string>& drones)
+/// The steps that have not ended in time. Of those of an earlier process only Slurm can tell, and it calls nobody.
+std::vector<std::string> SlurmEngine::left_of(const std::vector<std::string>& drones)
 {
     const auto until = Clock::now() + patience_to_end;
-    return std::ranges::all_of(steps_, [&](Step& step) {
-        return std::ranges::find(drones, step.drone.name) == drones.end() || step.process.await_end(until);
-    });
+    for (auto& step : steps_)
+        if (std::ranges::find(drones, step.drone.name) != drones.end())
+            step.process.await_end(until);
+    auto ids = steps_named(drones);
+    for (; !ids.empty() && Clock::now() < until; ids = steps_named(drones))
+        std::this_thread::sleep_for(200ms);
+    return ids;
 }
 
 }  // namespace
@@ -267,10 +290,7 @@ std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::strin
                                           const std::filesystem::path& home)
 {
     const char* const job = std::getenv("SLURM_JOB_ID");
-    if (!job || !*job)
-        throw Error(Errc::refused, "the drones on " + node + " are steps of a Slurm allocation, and there is none here",
-                    "bring the swarm up from a shell of salloc, or from an sbatch script");
-    return std::make_unique<SlurmEngine>(settings, node, home, job);
+    return std::make_unique<SlurmEngine>(settings, node, home, job ? job : "");
 }
 
 }  // namespace hive
