@@ -129,6 +129,19 @@ TEST_CASE("up under systemd: where there is no systemctl nothing is left, of oth
     CHECK(fs::is_empty(systemd.units()));
 }
 
+TEST_CASE("up under systemd: a drone of another machine is not started here")
+{
+    const Systemd systemd;
+    auto content = work();
+    content["drones"]["far"] = {{"kind", "ticker"}, {"on", "cam1"}};
+    content["engines"]["cam1"] = {{"systemd", Json::object()}};
+    const auto refused = systemd.shell("hivectl up " + systemd.write(content));
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "systemd starts drones of this machine, and not of cam1"), refused.err);
+    CHECK(systemd.swarm.application().drones().empty());
+    CHECK(!fs::exists(systemd.units()));
+}
+
 TEST_CASE("up under systemd: what cannot run is said with the last lines of its log, and no unit is left")
 {
     const Systemd systemd;

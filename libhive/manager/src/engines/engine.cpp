@@ -48,6 +48,9 @@ std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string
         return make_ssh_engine(engine.settings, home);
     if (engine.name == "slurm")
         return make_slurm_engine(engine.settings, host, home);
+    if (engine.name == "systemd" && host != Place::here)
+        throw Error(Errc::unsupported, "systemd starts drones of this machine, and not of " + host,
+                    "leave that engine out, or have units written for each machine: hivectl export --as systemd");
     if (engine.name == "systemd")
         return make_systemd_engine(home);
     throw Error(Errc::unsupported, "there is no engine " + engine.name + " for " + host);
