@@ -1,4 +1,4 @@
-// hivectl down: ends the drones of a swarm.
+// hivectl down: ends the drones that a swarm brought up.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../interrupt.hpp"
@@ -66,8 +66,9 @@ Verb verb()
     return {.name = "down",
             .group = "a swarm from a file",
             .usage = "[FILE] [options]",
-            .summary = "Ends all drones of a swarm",
-            .details = "Prints the names of the drones that ended. Sources take nothing more, and each drone ends as "
+            .summary = "Ends the drones that a swarm brought up",
+            .details = "Prints the names of the drones that ended. A drone that another swarm or a person started is "
+                       "left alone, and stderr says so. Sources take nothing more, and each drone ends as "
                        "soon as it has handed on what it had, so that nothing lossless is lost unless its receiver "
                        "does not take it in time. Ctrl-C has it wait no longer, and leaves the swarms that come after.",
             .examples = "hivectl down\n"

@@ -100,6 +100,7 @@ Row row_of(const hive::StatusAnswer& answer)
                {"note", note(status)},
                {"condition", status.condition},
                {"why", token(status.why)},
+               {"swarm", status.swarm},
                {"matching", matching_json(status)},
                {"last_exception", status.last_exception ? exception_json(*status.last_exception) : hive::Json()}};
 }
@@ -206,6 +207,7 @@ int run(const std::vector<std::string>& words, Session& session)
                {{"NAME", "name"},
                 {"HOST", "host", nullptr, hive::Place::here},
                 {"KIND", "kind"},
+                {"SWARM", "swarm", nullptr, nothing},
                 {"STATE", "state", nullptr, {}, state_colour},
                 {"DONE", "done", nullptr, nothing},
                 {"PID", "pid"},
@@ -239,7 +241,8 @@ Verb verb()
             "or unreachable for one on another machine that does not, or crashed for one of this machine that died of "
             "a signal such as SIGSEGV and was not started again since, or failed for one that fell too often under "
             "hivectl up --stay. HOST is where it runs; the column is left out when "
-            "all run on this machine. Drones of other machines are those of the list of places (hivectl place), and "
+            "all run on this machine. SWARM is the one that brought it up, whose hivectl down ends it. Drones of other "
+            "machines are those of the list of places (hivectl place), and "
             "those that announce themselves on the local network and have this swarm's key. "
             "BUSY is the share of its lifetime that its code was working. NOTE says what the drone reports about its "
             "world, why it or one of its outputs or inputs stands still, what has kept it busy for more than a second, "

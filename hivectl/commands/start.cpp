@@ -12,7 +12,7 @@ namespace hivectl::start_verb {
 namespace {
 
 struct Options {
-    std::string kind, name, on_exception, listen, advertise, key, log_level, on;
+    std::string kind, name, on_exception, listen, advertise, key, log_level, on, swarm;
     std::vector<std::string> settings, connections, expected;
     bool if_missing = false, halted = false, insecure = false, no_announce = false, remote_operator = false;
 };
@@ -25,7 +25,8 @@ std::vector<std::string> handed_on(const Options& options)
                                       {"--listen", options.listen},
                                       {"--advertise", options.advertise},
                                       {"--key", options.key},
-                                      {"--log-level", options.log_level}})
+                                      {"--log-level", options.log_level},
+                                      {"--swarm", options.swarm}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
     for (const auto& connection : options.connections)
@@ -118,6 +119,8 @@ Run declare(CommandLine& line, Session& session)
               "do not announce it on the local network when it listens there: who is told its place still finds it");
     line.flag("--remote-operator", options->remote_operator,
               "who has the swarm's key may also set over the network what concerns this machine: paths, URLs, logins");
+    line.option("--swarm", options->swarm, "the swarm that it belongs to, whose hivectl down ends it (default: none)")
+        .type_name("NAME");
     line.option("--log-level", options->log_level,
                 "lowest level of its log lines: debug, info (default), warning, error or off")
         .type_name("LEVEL")

@@ -302,6 +302,7 @@ Json to_json(const Status& status)
         json["last_exception"] = exception_to_json(*status.last_exception);
     if (!status.places.empty())
         json["places"] = status.places;
+    write_text(json, "swarm", status.swarm);
     return json;
 }
 
@@ -325,6 +326,7 @@ Status status_from_json(const Json& object)
         status.last_exception = exception_from_json(fields.object("last_exception"));
     status.places = read_list<std::string>(
         fields, "places", [](const Json& place) { return place.is_string() ? place.get<std::string>() : ""; });
+    status.swarm = fields.text_or("swarm", "");
     return status;
 }
 

@@ -7,6 +7,7 @@
 #include <hive/name.hpp>
 
 #include <algorithm>
+#include <set>
 
 namespace hive {
 
@@ -179,14 +180,28 @@ bool may_end(const Place& place, const Answer& answer)
     return !answer.error || (is_here(place) && answer.error->code() == Errc::timeout);
 }
 
+/// What a drone of this machine was told stays here when it hangs or has crashed, and with it whose it is.
+bool is_of_another_swarm(const event::Home& home, const std::string& drone, const std::string& swarm)
+try {
+    const auto state = swarm.empty() ? std::nullopt : home.read_state(drone);
+    return state && state->value("swarm", "") != swarm;
+} catch (const std::exception&) {
+    return false;  // unreadable
+}
+
 }  // namespace
 
-std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
+std::vector<Answer> Application::stop(const std::vector<std::string>& drones, const std::string& swarm)
 {
     const auto until = core_->deadline();
     std::vector<std::string> running;
+    std::set<std::string> left_alone;
     const swarm::FailedDrones failed(home());
     for (const auto& drone : drones) {
+        if (is_of_another_swarm(core_->directory.home(), drone, swarm)) {
+            left_alone.insert(drone);
+            continue;
+        }
         const bool given_up = failed.forget(drone) && !core_->directory.home().alive(drone);
         if (core_->remembers(drone))
             core_->directory.home().forget_state(drone);
@@ -194,7 +209,7 @@ std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
             running.push_back(drone);
     }
     const auto places = core_->places_or_errors(running);
-    auto stopped = core_->ask_all(running, PacketType::stop, Json::object());
+    auto stopped = core_->ask_all(running, PacketType::stop, swarm.empty() ? Json::object() : Json{{"swarm", swarm}});
     forgive_haste(stopped);
     std::vector<Answer> answers;
     for (std::size_t asked = 0; const auto& drone : drones) {
@@ -204,6 +219,8 @@ std::vector<Answer> Application::stop(const std::vector<std::string>& drones)
             place && may_end(*place, answers.back()))
             answers.back().error = core_->wait_until_gone(*place, until);
         asked += ran ? 1 : 0;
+        if (left_alone.contains(drone))
+            answers.back().error = Error(Errc::refused, drone + " was not brought up by the swarm " + swarm);
     }
     return answers;
 }

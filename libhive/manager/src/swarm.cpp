@@ -116,9 +116,9 @@ Swarm::Swarm(Application& application, SwarmPlan plan) : application_(applicatio
 
 std::vector<SwarmPlan> Swarm::remembered(Application& application) { return swarm::Record::all(application.home()); }
 
-std::vector<SwarmStep> Swarm::differences()
+std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
 {
-    return swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read());
+    return swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told);
 }
 
 SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& watch)
@@ -128,7 +128,8 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
         return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
     const auto before = record.read();
-    SwarmOutcome outcome{.steps = swarm::differences(application_, plan_, before), .failures = {}, .remains = {}};
+    SwarmOutcome outcome{
+        .steps = swarm::differences(application_, plan_, before, watch.told), .failures = {}, .remains = {}};
     record.write(swarm::with_rest_of(plan_, before));  // whoever is killed here leaves behind what the next one finds
     swarm::Starting starting(application_, plan_);
     swarm::Changes changes(application_);
@@ -147,7 +148,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
         outcome.remains = changes.undo();
         append(outcome.remains, starting.undo());
     } else {
-        outcome.remains = failures_in(application_.stop(drones_of(outcome.steps, What::stop)));
+        outcome.remains = failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
     }
     if (!outcome.remains.empty())
         return outcome;

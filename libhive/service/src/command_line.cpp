@@ -95,6 +95,10 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
                    "there is only one. `hivectl disconnect` ends the wait")
         ->type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         ->allow_extra_args(false);
+    app.add_option("--swarm", settings.swarm,
+                   "the swarm that it belongs to, whose `hivectl down` ends it; without it none, or after a crash the "
+                   "one before")
+        ->type_name("NAME");
     declare_listening(app, settings);
     app.add_option("--on-exception", words.policy,
                    "when the drone's code throws: skip the input, or halt until resumed")
@@ -117,6 +121,8 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
 void check(DroneSettings& settings, const Words& words)
 {
     require_name(settings.name, "drone");
+    if (!settings.swarm.empty())
+        require_name(settings.swarm, "swarm");
     require_advertisable(settings.listen);
     settings.parameters = parameters_from(words.assignments);
     settings.connections = service::connections_from(words.connections);

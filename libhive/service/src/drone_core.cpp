@@ -237,6 +237,7 @@ Json DroneCore::take_values(const Json& state, bool all)
     auto& parameters = declaration_.parameters;
     board_.policy(settings_.policy ? *settings_.policy
                                    : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy"));
+    board_.swarm(settings_.swarm.empty() ? state.value("swarm", "") : settings_.swarm);
     Json saved = state.value("parameters", Json::object());
     for (const auto& [name, value] : settings_.parameters.items())
         saved.erase(name);

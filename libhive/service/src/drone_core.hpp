@@ -23,6 +23,7 @@ struct DroneSettings {
     std::vector<protocol::Connect> connections;  ///< --connect
     std::vector<protocol::Expect> expected;      ///< --expect
     std::optional<ExceptionPolicy> policy;       ///< empty: as before the crash, or skip
+    std::string swarm = {};                      ///< that brings it up; empty: as before the crash, or none
     bool halted = false;                         ///< from the start
     /// To take over from the running drone of this name, if it is ready by then.
     std::optional<std::chrono::steady_clock::time_point> take_over = {};

@@ -142,6 +142,9 @@ void Requests::on_resume(const Incoming& incoming)
 void Requests::on_stop(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "stop");
+    if (const auto owner = parts_.board.values().swarm; fields.has("swarm") && fields.name("swarm") != owner)
+        throw Error(Errc::refused, parts_.module.self().name + " was brought up by "
+                                       + (owner.empty() ? "no swarm" : "the swarm " + owner));
     if (!fields.flag_or("successor", false)) {
         incoming.answer(Json::object());
         return parts_.end();

@@ -106,7 +106,8 @@ Json StateFile::state() const
                   {"parameters", declaration_.parameters.changed()},
                   {"connections", connections},
                   {"subscribers", subscribers},
-                  {"policy", token(board_.policy())}});
+                  {"policy", token(board_.policy())},
+                  {"swarm", board_.values().swarm}});
     return state;
 }
 

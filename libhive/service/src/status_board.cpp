@@ -111,4 +111,10 @@ void StatusBoard::policy(ExceptionPolicy policy)
     values_.policy = policy;
 }
 
+void StatusBoard::swarm(std::string name)
+{
+    const std::lock_guard lock(mutex_);
+    values_.swarm = std::move(name);
+}
+
 }  // namespace hive::service

@@ -21,6 +21,7 @@ public:
         std::string condition;
         std::string callback;  ///< what the user thread works on
         ExceptionPolicy policy{};
+        std::string swarm;  ///< that brought the drone up
         std::int64_t busy_us = 0;
         event::Clock::time_point busy_since{};
         Reason why{};           ///< beside the condition
@@ -59,6 +60,7 @@ public:
     void exception(ExceptionStatus exception);
     [[nodiscard]] ExceptionPolicy policy() const;
     void policy(ExceptionPolicy policy);
+    void swarm(std::string name);
 
 private:
     std::atomic<bool> halted_ = false, stopping_ = false, handing_over_ = false;

@@ -65,7 +65,8 @@ Status StatusReport::without_rows() const
                   .left = {},
                   .matching = matching(board),
                   .last_exception = board.last_exception,
-                  .places = listening_.places()};
+                  .places = listening_.places(),
+                  .swarm = board.swarm};
     for (const auto& outlet : module_.outlets())
         status.outputs.push_back(outlet.status());
     return status;

@@ -152,6 +152,7 @@ struct Status {
     std::optional<ExceptionStatus> last_exception{};
     std::int64_t rows_left_out = 0;     ///< of inputs, left and edges: more than one answer holds
     std::vector<std::string> places{};  ///< addresses where it is met: "unix:/...", "tcp://cam1:7700"
+    std::string swarm{};                ///< which swarm brought it up, and so may end it; empty: it belongs to none
 };
 
 Json to_json(const EdgeStatus& edge);

@@ -59,14 +59,16 @@ TEST_CASE("command lines: parameters, ports that receivers know, and connections
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
     CHECK_EQ(joined(lines.of(plan.drones[0])),
              "hive-camera --name camera --set fps=30 --set source=/dev/video0 --listen tcp://0.0.0.0:7700 "
-             "--expect image=face-1.image,group=camera");
+             "--swarm doorway --expect image=face-1.image,group=camera");
     CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-face --name face-1 --listen tcp://0.0.0.0:7701 "
-                                               "--expect faces=track.in --connect "
+                                               "--swarm doorway --expect faces=track.in --connect "
                                                "image=camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
-    CHECK_EQ(joined(lines.of(plan.drones[2])), "hive-face --name face-2 --listen tcp://0.0.0.0:7700 --connect "
-                                               "camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
-    CHECK_EQ(joined(lines.of(plan.drones[3])), "hive-track --name track --set title=100% $HOME \"door\" --halted "
-                                               "--connect in=face-1.faces,at=tcp://gpu1:7701");
+    CHECK_EQ(joined(lines.of(plan.drones[2])),
+             "hive-face --name face-2 --listen tcp://0.0.0.0:7700 --swarm doorway --connect "
+             "camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
+    CHECK_EQ(joined(lines.of(plan.drones[3])),
+             "hive-track --name track --set title=100% $HOME \"door\" --swarm doorway --halted "
+             "--connect in=face-1.faces,at=tcp://gpu1:7701");
 }
 
 TEST_CASE("command lines: on one machine drones meet without a port")
@@ -76,8 +78,8 @@ TEST_CASE("command lines: on one machine drones meet without a port")
                    .connections = {{{"a", "out"}, {"b", "in"}, {}}},
                    .engines = {}};
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
-    CHECK_EQ(joined(lines.of(plan.drones[0])), "python3 -u edges.py --name a --expect out=b.in");
-    CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-view --name b --connect in=a.out");
+    CHECK_EQ(joined(lines.of(plan.drones[0])), "python3 -u edges.py --name a --swarm s --expect out=b.in");
+    CHECK_EQ(joined(lines.of(plan.drones[1])), "hive-view --name b --swarm s --connect in=a.out");
 }
 
 TEST_CASE("command lines: in containers each is found by its name")
@@ -87,7 +89,7 @@ TEST_CASE("command lines: in containers each is found by its name")
     const CommandLines lines(plan, CommandLines::Machines::one_each);
     CHECK_EQ(joined(lines.of(plan.drones[1])),
              "hive-face --name face-1 --listen tcp://0.0.0.0:7700 --advertise tcp://face-1:7700 "
-             "--expect faces=track.in --connect "
+             "--swarm doorway --expect faces=track.in --connect "
              "image=camera.image,at=tcp://camera:7700,window=2,group=camera,lease=1.5");
 }
 
@@ -127,8 +129,10 @@ TEST_CASE("command lines: no two drones of a machine have one port, and there ar
         plan.drones.push_back({.name = "a" + std::to_string(i), .kind = "k", .host = "m"});
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
     std::vector<std::string> listening;
-    for (const auto& drone : plan.drones)
-        listening.push_back(lines.of(drone).back());
+    for (const auto& drone : plan.drones) {
+        const auto words = lines.of(drone);
+        listening.push_back(*std::next(std::ranges::find(words, "--listen")));
+    }
     std::ranges::sort(listening);
     CHECK(std::ranges::adjacent_find(listening) == listening.end());
     plan.drones.push_back({.name = "one-more", .kind = "k", .host = "m"});
@@ -164,7 +168,8 @@ TEST_CASE("export: units of systemd, a folder for each machine")
     CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "Restart=on-failure\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"), "\nRestart=no\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"),
-              "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --halted "));
+              "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --swarm "
+              "doorway --halted "));
 }
 
 TEST_CASE("export: a compose file has the devices, and the key unless nobody needs it")

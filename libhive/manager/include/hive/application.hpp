@@ -245,7 +245,8 @@ public:
     /// hangs is killed when the time is over, one that crashed is forgotten only.
     void stop(const std::string& drone);
     /// The same of many at once; returns when all are gone, or their time is over.
-    std::vector<Answer> stop(const std::vector<std::string>& drones);
+    /// @param swarm  not empty: only those that this swarm brought up; others answer Errc::refused
+    std::vector<Answer> stop(const std::vector<std::string>& drones, const std::string& swarm = {});
     /// Changes what happens when the drone's code throws.
     void exception_policy(const std::string& drone, ExceptionPolicy policy);
 

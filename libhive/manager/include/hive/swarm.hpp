@@ -46,8 +46,9 @@ struct SwarmWatch {
     std::function<void(const std::vector<std::string>& drones)> on_waiting{};
 };
 
-/// The drones that belong together by the name of their swarm. A home remembers, in NAME.swarm, the plan that was
-/// brought up last, so what a changed plan no longer has is ended. For the thread of its application. Everything throws
+/// The drones that belong together by the name of their swarm. A drone knows the swarm that brought it up
+/// (Status::swarm), and only that one ends it. A home remembers, in NAME.swarm, the plan that was brought up last, so
+/// what a changed plan no longer has is ended. For the thread of its application. Everything throws
 /// hive::Error.
 class Swarm {
 public:
@@ -55,13 +56,17 @@ public:
 
     /// What up() would do now. Throws Errc::name_taken when a name of the plan belongs to another kind of drone, or to
     /// one on another machine; Errc::unreachable when it cannot be told what a drone is doing.
-    std::vector<SwarmStep> differences();
+    /// @param watch  is told of each drone that is used as it was found, see up()
+    std::vector<SwarmStep> differences(const SwarmWatch& watch = {});
     /// Starts what does not run and waits until it answers, then sets, connects, disconnects and stops what differs:
-    /// everything, or (after a failure, or when cancelled) nothing. Again, it finds nothing to do. One process at a
+    /// everything, or (after a failure, or when cancelled) nothing. Again, it finds nothing to do. A drone of the plan
+    /// that another swarm brought up, or none, is connected, and else left as it is unless the plan has
+    /// `change_if_shared`. One process at a
     /// time changes a swarm: it waits for its turn, and throws Errc::locked when that does not come.
     /// @param patience  for its turn, and then for all drones to be ready
     SwarmOutcome up(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
-    /// Ends all drones: sources take nothing more, and each drone ends when it has handed on what it had.
+    /// Ends all drones that this swarm brought up: sources take nothing more, and each drone ends when it has handed on
+    /// what it had.
     /// @param patience  for its turn, as up(), and then for events on their way; then they are lost
     SwarmOutcome down(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
 

@@ -25,7 +25,9 @@ struct SwarmDrone {
     // What `hivectl start` has options for; an empty text: as there.
     std::string on_exception{}, listen{}, advertise{}, key{}, log_level{};
     bool halted = false, insecure = false, remote_operator = false;
+    bool change_if_shared = false;        ///< parameters and connections hold even if another swarm brought it up
     std::vector<std::string> expected{};  ///< who will receive from it, for --expect; only where it is started
+    std::string swarm{};                  ///< that it will belong to; only where it is started
 
     bool operator==(const SwarmDrone&) const = default;
 };

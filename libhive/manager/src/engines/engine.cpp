@@ -65,6 +65,7 @@ Error not_ready(const std::string& drone, int status, const std::string& last_wo
 
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)
 {
+    drone.swarm = plan.name;
     for (const auto& [from, to, options] : plan.connections)
         if (from.drone == drone.name && !from.port.empty() && !to.port.empty() && options.delivery == Delivery::data)
             drone.expected.push_back(protocol::to_text(
@@ -81,7 +82,8 @@ std::vector<std::string> arguments_of(const SwarmDrone& drone)
                                       {"--listen", drone.listen},
                                       {"--advertise", drone.advertise},
                                       {"--key", drone.key},
-                                      {"--log-level", drone.log_level}})
+                                      {"--log-level", drone.log_level},
+                                      {"--swarm", drone.swarm}})
         if (!value.empty())
             words.insert(words.end(), {flag, value});
     for (const auto& [flag, chosen] : {std::pair{"--halted", drone.halted},

@@ -53,7 +53,7 @@ std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string
 std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::string>>& drones,
                                    Engine::Clock::time_point until);
 
-/// Adds --expect for each planned receiver of this drone whose ports are known.
+/// Adds the swarm, and --expect for each planned receiver of this drone whose ports are known.
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
 
 /// The command line of the drone's program, but for its name.

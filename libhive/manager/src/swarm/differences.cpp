@@ -86,11 +86,19 @@ std::vector<std::string> names_of(const SwarmPlan& plan, const SwarmPlan& before
     return names;
 }
 
+bool may_change(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running)
+{
+    return drone.change_if_shared || owns(plan, running);
+}
+
+/// A connection belongs to its receiver.
 void add_connections(std::vector<SwarmStep>& steps, const SwarmPlan& plan, const Present& present)
 {
     for (const auto& planned : plan.connections) {
         const auto* made = present.connection(planned);
-        if (made && made->options == planned.options)
+        const auto& receiver = planned.to.drone;
+        if (made
+            && (made->options == planned.options || !may_change(plan, *plan.drone(receiver), *present.find(receiver))))
             continue;
         steps.push_back({.what = SwarmStep::What::connect,
                          .drone = planned.to.drone,
@@ -105,14 +113,38 @@ void add_ends(std::vector<SwarmStep>& steps, const SwarmPlan& plan, const SwarmP
         const bool both_stay = plan.drone(old.from.drone) && plan.drone(old.to.drone);
         const bool planned = std::ranges::any_of(
             plan.connections, [&](const SwarmConnection& connection) { return same_ends(connection, old); });
-        if (const auto* made = present.connection(old); both_stay && !planned && made)
+        const auto* made = present.connection(old);
+        if (both_stay && !planned && made && may_change(plan, *plan.drone(old.to.drone), *present.find(old.to.drone)))
             steps.push_back({.what = SwarmStep::What::disconnect,
                              .drone = old.to.drone,
                              .connection = {old.from, old.to, made->options}});
     }
     for (const auto& old : before.drones)
-        if (!plan.drone(old.name) && present.find(old.name))
+        if (const auto* running = present.find(old.name); !plan.drone(old.name) && running && owns(plan, *running))
             steps.push_back({.what = SwarmStep::What::stop, .drone = old.name});
+}
+
+/// Splits the changes: those of drones of another swarm are not made, but told.
+void leave_shared(std::vector<SwarmStep>& steps, const SwarmPlan& plan, const Present& present,
+                  const std::function<void(const std::string& text)>& told)
+{
+    for (const auto& drone : plan.drones) {
+        const auto* running = present.find(drone.name);
+        if (!running || may_change(plan, drone, *running))
+            continue;
+        std::string text = drone.name + " runs already, " + owner_text(*running) + ", and is used as it is";
+        std::erase_if(steps, [&](const SwarmStep& step) {
+            if (step.drone != drone.name)
+                return false;
+            std::string values;
+            for (const auto& [name, value] : step.values.items())
+                values += " " + assignment(name, value);
+            text += ", without" + values + "; to change it all the same: \"change_if_shared\": true";
+            return true;
+        });
+        if (told)
+            told(text);
+    }
 }
 
 }  // namespace
@@ -173,7 +205,8 @@ std::string host_of(const SwarmPlan& plan, const SwarmDrone& drone)
 
 void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running)
 {
-    const std::string stop = "stop it: hivectl stop " + drone.name;
+    const std::string stop =
+        (owns(plan, running) ? "" : "give yours another name, or ") + ("stop it: hivectl stop " + drone.name);
     if (running.status.kind != drone.kind)
         throw Error(Errc::name_taken,
                     drone.name + " runs already and is a " + running.status.kind + ", not a " + drone.kind, stop);
@@ -181,7 +214,16 @@ void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAn
         throw Error(Errc::name_taken, drone.name + " runs already on " + running.place.host + ", not on " + host, stop);
 }
 
-std::vector<SwarmStep> differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before)
+bool owns(const SwarmPlan& plan, const StatusAnswer& running) { return running.status.swarm == plan.name; }
+
+std::string owner_text(const StatusAnswer& running)
+{
+    const auto& swarm = running.status.swarm;
+    return "brought up by " + (swarm.empty() ? "no swarm" : "the swarm " + swarm);
+}
+
+std::vector<SwarmStep> differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before,
+                                   const std::function<void(const std::string& text)>& told)
 {
     const Present present(application, names_of(plan, before));
     std::vector<SwarmStep> steps;
@@ -195,6 +237,7 @@ std::vector<SwarmStep> differences(Application& application, const SwarmPlan& pl
                 running.push_back(&drone);
         }
     ParameterDifferences(application, running).add_to(steps);
+    leave_shared(steps, plan, present, told);
     add_connections(steps, plan, present);
     add_ends(steps, plan, before, present);
     return steps;

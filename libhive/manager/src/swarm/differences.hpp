@@ -34,8 +34,16 @@ std::string host_of(const SwarmPlan& plan, const SwarmDrone& drone);
 /// Is this the drone of the plan, as far as it can be told? Throws Errc::name_taken when it is another one.
 void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running);
 
-/// In the order in which they are to be done.
+/// Was it brought up by this swarm, and not by another one or by hand?
+bool owns(const SwarmPlan& plan, const StatusAnswer& running);
+/// "brought up by the swarm face"
+std::string owner_text(const StatusAnswer& running);
+
+/// In the order in which they are to be done. Drones that the swarm does not own are only connected, unless the plan
+/// says `change_if_shared`.
 /// @param before  the plan that was brought up last: what it had and this one has no more is ended
-std::vector<SwarmStep> differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before);
+/// @param told    hears of each drone that is used as it was found
+std::vector<SwarmStep> differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before,
+                                   const std::function<void(const std::string& text)>& told = {});
 
 }  // namespace hive::swarm

@@ -4,6 +4,7 @@
 #include "../directory.hpp"
 #include "../engines/engine.hpp"
 #include "../inquiry.hpp"
+#include "differences.hpp"
 #include "draining.hpp"
 
 #include <hive/event/clock.hpp>
@@ -35,7 +36,7 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
 {
     const auto end = event::Clock::now() + patience;
     forget_crashed();
-    auto left = ask();
+    auto left = ask(watch);
     const auto all = left.size();
     for (const auto& source : sources(left))
         try {
@@ -43,7 +44,7 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
         } catch (const Error&) {
             // It is ended all the same.
         }
-    for (; !left.empty(); left = ask()) {
+    for (; !left.empty(); left = ask(watch)) {
         const bool late = event::Clock::now() >= end || (watch.cancelled && watch.cancelled());
         std::vector<std::string> names = drained(left);
         if (late) {
@@ -70,28 +71,40 @@ void Ending::forget_crashed()
     for (const auto& failed : application_.failed())
         names.push_back(failed.drone);
     std::erase_if(names, [&](const std::string& name) { return !plan_.drone(name); });
-    application_.stop(names);
+    application_.stop(names, plan_.name);
 }
 
-/// Those that run. What has failed to end is not asked again.
-std::vector<StatusAnswer> Ending::ask() const
+/// Those that run, but for those of other swarms. What has failed to end is not asked again.
+std::vector<StatusAnswer> Ending::ask(const SwarmWatch& watch)
 {
     std::vector<std::string> names;
     for (const auto& drone : plan_.drones)
-        if (std::ranges::none_of(outcome_.failures, [&](const auto& failure) { return failure.drone == drone.name; }))
+        if (!left_alone_.contains(drone.name) && std::ranges::none_of(outcome_.failures, [&](const auto& failure) {
+                return failure.drone == drone.name;
+            }))
             names.push_back(drone.name);
     auto answers = application_.status(names);
-    std::erase_if(answers,
-                  [](const StatusAnswer& answer) { return answer.error && answer.error->code() == Errc::not_found; });
+    std::erase_if(answers, [&](const StatusAnswer& answer) {
+        if (answer.error)
+            return answer.error->code() == Errc::not_found;
+        if (owns(plan_, answer))
+            return false;
+        left_alone_.insert(answer.drone);
+        if (watch.told)
+            watch.told(answer.drone + " was " + owner_text(answer) + ", so it is left alone");
+        return true;
+    });
     return answers;
 }
 
 void Ending::stop(const std::vector<std::string>& drones, event::Clock::time_point end)
 {
     std::vector<Answer> silent;
-    for (const auto& answer : application_.stop(drones)) {
+    for (const auto& answer : application_.stop(drones, plan_.name)) {
         if (!answer.error || answer.error->code() == Errc::not_found)
             ended(answer.drone);
+        else if (answer.error->code() == Errc::refused)
+            left_alone_.insert(answer.drone);  // it had not answered before
         else if (is_elsewhere(answer.drone))
             silent.push_back(answer);
         else

@@ -1,10 +1,11 @@
-// Takes a swarm down: its sources first, and each drone when it has handed on what it had.
+// Takes a swarm down: its own sources first, and each of its drones when it has handed on what it had.
 #pragma once
 
 #include <hive/event/clock.hpp>
 #include <hive/swarm.hpp>
 
 #include <chrono>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ public:
 
 private:
     void forget_crashed();
-    [[nodiscard]] std::vector<StatusAnswer> ask() const;
+    [[nodiscard]] std::vector<StatusAnswer> ask(const SwarmWatch& watch);
     void stop(const std::vector<std::string>& drones, event::Clock::time_point end);
     void stop_silent(const std::vector<Answer>& silent, event::Clock::time_point end);
     [[nodiscard]] bool is_elsewhere(const std::string& drone) const;
@@ -28,6 +29,7 @@ private:
     Application& application_;
     const SwarmPlan& plan_;
     SwarmOutcome outcome_{};
+    std::set<std::string> left_alone_;  ///< of other swarms
 };
 
 }  // namespace hive::swarm

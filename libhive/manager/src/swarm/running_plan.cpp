@@ -51,6 +51,7 @@ void add_remembered(SwarmDrone& drone, const SwarmPlan& remembered)
     drone.key = before->key;
     drone.insecure = before->insecure;
     drone.remote_operator = before->remote_operator;
+    drone.change_if_shared = before->change_if_shared;
     drone.advertise = before->advertise;
     if (!before->advertise.empty() || !before->listen.empty())
         drone.listen = before->listen;

@@ -34,7 +34,7 @@ std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, 
     begin(drones);
     while (!waiting_.empty() && (failures_.empty() || at_failure == AtFailure::go_on)) {
         hear_engines();
-        look_who_is_ready();
+        look_who_is_ready(watch);
         if (watch.on_progress)
             watch.on_progress(drones.size() - waiting_.size(), drones.size(), "started");
         if (watch.on_waiting)
@@ -126,19 +126,19 @@ void Starting::hear_engines()
     application_.replace_places(places);
 }
 
-void Starting::look_who_is_ready()
+void Starting::look_who_is_ready(const SwarmWatch& watch)
 {
     inquiry_.ask({placed_.begin(), placed_.end()}, patience_for_answer);
     for (const auto& answer : inquiry_.take())
         if (placed_.contains(answer.drone))
             try {
-                hear(answer);
+                hear(answer, watch);
             } catch (const Error& error) {
                 failed(answer.drone, error);
             }
 }
 
-void Starting::hear(const StatusAnswer& answer)
+void Starting::hear(const StatusAnswer& answer, const SwarmWatch& watch)
 {
     const auto& drone = *plan_.drone(answer.drone);
     if (answer.error && answer.error->code() == Errc::not_permitted)
@@ -151,6 +151,8 @@ void Starting::hear(const StatusAnswer& answer)
     if (answer.status.state == State::starting)
         return;
     require_same(plan_, drone, answer);  // another may have been faster
+    if (watch.told && !owns(plan_, answer))
+        watch.told(drone.name + " runs already, " + owner_text(answer) + ", and is used as it is");
     placed_.erase(drone.name);
     waiting_.erase(drone.name);
 }

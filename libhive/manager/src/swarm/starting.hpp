@@ -35,8 +35,8 @@ private:
     void forget_places(const std::set<std::string>& drones);
     void wait();
     void hear_engines();
-    void look_who_is_ready();
-    void hear(const StatusAnswer& answer);
+    void look_who_is_ready(const SwarmWatch& watch);
+    void hear(const StatusAnswer& answer, const SwarmWatch& watch);
     [[nodiscard]] Error not_ready_in_time(const std::string& drone) const;
     void failed(std::string drone,
                 const Error& error);  // by value: it may come out of the sets that it is taken out of

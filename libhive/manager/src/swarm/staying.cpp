@@ -101,9 +101,13 @@ std::vector<std::string> Staying::fallen()
             missing_since_.erase(answer.drone);
             put_off_.erase(answer.drone);
             taken_down_.erase(answer.drone);
+            if (!answer.error && owns(plan_, answer))
+                shared_.erase(answer.drone);
+            else if (!answer.error)
+                shared_.insert(answer.drone);
             continue;
         }
-        if (may_be_ending(answer))
+        if (shared_.contains(answer.drone) || may_be_ending(answer))
             continue;
         const bool crashed = is_elsewhere(answer.place) || put_off_.contains(answer.drone)
                              || std::ranges::find(remembered, answer.drone) != remembered.end();

@@ -66,6 +66,7 @@ private:
     std::map<std::string, Clock::time_point> missing_since_;  ///< of drones elsewhere
     std::set<std::string> given_up_, taken_down_, unsettled_;
     std::set<std::string> put_off_;  ///< ended before they were ready, for somebody who wanted to change the swarm
+    std::set<std::string> shared_;   ///< of other swarms, which start them again or not
     Clock::time_point settle_at_{};
     std::string trouble_;
 };

@@ -97,6 +97,7 @@ void Reader::read_options(Members& members, Entry& entry)
     drone.halted = members.flag("halted");
     drone.insecure = members.flag("insecure");
     drone.remote_operator = members.flag("remote_operator");
+    drone.change_if_shared = members.flag("change_if_shared");
 }
 
 void Reader::read_settings(const Value& settings, Entry& entry)

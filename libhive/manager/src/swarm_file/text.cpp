@@ -54,6 +54,7 @@ std::string text_of_drone(const SwarmDrone& drone)
         .add_unless(false, "insecure", drone.insecure)
         .add_unless(false, "remote_operator", drone.remote_operator)
         .add_unless("", "log_level", drone.log_level)
+        .add_unless(false, "change_if_shared", drone.change_if_shared)
         .text();
 }
 

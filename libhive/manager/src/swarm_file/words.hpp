@@ -9,9 +9,9 @@ namespace hive::swarm_file {
 using namespace std::string_view_literals;
 
 inline constexpr std::array file_keys{"$schema"sv, "swarm"sv, "drones"sv, "connections"sv, "engines"sv};
-inline constexpr std::array drone_keys{"kind"sv,         "count"sv,           "on"sv,       "set"sv,       "restart"sv,
-                                       "on_exception"sv, "halted"sv,          "listen"sv,   "advertise"sv, "key"sv,
-                                       "insecure"sv,     "remote_operator"sv, "log_level"sv};
+inline constexpr std::array drone_keys{
+    "kind"sv,   "count"sv,     "on"sv,  "set"sv,      "restart"sv,         "on_exception"sv, "halted"sv,
+    "listen"sv, "advertise"sv, "key"sv, "insecure"sv, "remote_operator"sv, "log_level"sv,    "change_if_shared"sv};
 inline constexpr std::array connection_keys{"from"sv,        "to"sv,    "stream"sv, "notify"sv, "window"sv,
                                             "first_frame"sv, "share"sv, "group"sv,  "lease"sv,  "encoding"sv};
 inline constexpr std::array engine_keys{"local"sv, "ssh"sv, "systemd"sv, "slurm"sv};
