@@ -158,8 +158,7 @@ void print_started(Session& session, const std::string& name, bool found)
     write_out(session.json ? row.json() + "\n" : name + "\n");
 }
 
-/// Waits until the drone that has the name here is ready; false: it never will be, or is of another kind. Of a file of
-/// Python the kind is what the file says it is.
+/// Waits until the drone that has the name here is ready; false: it never will be, or is of another kind.
 bool found_here(Session& session, const LaunchPlan& plan)
 {
     const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
@@ -167,7 +166,7 @@ bool found_here(Session& session, const LaunchPlan& plan)
     do {
         const auto answer = session.application().status(std::vector{plan.name + "@" + hive::Place::here}).at(0);
         if (!answer.error && answer.status.state != hive::State::starting)
-            return answer.status.kind == plan.kind || hive::is_python_file(plan.kind);
+            return hive::is_of_kind(answer.status, plan.kind);
         if (answer.error && answer.error->code() == hive::Errc::not_found)
             return false;
     } while (std::chrono::steady_clock::now() < end && interrupt::sleep(10ms));

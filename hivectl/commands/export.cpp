@@ -139,9 +139,8 @@ Verb verb()
             .usage = "[NAME...] [options]",
             .summary = "Writes the drones that run, their parameters and connections as a swarm file",
             .details = "hivectl up of that file changes nothing here, and where nothing runs it makes the same swarm. "
-                       "Parameters that have their default are left out; passwords among the others are not. What a "
-                       "drone does not tell of itself, such as when it is to be restarted, is taken from the file of "
-                       "the swarm that was brought up from here.\n\n"
+                       "Parameters that have their default are left out; passwords among the others are not. When a "
+                       "drone is to be restarted is taken from the file of the swarm that was brought up from here.\n\n"
                        "With --as, the command line of each drone alone is enough for it to come back with its "
                        "parameters and its connections, whatever starts it.",
             .examples = "hivectl export > doorway.json\n"

@@ -87,14 +87,13 @@ Verb verb()
             .usage = "FILE [--dry-run | --stay] [options]",
             .summary = "Starts, sets and connects all drones of a swarm file",
             .details =
-                "Prints what it did. Drones that run already are left as they are, but for parameters and "
-                "connections that the file has otherwise; what an earlier file of this swarm had and this one "
-                "has no more is ended. A drone that another swarm or a person started is connected and else left "
-                "as it is, unless the file says \"change_if_shared\" of it; stderr says which. So a second up finds "
-                "nothing to do. Everything is done, or nothing: when "
-                "a drone does not become ready, or refuses what the file says, or with Ctrl-C, what was begun "
-                "is undone. The file is described in libhive/docs/swarm-file.md; hivectl check finds its "
-                "mistakes without starting anything.",
+                "Prints what it did. A drone that runs already is changed if the file says something else, and "
+                "restarted if only a new process can have that; what an earlier file of this swarm had and this one "
+                "has no more is ended, or returns to its default. A drone that another swarm or a person started is "
+                "connected and else left as it is, unless the file says \"change_if_shared\" of it; stderr says "
+                "which. So a second up finds nothing to do. Everything is done, or nothing: when a drone does not "
+                "become ready, or refuses what the file says, or with Ctrl-C, what was begun is undone. The file is "
+                "described in libhive/docs/swarm-file.md; hivectl check finds its mistakes without starting anything.",
             .examples = "hivectl up doorway.json\n"
                         "hivectl up doorway.json --dry-run",
             .timeout = "for all drones to be ready (default 60)",

@@ -303,6 +303,8 @@ Json to_json(const Status& status)
     if (!status.places.empty())
         json["places"] = status.places;
     write_text(json, "swarm", status.swarm);
+    if (status.order)
+        json["order"] = to_json(*status.order);
     return json;
 }
 
@@ -327,6 +329,8 @@ Status status_from_json(const Json& object)
     status.places = read_list<std::string>(
         fields, "places", [](const Json& place) { return place.is_string() ? place.get<std::string>() : ""; });
     status.swarm = fields.text_or("swarm", "");
+    if (fields.has("order"))
+        status.order = drone_order_from_json(fields.object("order"));
     return status;
 }
 

@@ -65,7 +65,9 @@ std::vector<std::string> kinds()
 
 std::string usual_name(const std::string& kind) { return is_python_file(kind) ? fs::path(kind).stem().string() : kind; }
 
-DroneCommand command_of(const std::string& kind)
+namespace {
+
+DroneCommand bare_command_of(const std::string& kind)
 {
     if (is_python_file(kind))
         return command_of_python_file(kind);
@@ -82,6 +84,16 @@ DroneCommand command_of(const std::string& kind)
                   kind, known,
                   apart ? "install its package: apt install hive-view"
                         : "see what can be started: hivectl start --help");
+}
+
+}  // namespace
+
+/// A wrapper or a Python file does not know what it was started as.
+DroneCommand command_of(const std::string& kind)
+{
+    auto command = bare_command_of(kind);
+    command.environment.push_back("HIVE_KIND=" + kind);
+    return command;
 }
 
 Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)
@@ -102,6 +114,13 @@ Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)
         throw Error(Errc::failed,
                     command.program.string() + " --describe does not print an interface: " + error.what());
     }
+}
+
+bool is_of_kind(const Status& running, const std::string& kind)
+{
+    if (running.order && !running.order->kind.empty())
+        return running.order->kind == kind;
+    return running.kind == kind || (is_python_file(kind) && interface_of(kind).kind == running.kind);
 }
 
 std::string assignment(const std::string& parameter, const Json& value)

@@ -159,7 +159,8 @@ Replaced replace(Application& application, const std::string& drone, const Repla
     if (place.host != Place::here)
         throw Error(Errc::refused, drone + " runs on " + place.host, "replace it there");
     auto before = predecessor(application, home, place.drone);
-    const auto kind = options.kind.empty() ? before.interface.kind : options.kind;
+    const auto started_as = before.status.order.value_or(DroneOrder{}).kind;
+    const auto kind = !options.kind.empty() ? options.kind : started_as.empty() ? before.interface.kind : started_as;
     if (options.kind.empty() && !program_of(kind))
         throw Error(Errc::not_found, drone + " is a " + kind + ", and there is no program hive-" + kind,
                     "say what the new one is, if a Python file: --kind FILE.py, or kind=\"FILE.py\" in Python");

@@ -6,6 +6,7 @@
 #include "swarm/differences.hpp"
 #include "swarm/ending.hpp"
 #include "swarm/record.hpp"
+#include "swarm/restarting.hpp"
 #include "swarm/running_plan.hpp"
 #include "swarm/starting.hpp"
 #include "swarm/staying.hpp"
@@ -54,7 +55,7 @@ std::vector<SwarmFailure> change(swarm::Changes& changes, const std::vector<Swar
         try {
             if (is_cancelled(watch))
                 throw Error(Errc::stopped, "interrupted");
-            if (step.what != What::start && step.what != What::stop)
+            if (step.what != What::start && step.what != What::restart && step.what != What::stop)
                 changes.make(step);
             if (watch.on_progress)
                 watch.on_progress(++done, steps.size(), "wired");
@@ -67,15 +68,6 @@ std::vector<SwarmFailure> change(swarm::Changes& changes, const std::vector<Swar
 void append(std::vector<SwarmFailure>& all, std::vector<SwarmFailure> more)
 {
     std::ranges::move(more, std::back_inserter(all));
-}
-
-std::vector<SwarmFailure> failures_in(const std::vector<Answer>& answers)
-{
-    std::vector<SwarmFailure> failures;
-    for (const auto& answer : answers)
-        if (answer.error && answer.error->code() != Errc::not_found)
-            failures.push_back({answer.drone, *answer.error});
-    return failures;
 }
 
 std::string text_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
@@ -94,6 +86,8 @@ std::string_view token(What what) noexcept
 {
     switch (what) {
     case What::start: return "start";
+    case What::restart: return "restart";
+    case What::change: return "change";
     case What::set: return "set";
     case What::connect: return "connect";
     case What::disconnect: return "disconnect";
@@ -118,7 +112,8 @@ std::vector<SwarmPlan> Swarm::remembered(Application& application) { return swar
 
 std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
 {
-    return swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told);
+    return swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told)
+        .steps;
 }
 
 SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& watch)
@@ -128,13 +123,16 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
         return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
     const auto before = record.read();
-    SwarmOutcome outcome{
-        .steps = swarm::differences(application_, plan_, before, watch.told), .failures = {}, .remains = {}};
+    const auto differences = swarm::differences(application_, plan_, before, watch.told);
+    SwarmOutcome outcome{.steps = differences.steps, .failures = {}, .remains = {}};
     record.write(swarm::with_rest_of(plan_, before));  // whoever is killed here leaves behind what the next one finds
     swarm::Starting starting(application_, plan_);
+    swarm::Restarting restarting(application_, differences);
     swarm::Changes changes(application_);
     try {
         outcome.failures = starting.run(drones_of(outcome.steps, What::start), patience, watch);
+        if (outcome.failures.empty())
+            outcome.failures = restarting.run(patience, watch);
     } catch (const Error& error) {
         outcome.failures = {{plan_.name, error}};
     }
@@ -146,9 +144,11 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
                        + "undoing what was begun. Drones that are just being started on other machines are waited for "
                          "first");
         outcome.remains = changes.undo();
+        append(outcome.remains, restarting.undo());
         append(outcome.remains, starting.undo());
     } else {
-        outcome.remains = failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
+        outcome.remains =
+            swarm::failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
     }
     if (!outcome.remains.empty())
         return outcome;

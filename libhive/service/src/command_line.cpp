@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
 #include <iostream>
 
 namespace hive {
@@ -52,29 +53,25 @@ void start_log(const std::string& name, const std::string& level)
 /// The words of the command line that are checked later.
 struct Words {
     std::vector<std::string> assignments, connections, expected;
-    std::string policy, level = "info";
     double take_over_s = 0;
 };
 
-void declare_listening(CLI::App& app, DroneSettings& settings)
+/// The options of an order. More than one address may be given, which no swarm file says.
+void declare(CLI::App& app, DroneSettings& settings, const OrderField& field)
 {
-    app.add_option("--listen", settings.listen.listen,
-                   "a further address to be met at, beside the local socket: tcp://HOST:PORT, or tcp://HOST for a port "
-                   "from 7700 on, which it keeps after a crash")
-        ->type_name("ADDRESS");
-    app.add_option("--advertise", settings.listen.advertise,
-                   "where other machines find it, if that is not where it listens: tcp://HOST or tcp://HOST:PORT")
-        ->type_name("ADDRESS");
-    app.add_flag("--insecure", settings.listen.insecure, "let --listen take peers without a key");
-    app.add_flag(
-        "--no-announce", settings.listen.no_announce,
-        "do not announce it on the local network (by DNS-SD, where there is an Avahi daemon) when it listens there");
-    app.add_option("--key", settings.listen.key,
-                   "the swarm's key file; without it $HIVE_KEY, or ~/.config/hive/swarm.key")
-        ->type_name("FILE");
-    app.add_flag("--remote-operator", settings.remote_operator,
-                 "who has the swarm's key may also set over the network what concerns this machine (paths, URLs, "
-                 "logins)");
+    const std::string option(field.option), help(field.help);
+    auto& order = settings.order;
+    if (field.type == OrderField::Type::flag)
+        app.add_flag(option, order.*std::get<bool DroneOrder::*>(field.member), help);
+    else if (field.type == OrderField::Type::address)
+        app.add_option(option, field.name == "listen" ? settings.listen.listen : settings.listen.advertise, help)
+            ->type_name(std::string(field.placeholder));
+    else {
+        const auto text = std::get<std::string DroneOrder::*>(field.member);
+        auto* const declared = app.add_option(option, order.*text, help)->type_name(std::string(field.placeholder));
+        if (!field.words.empty())
+            declared->check(CLI::IsMember(std::vector<std::string>(field.words.begin(), field.words.end())));
+    }
 }
 
 void declare(CLI::App& app, DroneSettings& settings, Words& words)
@@ -95,27 +92,29 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
                    "there is only one. `hivectl disconnect` ends the wait")
         ->type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         ->allow_extra_args(false);
+    for (const auto& field : order_fields())
+        if (!field.option.empty())
+            declare(app, settings, field);
     app.add_option("--swarm", settings.swarm,
                    "the swarm that it belongs to, whose `hivectl down` ends it; without it none, or after a crash the "
                    "one before")
         ->type_name("NAME");
-    declare_listening(app, settings);
-    app.add_option("--on-exception", words.policy,
-                   "when the drone's code throws: skip the input, or halt until resumed")
-        ->check(CLI::IsMember({"skip", "halt"}))
-        ->default_str("skip");
-    app.add_flag("--halted", settings.halted, "halt at once: nothing is done before `hivectl resume`");
     app.add_option("--take-over", words.take_over_s,
                    "take name, parameters and connections over from the running drone of this name, once this one is "
                    "ready; end if that takes longer than so many seconds (see `hivectl replace`)")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 86400.0));
-    app.add_option("--log-level", words.level,
-                   "lowest level of the log lines on stderr: debug, info, warning, error, or off")
-        ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
-        ->capture_default_str();
     app.add_flag("--describe", settings.describe, "print inputs, outputs and parameters as JSON, and end");
     app.set_version_flag("--version", std::string(HIVE_VERSION));
+}
+
+/// What this program was started as, such as a Python file. Programs that it starts are something else.
+std::string kind_started()
+{
+    const char* const kind = std::getenv("HIVE_KIND");
+    std::string text = kind ? kind : "";
+    ::unsetenv("HIVE_KIND");
+    return text;
 }
 
 void check(DroneSettings& settings, const Words& words)
@@ -123,6 +122,9 @@ void check(DroneSettings& settings, const Words& words)
     require_name(settings.name, "drone");
     if (!settings.swarm.empty())
         require_name(settings.swarm, "swarm");
+    auto& order = settings.order;
+    order.kind = kind_started();
+    settings.listen = {settings.listen.listen, settings.listen.advertise, order.insecure, order.key, order.no_announce};
     require_advertisable(settings.listen);
     settings.parameters = parameters_from(words.assignments);
     settings.connections = service::connections_from(words.connections);
@@ -131,9 +133,7 @@ void check(DroneSettings& settings, const Words& words)
         settings.take_over =
             event::Clock::now()
             + std::chrono::duration_cast<event::Clock::duration>(std::chrono::duration<double>(words.take_over_s));
-    if (!words.policy.empty())
-        settings.policy = from_token<ExceptionPolicy>(words.policy, "policy");
-    start_log(settings.name, words.level);
+    start_log(settings.name, settings.order.log_level.empty() ? "info" : settings.order.log_level);
     if (!settings.describe)
         service::trace_crashes(event::default_home() / (settings.name + ".crash"));
 }

@@ -71,7 +71,7 @@ DroneCore::Running::Running(DroneCore& core)
                 .worker = worker,
                 .end = [&core] { core.end(); },
                 .hand_over = [&core] { core.hand_over(); },
-                .remote_operator = core.settings_.remote_operator})
+                .order = core.settings_.order})
 {
 }
 
@@ -197,24 +197,23 @@ void DroneCore::begin_work()
     declaration_.on_change();
     declaration_.parameters.read_back(values);
     running_->module.start();
-    if (settings_.take_over)
-        take_over();
+    const bool was_halted = settings_.take_over && take_over();
     board_.idle();
-    if (settings_.halted)
+    if (settings_.order.halted || was_halted)
         running_->halting.halt();
     reporter_.log(LogLevel::info, "started");
     serve();
 }
 
 /// All that costs time is done. What the drone was told meanwhile holds as well.
-void DroneCore::take_over()
+/// @return  whether the old one had halted
+bool DroneCore::take_over()
 {
     auto& running = *running_;
-    if (service::take_over(running.module, running.home, running.claim, *settings_.take_over))
-        settings_.halted = true;
+    const bool halted = service::take_over(running.module, running.home, running.claim, *settings_.take_over);
     auto left = left_state(running.home);
     if (left == running.left)
-        return;
+        return halted;
     // What has its default again is not in the state any more.
     auto parameters = left.value("parameters", Json::object());
     const auto before = running.left.value("parameters", Json::object());
@@ -227,6 +226,7 @@ void DroneCore::take_over()
     const auto values = take_values(running.left, false);
     declaration_.on_change();
     declaration_.parameters.read_back(values);
+    return halted;
 }
 
 /// What the drone was told before a crash holds, unless it is told otherwise now.
@@ -235,8 +235,8 @@ void DroneCore::take_over()
 Json DroneCore::take_values(const Json& state, bool all)
 {
     auto& parameters = declaration_.parameters;
-    board_.policy(settings_.policy ? *settings_.policy
-                                   : from_token<ExceptionPolicy>(state.value("policy", "skip"), "policy"));
+    const auto& told = settings_.order.on_exception;
+    board_.policy(from_token<ExceptionPolicy>(told.empty() ? state.value("policy", "skip") : told, "policy"));
     board_.swarm(settings_.swarm.empty() ? state.value("swarm", "") : settings_.swarm);
     Json saved = state.value("parameters", Json::object());
     for (const auto& [name, value] : settings_.parameters.items())

@@ -22,16 +22,14 @@ struct DroneSettings {
     Json parameters = Json::object();            ///< --set
     std::vector<protocol::Connect> connections;  ///< --connect
     std::vector<protocol::Expect> expected;      ///< --expect
-    std::optional<ExceptionPolicy> policy;       ///< empty: as before the crash, or skip
-    std::string swarm = {};                      ///< that brings it up; empty: as before the crash, or none
-    bool halted = false;                         ///< from the start
+    DroneOrder order;                            ///< without on_exception: as before the crash, or skip
+    std::string swarm = {};  ///< that brings it up; empty: as before the crash, or none
     /// To take over from the running drone of this name, if it is ready by then.
     std::optional<std::chrono::steady_clock::time_point> take_over = {};
     bool describe = false;
-    bool remote_operator = false;  ///< members may set what is the operator's
-    bool signals = true;           ///< SIGINT and SIGTERM end the drone
-    bool ends_process = true;      ///< told to stop, but its code does not return: the process ends
-    Log log;                       ///< any thread; empty: the log of the program
+    bool signals = true;       ///< SIGINT and SIGTERM end the drone
+    bool ends_process = true;  ///< told to stop, but its code does not return: the process ends
+    Log log;                   ///< any thread; empty: the log of the program
 };
 
 /// The user thread, but for what says otherwise.
@@ -74,7 +72,7 @@ private:
     void prepare();
     Json take_values(const Json& state, bool all);
     void begin_work();
-    void take_over();
+    bool take_over();
     void serve();
     void end();
     void hand_over();

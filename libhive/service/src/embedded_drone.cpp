@@ -16,11 +16,12 @@ DroneSettings settings_of(const DroneProgram& program, EmbeddedOptions options)
     settings.listen = {std::move(options.listen), std::move(options.advertise), options.insecure, options.key.string(),
                        options.no_announce};
     service::require_sound(settings.listen);
-    settings.halted = options.halted;
-    settings.remote_operator = options.remote_operator;
+    settings.order.halted = options.halted;
+    settings.order.remote_operator = options.remote_operator;
     settings.parameters = std::move(options.parameters);
     settings.connections = service::connections_from(options.connect);
-    settings.policy = options.policy;
+    if (options.policy)
+        settings.order.on_exception = token(*options.policy);
     settings.signals = options.signals;
     settings.ends_process = options.ends_process;
     settings.log = options.log ? std::move(options.log) : [](LogLevel, const std::string&) {};

@@ -11,7 +11,7 @@ using transport::Address;
 
 namespace {
 
-constexpr std::uint16_t first_port = 7700, last_port = 7955;
+using transport::first_own_port, transport::last_own_port;
 
 /// The texts under a key of the state of before a crash.
 std::vector<std::string> saved_texts(const Json& state, const char* key)
@@ -30,7 +30,7 @@ std::vector<std::uint16_t> ports_to_try(const std::string& host, const std::vect
     for (const auto& text : before)
         if (const auto address = listen_address(text); address.host == host && address.port != 0)
             ports.push_back(address.port);
-    for (std::uint16_t port = first_port; port <= last_port; ++port)
+    for (std::uint16_t port = first_own_port; port <= last_own_port; ++port)
         ports.push_back(port);
     return ports;
 }
@@ -139,8 +139,17 @@ Address Listening::listen(const Address& wanted, const std::vector<std::string>&
                 throw;
         }
     throw Error(Errc::name_taken,
-                "no port from " + std::to_string(first_port) + " to " + std::to_string(last_port) + " is free",
+                "no port from " + std::to_string(first_own_port) + " to " + std::to_string(last_own_port) + " is free",
                 "name one: --listen tcp://" + wanted.host + ":PORT");
+}
+
+void Listening::tell(DroneOrder& order) const
+{
+    order.listen = held_.listen.empty() ? "" : held_.listen.front();
+    order.advertise = held_.advertise.empty() ? "" : held_.advertise.front();
+    order.key = held_.key;
+    order.insecure = held_.insecure;
+    order.no_announce = held_.no_announce;
 }
 
 Json Listening::saved() const

@@ -4,6 +4,7 @@
 #include "reporter.hpp"
 
 #include <hive/discovery/announcer.hpp>
+#include <hive/drone_order.hpp>
 #include <hive/event/home.hpp>
 #include <hive/transport/key_ring.hpp>
 #include <hive/transport/listen_address.hpp>
@@ -42,6 +43,8 @@ public:
     void end() { announcer_.reset(); }
     /// For the state file: what begin() takes.
     [[nodiscard]] Json saved() const;
+    /// The same in the words of an order, which have one address.
+    void tell(DroneOrder& order) const;
     /// Where it is met, the local socket first.
     [[nodiscard]] const std::vector<std::string>& places() const noexcept { return places_; }
 

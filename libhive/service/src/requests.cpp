@@ -18,8 +18,8 @@ Requests::Requests(Parts parts)
                    .module = parts_.module,
                    .inbox = inbox_,
                    .state_file = state_file_,
-                   .remote_operator = parts_.remote_operator}),
-      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module, parts_.listening)
+                   .remote_operator = parts_.order.remote_operator}),
+      status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module, parts_.listening, parts_.order)
 {
     add_handlers();
     parts_.module.on_subscribers = [this] { state_file_.subscribers_changed(); };
@@ -31,8 +31,8 @@ void Requests::add_handlers()
     handle(PacketType::describe,
            [this](const Incoming& incoming) { incoming.answer(to_json(parts_.declaration.interface)); });
     handle(PacketType::status, [this](const Incoming& incoming) {
-        incoming.answer(
-            to_json(status_.page(Fields(incoming.header, "status").integer_or("skip", 0, max_json_integer, 0))));
+        const auto skip = Fields(incoming.header, "status").integer_or("skip", 0, max_json_integer, 0);
+        incoming.answer(to_json(status_.page(skip, incoming.role)));
     });
     handle(PacketType::get, [this](const Incoming& incoming) { parameters_.on_get(incoming); });
     handle(PacketType::set, [this](const Incoming& incoming) { parameters_.on_set(incoming); });

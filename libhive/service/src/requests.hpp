@@ -25,7 +25,7 @@ public:
         Worker& worker;                   ///< for commands alone
         std::function<void()> end;        ///< ends the drone
         std::function<void()> hand_over;  ///< ends it in favour of a successor
-        bool remote_operator;             ///< members may set what is the operator's
+        const DroneOrder& order;          ///< what the drone was started with
     };
     explicit Requests(Parts parts);
 

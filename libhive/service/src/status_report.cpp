@@ -27,9 +27,13 @@ MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& co
 }  // namespace
 
 /// Each receiver on another machine asks every 2 s for what the time is, and skips all rows: they are not even made.
-Status StatusReport::page(std::int64_t skip) const
+Status StatusReport::page(std::int64_t skip, Role role) const
 {
-    return skip == max_json_integer ? without_rows() : page_of(now(), skip);
+    auto status = skip == max_json_integer ? without_rows() : page_of(now(), skip);
+    for (const auto& field : order_fields())
+        if (field.for_operator && role == Role::viewer)
+            field.copy(*status.order, {});
+    return status;
 }
 
 Status StatusReport::now() const
@@ -66,10 +70,21 @@ Status StatusReport::without_rows() const
                   .matching = matching(board),
                   .last_exception = board.last_exception,
                   .places = listening_.places(),
-                  .swarm = board.swarm};
+                  .swarm = board.swarm,
+                  .order = order(board)};
     for (const auto& outlet : module_.outlets())
         status.outputs.push_back(outlet.status());
     return status;
+}
+
+/// As it runs, whatever it was started with.
+DroneOrder StatusReport::order(const StatusBoard::Values& board) const
+{
+    auto order = order_;
+    order.on_exception = token(board.policy);
+    order.halted = board_.halted();
+    listening_.tell(order);
+    return order;
 }
 
 Reason StatusReport::why(const StatusBoard::Values& board) const

@@ -12,18 +12,24 @@ namespace hive::service {
 class StatusReport {
 public:
     StatusReport(const Declaration& declaration, const StatusBoard& board, const event::Mailbox& mailbox,
-                 event::Module& module, const Listening& listening)
-        : declaration_(declaration), board_(board), mailbox_(mailbox), module_(module), listening_(listening)
+                 event::Module& module, const Listening& listening, const DroneOrder& order)
+        : declaration_(declaration),
+          board_(board),
+          mailbox_(mailbox),
+          module_(module),
+          listening_(listening),
+          order_(order)
     {
     }
 
     /// As SPEC.md, section 6.4, has it, with all edges.
     [[nodiscard]] Status now() const;
-    /// With as many edges as fit one answer, from one on.
-    [[nodiscard]] Status page(std::int64_t skip) const;
+    /// With as many edges as fit one answer, from one on, and without what this role may not know.
+    [[nodiscard]] Status page(std::int64_t skip, Role role) const;
 
 private:
     [[nodiscard]] Status without_rows() const;
+    [[nodiscard]] DroneOrder order(const StatusBoard::Values& board) const;
     [[nodiscard]] std::vector<InputStatus> inputs() const;
     [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
     [[nodiscard]] Reason why(const StatusBoard::Values& board) const;
@@ -33,6 +39,7 @@ private:
     const event::Mailbox& mailbox_;
     event::Module& module_;
     const Listening& listening_;
+    const DroneOrder& order_;  ///< what it was started with
     event::Clock::time_point started_ = event::Clock::now();
 };
 

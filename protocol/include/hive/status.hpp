@@ -2,6 +2,7 @@
 // moves where nothing does.
 #pragma once
 
+#include <hive/drone_order.hpp>
 #include <hive/json.hpp>
 #include <hive/transfer.hpp>
 
@@ -153,6 +154,7 @@ struct Status {
     std::int64_t rows_left_out = 0;     ///< of inputs, left and edges: more than one answer holds
     std::vector<std::string> places{};  ///< addresses where it is met: "unix:/...", "tcp://cam1:7700"
     std::string swarm{};                ///< which swarm brought it up, and so may end it; empty: it belongs to none
+    std::optional<DroneOrder> order{};  ///< what it runs with; empty: it does not tell
 };
 
 Json to_json(const EdgeStatus& edge);

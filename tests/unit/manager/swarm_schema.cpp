@@ -60,7 +60,7 @@ TEST_CASE("swarm schema: it has every key that the reader knows, and no other")
     const auto& parts = schema.at("$defs");
     const auto& engines = parts.at("engine").at("properties");
     CHECK_EQ(keys_of(schema.at("properties")), sorted(file_keys));
-    CHECK_EQ(keys_of(parts.at("drone").at("properties")), sorted(drone_keys));
+    CHECK_EQ(keys_of(parts.at("drone").at("properties")), sorted(drone_keys()));
     CHECK_EQ(keys_of(parts.at("connection").at("properties")), sorted(connection_keys));
     CHECK_EQ(keys_of(engines), sorted(engine_keys));
     CHECK_EQ(keys_of(engines.at("slurm").at("properties")), sorted(slurm_keys));
@@ -72,10 +72,16 @@ TEST_CASE("swarm schema: its words and bounds are those of the reader")
     const auto parts = parse_json(swarm_schema()).at("$defs");
     const auto& drone = parts.at("drone").at("properties");
     const auto& connection = parts.at("connection").at("properties");
-    const auto words = [&](const char* key) { return drone.at(key).at("enum").get<std::vector<std::string>>(); };
-    CHECK(std::ranges::equal(words("restart"), restart_words));
-    CHECK(std::ranges::equal(words("on_exception"), on_exception_words));
-    CHECK(std::ranges::equal(words("log_level"), log_level_words));
+    for (const auto& field : order_fields()) {
+        CAPTURE(field.name);
+        const auto& told = drone.at(field.name);
+        if (field.type == OrderField::Type::flag)
+            CHECK_EQ(told.at("default"), field.in_force({}));
+        if (field.type != OrderField::Type::word)
+            continue;
+        CHECK(std::ranges::equal(told.at("enum").get<std::vector<std::string>>(), field.words));
+        CHECK_EQ(told.at("default"), field.usual);
+    }
     CHECK_EQ(drone.at("count").at("maximum"), most_of_a_kind);
     CHECK_EQ(connection.at("window").at("maximum"), widest_window);
     CHECK_EQ(connection.at("lease").at("minimum"), shortest_lease_s);

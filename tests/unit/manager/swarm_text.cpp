@@ -55,9 +55,9 @@ SwarmDrone any_drone(Dice& dice, std::size_t number)
         drone.listen = dice.one_of<std::string>({"tcp://0.0.0.0", "tcp://[::]:" + std::to_string(1000 + number)});
         drone.advertise = dice.one_of<std::string>({"", "tcp://cam1"});
     }
-    drone.halted = dice.yes();
-    drone.insecure = dice.yes();
-    drone.remote_operator = dice.yes();
+    for (const auto& field : order_fields())
+        if (field.type == OrderField::Type::flag)
+            field.set(drone, dice.yes());
     return drone;
 }
 

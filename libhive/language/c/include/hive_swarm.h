@@ -42,16 +42,18 @@ HIVE_API hive_code hive_swarm_export(hive_swarm* swarm, const char* form, const 
 
 /* --- what runs --- */
 
-/* What hive_swarm_up() would do now: [{"step": "start" | "set" | "connect" | "disconnect" | "stop", "drone" (of a
-   connection: the receiver), "what": "face-1 scale=1.05"}, ...]; of a set also "values" and what they were, "before",
-   of connections "sender", "receiver" and "options". HIVE_NAME_TAKEN when a name of the file belongs to another kind of
-   drone, or to one on another machine. */
+/* What hive_swarm_up() would do now: [{"step": "start" | "restart" | "change" | "set" | "connect" | "disconnect" |
+   "stop", "drone" (of a connection: the receiver), "what": "face-1 scale=1.05"}, ...]; of a restart, a change and a set
+   also "values" and what they were, "before", of connections "sender", "receiver" and "options". HIVE_NAME_TAKEN when a
+   name of the file belongs to another kind of drone, or to one on another machine, that this swarm did not have before.
+ */
 HIVE_API hive_code hive_swarm_differences(hive_swarm* swarm, char** json, size_t* length);
-/* Starts what does not run and waits until it answers, then sets, connects, disconnects and stops what differs:
-   everything or nothing. `timeout_ms` is for all drones to be ready. *json: {"steps": [as above; of what failed, what
-   would have been], "failures": [{"drone", "error": {"code", "text", "advice"}}, ...], "remains": [the same: what could
-   not be undone]}. HIVE_OK says only that it was tried: it is done when both of these are empty. What hive_on_wait() or
-   `progress` cancels is undone, and is a failure "stopped". `progress` may be null, and must not call that application.
+/* Starts what does not run and restarts drones that only a new process can have as the file says, waits until they
+   answer, then changes, sets, connects, disconnects and stops what differs: everything or nothing. `timeout_ms` is for
+   all drones to be ready. *json: {"steps": [as above; of what failed, what would have been], "failures": [{"drone",
+   "error": {"code", "text", "advice"}}, ...], "remains": [the same: what could not be undone]}. HIVE_OK says only that
+   it was tried: it is done when both of these are empty. What hive_on_wait() or `progress` cancels is undone, and is a
+   failure "stopped". `progress` may be null, and must not call that application.
  */
 HIVE_API hive_code hive_swarm_up(hive_swarm* swarm, int64_t timeout_ms, hive_progress_callback progress, void* user,
                                  char** json, size_t* length);

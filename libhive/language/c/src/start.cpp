@@ -20,19 +20,23 @@ SwarmDrone drone_of(const char* kind, const Options& given)
     drone.kind = text_of(kind, "the kind");
     drone.name = given.text("name");
     drone.set = given.object("parameters");
-    drone.on_exception = given.text("on_exception");
-    drone.listen = given.text("listen");
-    drone.key = given.text("key");
-    drone.log_level = given.text("log_level");
-    drone.halted = given.flag("halted");
-    drone.insecure = given.flag("insecure");
+    for (const auto& field : order_fields())
+        if (field.option.empty())
+            continue;
+        else if (const auto* const key = field.name.data(); field.type == OrderField::Type::flag)
+            field.set(drone, given.flag(key));
+        else
+            field.set(drone, given.text(key));
     return drone;
 }
 
 StartOptions start_options(const char* kind, const char* text)
 {
-    const Options given(text, {"name", "ssh", "parameters", "on_exception", "listen", "key", "log_level", "halted",
-                               "insecure", "if_missing", "ready_ms"});
+    std::vector known{"name", "ssh", "parameters", "ready_ms", "if_missing"};
+    for (const auto& field : order_fields())
+        if (!field.option.empty())
+            known.push_back(field.name.data());
+    const Options given(text, known);
     StartOptions options;
     options.drone = drone_of(kind, given);
     options.ssh = given.text("ssh");

@@ -65,7 +65,7 @@ Json step_json(const SwarmStep& step)
 {
     using What = SwarmStep::What;
     Json json{{"step", token(step.what)}, {"drone", step.drone}, {"what", to_text(step)}};
-    if (step.what == What::set) {
+    if (!step.values.empty()) {
         json["values"] = step.values;
         json["before"] = step.before;
     } else if (step.what == What::connect || step.what == What::disconnect) {

@@ -54,7 +54,7 @@ std::vector<std::string> names_of(const char* text, const char* what)
     return list.get<std::vector<std::string>>();
 }
 
-Options::Options(const char* text, std::initializer_list<const char*> known) : values_(json_of(text, "the options"))
+Options::Options(const char* text, const std::vector<const char*>& known) : values_(json_of(text, "the options"))
 {
     if (!values_.is_object())
         refuse("the options are not a JSON object");

@@ -28,7 +28,7 @@ std::vector<std::string> names_of(const char* text, const char* what);
 class Options {
 public:
     /// Throws for a field that is not among `known`.
-    Options(const char* text, std::initializer_list<const char*> known);
+    Options(const char* text, const std::vector<const char*>& known);
     [[nodiscard]] std::string text(const char* field) const;
     [[nodiscard]] bool flag(const char* field) const;
     [[nodiscard]] std::int64_t integer(const char* field, std::int64_t least, std::int64_t fallback) const;

@@ -124,7 +124,10 @@ class Application(Finding):
         halted: bool = False,
         on_exception: str = "",
         listen: str = "",
+        advertise: str = "",
         insecure: bool = False,
+        no_announce: bool = False,
+        remote_operator: bool = False,
         key: Union[str, os.PathLike[str]] = "",
         log_level: str = "",
         if_missing: bool = False,
@@ -142,6 +145,7 @@ class Application(Finding):
         :param listen: address where other machines reach it, "tcp://HOST:PORT"; with ``on`` the default is any
         :param if_missing: a drone of this name and kind that runs already is left as it is and counts as started: for
             the cell of a notebook that is run again
+        :param advertise: where other machines find it, if that is not where it listens
         :param ready: how long it may take to be ready; then it is stopped again
         :raises hive.Error: "name_taken", "not_found" when there is no such program, "failed" with the last lines of its
             log when it exits instead, "timeout"
@@ -153,7 +157,10 @@ class Application(Finding):
             "halted": halted,
             "on_exception": on_exception,
             "listen": listen,
+            "advertise": advertise,
             "insecure": insecure,
+            "no_announce": no_announce,
+            "remote_operator": remote_operator,
             "key": os.fspath(key),
             "log_level": log_level,
             "if_missing": if_missing,

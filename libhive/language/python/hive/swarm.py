@@ -144,17 +144,19 @@ class Swarm(Owner):
         return [Mistake(**mistake) for mistake in told["mistakes"]]
 
     def differences(self) -> list[dict[str, Any]]:
-        """What :meth:`up` would do now: "step" ("start", "set", "connect", "disconnect" or "stop"), "drone" and "what",
-        which says it in words; of a set also "values" and "before", of connections "sender", "receiver", "options".
+        """What :meth:`up` would do now: "step" ("start", "restart", "change", "set", "connect", "disconnect" or
+        "stop"), "drone" and "what", which says it in words; of a restart, a change and a set also "values" and
+        "before", of connections "sender", "receiver", "options".
 
-        :raises hive.Error: "name_taken" when a name belongs to another kind of drone, or to one on another machine
+        :raises hive.Error: "name_taken" when a name belongs to another kind of drone, or to one on another machine,
+            that this swarm did not have before
         """
         steps: list[dict[str, Any]] = ask(lib.hive_swarm_differences, self._opened())
         return steps
 
     def up(self, timeout: Seconds = 60.0, progress: Optional[Progress] = None) -> list[dict[str, Any]]:
-        """Starts what does not run and waits until it answers, then sets, connects, disconnects and stops what differs:
-        everything or nothing.  Gives what was done, as :meth:`differences`; again, it finds nothing to do.
+        """Starts what does not run and restarts drones that only a new process can have as the file says, waits until
+        they answer, then changes, sets, connects, disconnects and stops what differs: everything or nothing.  Gives what was done, as :meth:`differences`; again, it finds nothing to do.
 
         Ctrl-C undoes what was begun before it is raised, and so does an exception of ``progress``.
 

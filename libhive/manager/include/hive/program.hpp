@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/interface.hpp>
+#include <hive/status.hpp>
 
 #include <chrono>
 #include <filesystem>
@@ -34,6 +35,10 @@ std::string assignment(const std::string& parameter, const Json& value);
 /// Throws Errc::not_found when there is no such program or file, or no interpreter that has what the file imports:
 /// $HIVE_PYTHON alone, or that of the active environment, python3 in $PATH and /usr/bin/python3.
 DroneCommand command_of(const std::string& kind);
+
+/// Is the running drone what this kind starts? A drone tells what it was started as, "edges.py"; of one that does not,
+/// its own kind decides. Throws as interface_of.
+bool is_of_kind(const Status& running, const std::string& kind);
 
 /// What drones of this kind take, produce and have as parameters: what its program prints for --describe. Throws as
 /// command_of, Errc::timeout when it has not answered within `limit`, Errc::failed when it answers with something else.

@@ -12,12 +12,13 @@ namespace hive {
 
 /// One difference between what runs and what the plan says, and so one thing to do.
 struct SwarmStep {
-    enum class What { start, set, connect, disconnect, stop };
+    enum class What { start, restart, change, set, connect, disconnect, stop };
     What what = What::start;
-    std::string drone;                                      ///< of a connection: the receiver
-    Json values = Json::object(), before = Json::object();  ///< set: the parameters, and what they were
-    SwarmConnection connection{};                           ///< connect, disconnect
-    std::optional<ConnectionOptions> replaced{};            ///< connect: what the connection had been made with
+    std::string drone;  ///< of a connection: the receiver
+    /// set: the parameters, and what they were; restart, change: the same of the fields of an order
+    Json values = Json::object(), before = Json::object();
+    SwarmConnection connection{};                 ///< connect, disconnect
+    std::optional<ConnectionOptions> replaced{};  ///< connect: what the connection had been made with
 };
 /// "start", "set" ...
 std::string_view token(SwarmStep::What what) noexcept;
@@ -55,14 +56,15 @@ public:
     Swarm(Application& application, SwarmPlan plan);
 
     /// What up() would do now. Throws Errc::name_taken when a name of the plan belongs to another kind of drone, or to
-    /// one on another machine; Errc::unreachable when it cannot be told what a drone is doing.
+    /// one on another machine, that this swarm did not have so before; Errc::unreachable when it cannot be told what a
+    /// drone is doing.
     /// @param watch  is told of each drone that is used as it was found, see up()
     std::vector<SwarmStep> differences(const SwarmWatch& watch = {});
-    /// Starts what does not run and waits until it answers, then sets, connects, disconnects and stops what differs:
-    /// everything, or (after a failure, or when cancelled) nothing. Again, it finds nothing to do. A drone of the plan
-    /// that another swarm brought up, or none, is connected, and else left as it is unless the plan has
-    /// `change_if_shared`. One process at a
-    /// time changes a swarm: it waits for its turn, and throws Errc::locked when that does not come.
+    /// Starts what does not run and waits until it answers, restarts drones that only a new process can have as the
+    /// plan says, then changes, sets, connects, disconnects and stops what differs: everything, or (after a failure, or
+    /// when cancelled) nothing. Again, it finds nothing to do. A drone of the plan that another swarm brought up, or
+    /// none, is connected, and else left as it is unless the plan has `change_if_shared`. One process at a time changes
+    /// a swarm: it waits for its turn, and throws Errc::locked when that does not come.
     /// @param patience  for its turn, and then for all drones to be ready
     SwarmOutcome up(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
     /// Ends all drones that this swarm brought up: sources take nothing more, and each drone ends when it has handed on

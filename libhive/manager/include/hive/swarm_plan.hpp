@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/application.hpp>
+#include <hive/drone_order.hpp>
 
 #include <cstddef>
 #include <functional>
@@ -13,24 +14,7 @@
 
 namespace hive {
 
-/// When an engine starts a drone again by itself.
-enum class Restart { never, on_failure, always };
-
-/// One drone: one process. Of `"face": {"count": 4, ...}` there are four of these, face-1 to face-4.
-struct SwarmDrone {
-    std::string name{}, kind{};
-    std::string host = Place::here;  ///< as the file calls the machine: what `engines` are looked up by
-    Json set = Json::object();       ///< parameters to begin with
-    Restart restart = Restart::never;
-    // What `hivectl start` has options for; an empty text: as there.
-    std::string on_exception{}, listen{}, advertise{}, key{}, log_level{};
-    bool halted = false, insecure = false, remote_operator = false;
-    bool change_if_shared = false;        ///< parameters and connections hold even if another swarm brought it up
-    std::vector<std::string> expected{};  ///< who will receive from it, for --expect; only where it is started
-    std::string swarm{};                  ///< that it will belong to; only where it is started
-
-    bool operator==(const SwarmDrone&) const = default;
-};
+using SwarmDrone = DroneOrder;
 
 /// One connection between two drones of the swarm. A port that the file leaves out is filled in where the interfaces
 /// are known; an empty one is inferred when the connection is made.

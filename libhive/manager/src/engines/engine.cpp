@@ -78,19 +78,9 @@ std::vector<std::string> arguments_of(const SwarmDrone& drone)
     std::vector<std::string> words{"--name", drone.name};
     for (const auto& [name, value] : drone.set.items())
         words.insert(words.end(), {"--set", assignment(name, value)});
-    for (const auto& [flag, value] : {std::pair{"--on-exception", drone.on_exception},
-                                      {"--listen", drone.listen},
-                                      {"--advertise", drone.advertise},
-                                      {"--key", drone.key},
-                                      {"--log-level", drone.log_level},
-                                      {"--swarm", drone.swarm}})
-        if (!value.empty())
-            words.insert(words.end(), {flag, value});
-    for (const auto& [flag, chosen] : {std::pair{"--halted", drone.halted},
-                                       {"--insecure", drone.insecure},
-                                       {"--remote-operator", drone.remote_operator}})
-        if (chosen)
-            words.emplace_back(flag);
+    std::ranges::move(option_words(drone), std::back_inserter(words));
+    if (!drone.swarm.empty())
+        words.insert(words.end(), {"--swarm", drone.swarm});
     for (const auto& receiver : drone.expected)
         words.insert(words.end(), {"--expect", receiver});
     return words;

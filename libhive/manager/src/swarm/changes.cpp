@@ -9,12 +9,26 @@ void Changes::make(const SwarmStep& step)
 {
     switch (step.what) {
     case What::set: application_.set(step.drone, step.values); break;
+    case What::change: change(step.drone, step.values); break;
     case What::connect: application_.connect(step.connection.from, step.connection.to, step.connection.options); break;
     case What::disconnect: application_.disconnect(step.connection.from, step.connection.to); break;
     case What::start:
+    case What::restart:
     case What::stop: throw Error(Errc::invalid_argument, "drones are started and stopped by their engines");
     }
     made_.push_back(step);
+}
+
+/// The fields of an order that a running drone changes on request.
+void Changes::change(const std::string& drone, const Json& fields)
+{
+    for (const auto& [name, value] : fields.items())
+        if (name == "on_exception")
+            application_.exception_policy(drone, from_token<ExceptionPolicy>(value.get<std::string>(), name));
+        else if (value.get<bool>())
+            application_.halt(drone);
+        else
+            application_.resume(drone);
 }
 
 std::vector<SwarmFailure> Changes::undo()
@@ -34,6 +48,8 @@ void Changes::undo(const SwarmStep& step)
     const auto& [from, to, options] = step.connection;
     if (step.what == What::set)
         application_.set(step.drone, step.before);
+    else if (step.what == What::change)
+        change(step.drone, step.before);
     else if (step.what == What::disconnect)
         application_.connect(from, to, options);
     else if (step.replaced)

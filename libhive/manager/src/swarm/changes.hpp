@@ -17,6 +17,7 @@ public:
     std::vector<SwarmFailure> undo();
 
 private:
+    void change(const std::string& drone, const Json& fields);
     void undo(const SwarmStep& step);
 
     Application& application_;

@@ -20,6 +20,8 @@ public:
     [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
     /// The connection of an input from an output, if there is one; an empty port stands for any.
     [[nodiscard]] const InputStatus* connection(const SwarmConnection& connection) const;
+    /// Those from or to this drone, as far as their receivers were asked.
+    [[nodiscard]] std::vector<SwarmConnection> connections_of(const std::string& drone) const;
 
 private:
     std::map<std::string, StatusAnswer> answers_;
@@ -39,11 +41,28 @@ bool owns(const SwarmPlan& plan, const StatusAnswer& running);
 /// "brought up by the swarm face"
 std::string owner_text(const StatusAnswer& running);
 
-/// In the order in which they are to be done. Drones that the swarm does not own are only connected, unless the plan
-/// says `change_if_shared`.
-/// @param before  the plan that was brought up last: what it had and this one has no more is ended
+/// What a drone runs with, but for its parameters.
+/// @param otherwise  of a drone that does not tell, and what only its engine knows
+DroneOrder running_order(const StatusAnswer& answer, const DroneOrder& otherwise);
+/// Its parameters that do not have their defaults, as they were asked for.
+Json running_set(Application& application, const std::string& drone, const Json& asked);
+
+/// Does a drone that runs so have in this field what is wanted? An address without a port stands for any that the drone
+/// chooses itself, and on another machine no address for all of that machine.
+bool runs_as_wanted(const OrderField& field, const DroneOrder& wanted, const DroneOrder& running, const Place& place);
+
+struct Differences {
+    std::vector<SwarmStep> steps;         ///< in the order in which they are to be done
+    SwarmPlan wanted;                     ///< the plan, with what drones that are to be restarted have beside it
+    SwarmPlan ran;                        ///< those that are to be restarted, and their connections, as they run now
+    std::vector<SwarmConnection> kept{};  ///< of those connections the ones that the restarted drones need again
+};
+
+/// @param before  the plan that was brought up last: what it had and this one has no more is ended, or returns to its
+///                default; what was set or connected by hand beside both stays, and so does a drone that the swarm does
+///                not own, unless the plan says `change_if_shared`
 /// @param told    hears of each drone that is used as it was found
-std::vector<SwarmStep> differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before,
-                                   const std::function<void(const std::string& text)>& told = {});
+Differences differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before,
+                        const std::function<void(const std::string& text)>& told = {});
 
 }  // namespace hive::swarm

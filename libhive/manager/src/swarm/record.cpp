@@ -71,8 +71,23 @@ std::vector<SwarmPlan> Record::all(const fs::path& home)
     return plans;
 }
 
+/// While a drone is being changed, its kind and machine may still be those of before, and both say what has to be taken
+/// back when a file does not say it any more.
+SwarmDrone as_either_says(SwarmDrone drone, const SwarmDrone& before)
+{
+    drone.host = before.host;
+    drone.set.update(before.set);
+    for (const auto& field : order_fields())
+        if (field.is_given(before))
+            field.copy(drone, before);
+    return drone;
+}
+
 SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before)
 {
+    for (auto& drone : plan.drones)
+        if (const auto* old = before.drone(drone.name))
+            drone = as_either_says(std::move(drone), *old);
     for (const auto& drone : before.drones)
         if (!plan.drone(drone.name))
             plan.drones.push_back({.name = drone.name, .kind = drone.kind, .host = drone.host});

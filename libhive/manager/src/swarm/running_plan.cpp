@@ -2,59 +2,35 @@
 #include "running_plan.hpp"
 
 #include "../directory.hpp"
+#include "differences.hpp"
 #include "record.hpp"
+
+#include <hive/program.hpp>
 
 #include <algorithm>
 
 namespace hive::swarm {
 namespace {
 
-constexpr std::string_view on_network = "tcp://";
-
-/// What is not as it would be without being told.
-Json told(const Interface& interface, const Json& values)
+/// The file's own words where they are what runs, and what only the file knows.
+void add_remembered(SwarmDrone& drone, const SwarmDrone& before, const Place& place)
 {
-    Json set = Json::object();
-    for (const auto& parameter : interface.parameters)
-        if (const auto now = values.find(parameter.name); now != values.end() && *now != parameter.default_value)
-            set[parameter.name] = *now;
-    return set;
+    drone.host = before.host;
+    for (const auto& field : order_fields())
+        if (runs_as_wanted(field, before, drone, place))
+            field.copy(drone, before);
 }
 
-/// Where a drone of this machine listens besides the home.
-std::string listens_at(const StatusAnswer& answer)
+SwarmDrone planned(Application& application, const StatusAnswer& answer, const Json& asked, const SwarmDrone* before)
 {
-    for (const auto& place : answer.status.places)
-        if (is_here(answer.place) && place.starts_with(on_network))
-            return place;
-    return {};
-}
-
-SwarmDrone planned(const StatusAnswer& answer)
-{
-    SwarmDrone drone{.name = hive::drone_of(answer.drone), .kind = answer.status.kind, .host = answer.place.host};
-    drone.halted = answer.status.state == State::halted;
-    drone.on_exception = answer.status.policy == ExceptionPolicy::halt ? "halt" : "";
-    drone.listen = listens_at(answer);
+    if (before && !is_of_kind(answer.status, before->kind))
+        before = nullptr;
+    auto drone = running_order(answer, before ? *before : SwarmDrone{});
+    drone.set = running_set(application, answer.drone, asked);
+    if (before)
+        drone.kind = before->kind;
+    add_remembered(drone, before ? *before : SwarmDrone{.host = drone.host}, answer.place);
     return drone;
-}
-
-/// What a drone does not tell of itself, its file does.
-void add_remembered(SwarmDrone& drone, const SwarmPlan& remembered)
-{
-    const auto* before = remembered.drone(drone.name);
-    if (!before || before->kind != drone.kind)
-        return;
-    drone.host = before->host;
-    drone.restart = before->restart;
-    drone.log_level = before->log_level;
-    drone.key = before->key;
-    drone.insecure = before->insecure;
-    drone.remote_operator = before->remote_operator;
-    drone.change_if_shared = before->change_if_shared;
-    drone.advertise = before->advertise;
-    if (!before->advertise.empty() || !before->listen.empty())
-        drone.listen = before->listen;
 }
 
 void add_connections(SwarmPlan& plan, const StatusAnswer& answer)
@@ -86,9 +62,8 @@ SwarmPlan running_plan(Application& application, const std::string& name, const 
         for (const auto* error : {&answers[i].error, &values[i].error})
             if (*error)
                 throw **error;
-        auto drone = planned(answers[i]);
-        drone.set = told(application.describe(drones[i]), values[i].result);
-        add_remembered(drone, remembered);
+        auto drone =
+            planned(application, answers[i], values[i].result, remembered.drone(hive::drone_of(answers[i].drone)));
         if (!remembered.drone(drone.name))
             add_engine(plan, answers[i].place);
         plan.drones.push_back(std::move(drone));

@@ -198,7 +198,7 @@ Staying::Texts Staying::settle_alone()
     Changes changes(application_);
     std::set<std::string> unsettled;
     Texts troubles;
-    for (const auto& step : differences(application_, plan_, plan_)) {
+    for (const auto& step : differences(application_, plan_, plan_).steps) {
         if ((step.what != SwarmStep::What::set && step.what != SwarmStep::What::connect)
             || !unsettled_.contains(step.drone))
             continue;

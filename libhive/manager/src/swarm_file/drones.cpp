@@ -17,6 +17,16 @@ bool is_machine(std::string_view text) noexcept
            && text.find_first_of("'\"`$;&|<>()\\/*?") == std::string_view::npos;
 }
 
+std::span<const std::string_view> drone_keys()
+{
+    static const auto keys = [] {
+        std::vector all{"count"sv, "on"sv, "set"sv};
+        std::ranges::transform(order_fields(), std::back_inserter(all), &OrderField::name);
+        return all;
+    }();
+    return keys;
+}
+
 void Reader::read_drones(const Value& drones)
 {
     if (!require_object(mistakes_, drones)) {
@@ -41,7 +51,7 @@ std::optional<Reader::Entry> Reader::read_drone(const std::string& name, const V
         mistakes_.at_key(value, error);
         return std::nullopt;
     }
-    Members members(mistakes_, value, "a drone", drone_keys);
+    Members members(mistakes_, value, "a drone", drone_keys());
     if (!value.json->is_object())
         return std::nullopt;
     entry.count = members.integer("count", 1, most_of_a_kind);
@@ -88,16 +98,14 @@ void Reader::read_hosts(Members& members, Entry& entry)
 
 void Reader::read_options(Members& members, Entry& entry)
 {
-    auto& drone = entry.drone;
-    if (const auto word = members.word("restart", restart_words))
-        drone.restart = static_cast<Restart>(std::ranges::find(restart_words, *word) - restart_words.begin());
-    drone.on_exception = members.word("on_exception", on_exception_words).value_or("");
-    drone.log_level = members.word("log_level", log_level_words).value_or("");
-    drone.key = members.text("key").value_or("");
-    drone.halted = members.flag("halted");
-    drone.insecure = members.flag("insecure");
-    drone.remote_operator = members.flag("remote_operator");
-    drone.change_if_shared = members.flag("change_if_shared");
+    using enum OrderField::Type;
+    for (const auto& field : order_fields())
+        if (field.type == flag)
+            field.set(entry.drone, members.flag(field.name));
+        else if (field.type == word)
+            field.set(entry.drone, members.word(field.name, field.words).value_or(""));
+        else if (field.type == file)
+            field.set(entry.drone, members.text(field.name).value_or(""));
 }
 
 void Reader::read_settings(const Value& settings, Entry& entry)

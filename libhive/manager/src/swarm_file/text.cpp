@@ -1,6 +1,4 @@
 // Writing a swarm file: a line for each drone, each connection and each engine; what is as usual is left out.
-#include "words.hpp"
-
 #include <hive/swarm_plan.hpp>
 
 namespace hive {
@@ -41,21 +39,12 @@ private:
 
 std::string text_of_drone(const SwarmDrone& drone)
 {
-    return OneLine()
-        .add("kind", drone.kind)
-        .add_unless(Place::here, "on", drone.host)
-        .add_unless(Json::object(), "set", drone.set)
-        .add_unless("never", "restart", swarm_file::restart_words.at(static_cast<std::size_t>(drone.restart)))
-        .add_unless("", "on_exception", drone.on_exception)
-        .add_unless(false, "halted", drone.halted)
-        .add_unless("", "listen", drone.listen)
-        .add_unless("", "advertise", drone.advertise)
-        .add_unless("", "key", drone.key)
-        .add_unless(false, "insecure", drone.insecure)
-        .add_unless(false, "remote_operator", drone.remote_operator)
-        .add_unless("", "log_level", drone.log_level)
-        .add_unless(false, "change_if_shared", drone.change_if_shared)
-        .text();
+    OneLine line;
+    line.add("kind", drone.kind).add_unless(Place::here, "on", drone.host).add_unless(Json::object(), "set", drone.set);
+    for (const auto& field : order_fields())
+        if (field.type != OrderField::Type::kind)
+            line.add_unless(field.value({}), field.name, field.value(drone));
+    return line.text();
 }
 
 Json end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 
 namespace hive::swarm_file {
@@ -9,17 +10,12 @@ namespace hive::swarm_file {
 using namespace std::string_view_literals;
 
 inline constexpr std::array file_keys{"$schema"sv, "swarm"sv, "drones"sv, "connections"sv, "engines"sv};
-inline constexpr std::array drone_keys{
-    "kind"sv,   "count"sv,     "on"sv,  "set"sv,      "restart"sv,         "on_exception"sv, "halted"sv,
-    "listen"sv, "advertise"sv, "key"sv, "insecure"sv, "remote_operator"sv, "log_level"sv,    "change_if_shared"sv};
+/// With those of the fields of an order.
+std::span<const std::string_view> drone_keys();
 inline constexpr std::array connection_keys{"from"sv,        "to"sv,    "stream"sv, "notify"sv, "window"sv,
                                             "first_frame"sv, "share"sv, "group"sv,  "lease"sv,  "encoding"sv};
 inline constexpr std::array engine_keys{"local"sv, "ssh"sv, "systemd"sv, "slurm"sv};
 inline constexpr std::array slurm_keys{"partition"sv, "options"sv};
-
-inline constexpr std::array restart_words{"never"sv, "on-failure"sv, "always"sv};  // in the order of hive::Restart
-inline constexpr std::array on_exception_words{"skip"sv, "halt"sv};
-inline constexpr std::array log_level_words{"debug"sv, "info"sv, "warning"sv, "error"sv, "off"sv};
 
 inline constexpr int most_of_a_kind = 1000;
 inline constexpr int widest_window = 64;

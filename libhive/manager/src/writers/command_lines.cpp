@@ -14,8 +14,6 @@
 namespace hive {
 namespace {
 
-constexpr std::uint16_t first_of_drones = 7700, last_of_drones = 7955;  // as a drone chooses them itself
-
 bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
 /// As bash reads it, in $'…'.
@@ -83,10 +81,10 @@ void CommandLines::choose_ports(const SwarmPlan& plan)
     for (const auto& drone : plan.drones) {
         if (!on_network.contains(drone.name) || ports_.contains(drone.name))
             continue;
-        auto& port = next.try_emplace(drone.host, first_of_drones).first->second;
+        auto& port = next.try_emplace(drone.host, transport::first_own_port).first->second;
         while (taken[drone.host].contains(static_cast<std::uint16_t>(port)))
             ++port;
-        if (port > last_of_drones)
+        if (port > transport::last_own_port)
             throw Error(Errc::invalid_argument,
                         "there are more drones on " + drone.host + " than ports from 7700 to 7955",
                         "name ports for some: \"listen\": \"tcp://0.0.0.0:PORT\"");
