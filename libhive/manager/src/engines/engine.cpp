@@ -65,7 +65,8 @@ Error not_ready(const std::string& drone, int status, const std::string& last_wo
 
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)
 {
-    drone.swarm = plan.name;
+    if (drone.swarm.empty())  // else it was another one's before it is started again, and stays that
+        drone.swarm = plan.name;
     for (const auto& [from, to, options] : plan.connections)
         if (from.drone == drone.name && !from.port.empty() && !to.port.empty() && options.delivery == Delivery::data)
             drone.expected.push_back(protocol::to_text(
