@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -39,6 +40,22 @@ TEST_CASE("swarm files: those in scripts/swarms are good")
             CHECK_MESSAGE(fs::exists(script.replace_extension(".sh")), script);
         }
     CHECK_EQ(files, 5);
+}
+
+TEST_CASE("swarm files: a drone that is dropped for its name is checked by its own kind")
+{
+    const Swarm swarm;
+    const auto check = [&](const std::string& text) {
+        return swarm.hivectl({"check", written(swarm, "twice.json", text).string(), "--timeout", "60"},
+                             patient(15'000ms));
+    };
+    const auto one = check(R"({"swarm":"s","drones":{"c":{"kind":"camera","count":2},"c-2":{"kind":"face"}}})");
+    CHECK_EQ(one.exit_code, 2);
+    CHECK_MESSAGE(one.out.find(":1:56: two drones are called c-2; ") != std::string::npos, one.out, one.err);
+    const auto other =
+        check(R"({"swarm":"s","drones":{"c":{"kind":"face","count":2},"c-2":{"kind":"camera","set":{"fps":3}}}})");
+    CHECK_EQ(std::ranges::count(other.out, '\n'), 1);
+    CHECK_MESSAGE(other.out.find("two drones are called c-2") != std::string::npos, other.out, other.err);
 }
 
 TEST_CASE("swarm files: every mistake is a line to which an editor jumps, and the exit code is 2")

@@ -11,8 +11,6 @@ using transport::Address;
 
 namespace {
 
-using transport::first_own_port, transport::last_own_port;
-
 /// The texts under a key of the state of before a crash.
 std::vector<std::string> saved_texts(const Json& state, const char* key)
 {
@@ -30,7 +28,7 @@ std::vector<std::uint16_t> ports_to_try(const std::string& host, const std::vect
     for (const auto& text : before)
         if (const auto address = listen_address(text); address.host == host && address.port != 0)
             ports.push_back(address.port);
-    for (std::uint16_t port = first_own_port; port <= last_own_port; ++port)
+    for (auto port = transport::first_drone_port; port <= transport::last_drone_port; ++port)
         ports.push_back(port);
     return ports;
 }
@@ -139,7 +137,8 @@ Address Listening::listen(const Address& wanted, const std::vector<std::string>&
                 throw;
         }
     throw Error(Errc::name_taken,
-                "no port from " + std::to_string(first_own_port) + " to " + std::to_string(last_own_port) + " is free",
+                "no port from " + std::to_string(transport::first_drone_port) + " to "
+                    + std::to_string(transport::last_drone_port) + " is free",
                 "name one: --listen tcp://" + wanted.host + ":PORT");
 }
 

@@ -125,7 +125,7 @@ TEST_CASE("command lines: a sender that nobody finds, and an output that nobody 
 TEST_CASE("command lines: no two drones of a machine have one port, and there are only so many")
 {
     SwarmPlan plan{.name = "s", .drones = {}, .connections = {}, .engines = {}};
-    for (int i = 0; i < 256; ++i)
+    for (int i = 0; i < 2000; ++i)
         plan.drones.push_back({.name = "a" + std::to_string(i), .kind = "k", .host = "m"});
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
     std::vector<std::string> listening;

@@ -1,6 +1,8 @@
 // A lock file as those of drones, NAME.swarm.lock; whoever waits for it holds NAME.swarm.next.
 #include "claim.hpp"
 
+#include "../swarm_file/words.hpp"
+
 #include <hive/error.hpp>
 #include <hive/event/clock.hpp>
 
@@ -12,11 +14,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
-std::string name_of(const std::string& swarm) { return swarm + ".swarm"; }
-
 Claim claim_unless_taken(const event::Home& home, const std::string& swarm, event::NameClaim::To what)
 try {
-    return std::make_unique<const event::NameClaim>(home, name_of(swarm), what);
+    return std::make_unique<const event::NameClaim>(home, swarm_file::lock_of(swarm), what);
 } catch (const Error& error) {
     if (error.code() != Errc::name_taken)
         throw;
@@ -57,7 +57,7 @@ Claim claim_if_free(const std::filesystem::path& home, const std::string& swarm)
 
 bool claim_is_wanted(const std::filesystem::path& home, const std::string& swarm)
 {
-    return event::Home(home).succession(name_of(swarm));
+    return event::Home(home).succession(swarm_file::lock_of(swarm));
 }
 
 }  // namespace hive::swarm

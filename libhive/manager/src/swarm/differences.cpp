@@ -398,7 +398,7 @@ bool runs_as_wanted(const OrderField& field, const DroneOrder& wanted, const Dro
     if (value == "")
         return listens && !is_here(place) && now.host == "0.0.0.0";
     const auto meant = transport::listen_address(value.get<std::string>());
-    const bool chosen = listens ? now.port >= transport::first_own_port && now.port <= transport::last_own_port
+    const bool chosen = listens ? now.port >= transport::first_drone_port && now.port <= transport::last_drone_port
                                 : now.port == transport::listen_address(running.listen).port;
     return meant.host == now.host && (meant.port == 0 ? chosen : meant.port == now.port);
 }

@@ -63,4 +63,33 @@ bool Reader::has_own_port(const SwarmDrone& drone, const Entry& entry)
     return false;
 }
 
+void Reader::check_free_ports()
+{
+    constexpr int most = transport::last_drone_port - transport::first_drone_port + 1;
+    struct Machine {
+        bool listens;
+        int drones = 0;
+    };
+    std::map<std::string, Machine> machines;
+    const auto machine = [&](const std::string& host) -> Machine& {
+        const auto [found, is_new] = machines.try_emplace(host);
+        if (is_new) {
+            const auto engine = plan_.engine_of(host).name;
+            found->second.listens = engine != "local" && engine != "systemd";
+        }
+        return found->second;
+    };
+    for (const auto& entry : read_entries_)
+        if (!entry.listening || entry.listening->port == 0)
+            for (std::int64_t i = 0; i < entry.count.value_or(1); ++i) {
+                const auto& host = entry.hosts[static_cast<std::size_t>(i) % entry.hosts.size()];
+                auto& there = machine(host);
+                if ((entry.listening || there.listens) && ++there.drones == most + 1)
+                    mistakes_.at_key(entry.value,
+                                     "more than " + std::to_string(most) + " drones of "
+                                         + (host == Place::here ? "this machine" : host) + " need a free port",
+                                     "name ports for some: \"listen\": \"tcp://0.0.0.0:PORT\"");
+            }
+}
+
 }  // namespace hive::swarm_file

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <set>
+#include <map>
 #include <thread>
 #include <variant>
 
@@ -12,46 +12,69 @@ namespace hive {
 namespace {
 
 using Told = std::variant<std::monostate, Interface, Error>;
+using KindsTold = std::map<std::string, Told>;
+
+/// After so many unknown kinds an error does not list those that there are: that reads all directories each time.
+constexpr int most_explained = 50;
+
+Interface ask(const std::string& kind, std::chrono::milliseconds limit, std::atomic<int>& unknown)
+{
+    if (unknown >= most_explained && !is_python_file(kind) && !program_of(kind))
+        throw Error(Errc::not_found, "there is no drone hive-" + kind);
+    try {
+        return interface_of(kind, limit);
+    } catch (const Error& error) {
+        unknown += error.code() == Errc::not_found;
+        throw;
+    }
+}
 
 /// Asks the programs of the kinds, a few at a time.
-std::vector<Told> ask_programs(const std::vector<std::string>& kinds_of_file, std::chrono::milliseconds limit)
+void ask_programs(KindsTold& kinds, std::chrono::milliseconds limit)
 {
     constexpr std::size_t at_once = 8;
     const auto end = std::chrono::steady_clock::now() + limit;
-    std::vector<Told> told(kinds_of_file.size());
+    std::vector<KindsTold::value_type*> all;
+    for (auto& kind : kinds)
+        all.push_back(&kind);
     std::atomic<std::size_t> next = 0;
-    const auto ask = [&] {
-        for (std::size_t i = next++; i < told.size(); i = next++)
+    std::atomic<int> unknown = 0;
+    const auto ask_next = [&] {
+        for (std::size_t i = next++; i < all.size(); i = next++)
             try {
                 const auto left = end - std::chrono::steady_clock::now();
-                told[i] = interface_of(kinds_of_file[i], std::chrono::ceil<std::chrono::milliseconds>(left));
+                all[i]->second = ask(all[i]->first, std::chrono::ceil<std::chrono::milliseconds>(left), unknown);
             } catch (...) {
-                told[i] = current_error();
+                all[i]->second = current_error();
             }
     };
     std::vector<std::jthread> askers;
-    for (std::size_t i = 0; i < std::min(at_once, told.size()); ++i)
-        askers.emplace_back(ask);
-    askers.clear();  // waits for them
-    return told;
+    for (std::size_t i = 0; i < std::min(at_once, all.size()); ++i)
+        askers.emplace_back(ask_next);
+}  // waits for them
+
+/// The kinds whose interface reading the file asks for, also those of drones that it then drops.
+KindsTold kinds_asked_for(std::string_view text)
+{
+    KindsTold kinds;
+    read_swarm(text, [&](const std::string& kind) -> Interface {
+        kinds.try_emplace(kind);
+        throw Error(Errc::not_found, kind);
+    });
+    return kinds;
 }
 
 }  // namespace
 
 SwarmReading check_swarm(std::string_view text, std::chrono::milliseconds limit)
 {
-    std::set<std::string> found;
-    for (const auto& drone : read_swarm(text).plan.drones)
-        if (!drone.kind.empty())
-            found.insert(drone.kind);
-    const std::vector<std::string> kinds_of_file(found.begin(), found.end());
-    const auto told = ask_programs(kinds_of_file, limit);
+    auto kinds = kinds_asked_for(text);
+    ask_programs(kinds, limit);
     return read_swarm(text, [&](const std::string& kind) {
-        const auto place = std::ranges::lower_bound(kinds_of_file, kind);
-        const auto at = static_cast<std::size_t>(place - kinds_of_file.begin());
-        if (const auto* error = std::get_if<Error>(&told.at(at)))
+        const auto& told = kinds.at(kind);
+        if (const auto* error = std::get_if<Error>(&told))
             throw *error;
-        return std::get<Interface>(told.at(at));
+        return std::get<Interface>(told);
     });
 }
 

@@ -141,9 +141,8 @@ void Reader::no_drone(const std::string& text, const Value& value)
     if (counted_.contains(text))
         return mistakes_.at_value(value, text + " has a count, and none of its drones is called just " + text,
                                   "write \"" + text + "-*\" for all of them");
-    std::vector<std::string> names;
-    std::ranges::transform(plan_.drones, std::back_inserter(names), &SwarmDrone::name);
-    mistakes_.at_value(value, no_such("there is no drone " + in_quotes(text) + " in this file", text, names));
+    mistakes_.at_value(value, misspelt("there is no drone " + in_quotes(text) + " in this file", text, plan_.drones,
+                                       &SwarmDrone::name));
 }
 
 bool Reader::add_connection(SwarmConnection connection, const Value& to)

@@ -131,11 +131,10 @@ void Reader::check_setting(const Value& setting, const std::string& name, const 
         return;
     const auto* parameter = interface->parameter(name);
     if (!parameter) {
-        std::vector<std::string> names;
-        std::ranges::transform(interface->parameters, std::back_inserter(names), &ParameterInfo::name);
         return mistakes_.at_key(
-            setting, no_such("a drone of the kind " + entry.drone.kind + " has no parameter " + in_quotes(name), name,
-                             names, "see them: hive-" + entry.drone.kind + " --describe"));
+            setting, misspelt("a drone of the kind " + entry.drone.kind + " has no parameter " + in_quotes(name), name,
+                              interface->parameters, &ParameterInfo::name,
+                              "see them: hive-" + entry.drone.kind + " --describe"));
     }
     try {
         checked_value(*parameter, *setting.json);
@@ -155,10 +154,15 @@ void Reader::expand(const Entry& entry)
         drone.host = entry.hosts[static_cast<std::size_t>(i) % entry.hosts.size()];
         if (!is_name(drone.name))
             return mistakes_.at_key(entry.value, in_quotes(drone.name) + " is too long for a name");
+        if (drone.name == lock_of(plan_.name))
+            return mistakes_.at_key(entry.value, in_quotes(drone.name) + " is what the swarm itself is locked by",
+                                    "call the drone something else");
         const auto [same, is_new] = entries_.try_emplace(drone.name, entry.value.path);
-        if (!is_new)
-            return mistakes_.at_key(entry.value, "two drones are called " + drone.name,
-                                    "the other one comes from " + same->second);
+        if (!is_new) {
+            mistakes_.at_key(entry.value, "two drones are called " + drone.name,
+                             "the other one comes from " + same->second);
+            continue;
+        }
         own_ports = own_ports && has_own_port(drone, entry);  // once is enough
         places_[drone.name] = plan_.drones.size();
         plan_.drones.push_back(std::move(drone));

@@ -12,12 +12,9 @@ namespace hive::swarm_file {
 void Reader::read_engine(const std::string& glob, const Value& value)
 {
     const auto fits = [&](const SwarmDrone& drone) { return matches_glob(glob, drone.host); };
-    if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits)) {
-        std::vector<std::string> hosts;
-        std::ranges::transform(plan_.drones, std::back_inserter(hosts), &SwarmDrone::host);
-        mistakes_.at_key(value,
-                         no_such("no drone of this file is on a machine that fits " + in_quotes(glob), glob, hosts));
-    }
+    if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits))
+        mistakes_.at_key(value, misspelt("no drone of this file is on a machine that fits " + in_quotes(glob), glob,
+                                         plan_.drones, &SwarmDrone::host));
     Members members(mistakes_, value, "an engine", engine_keys);
     if (!value.json->is_object())
         return;

@@ -36,9 +36,9 @@ void Reader::read(const Value& file)
     if (const auto value = members.require("swarm"))
         if (const auto name = text_of(mistakes_, *value)) {
             plan_.name = *name;
-            if (!is_name(*name))
+            if (!is_name(lock_of(*name)) || !is_name(*name))
                 mistakes_.at_value(*value, in_quotes(*name) + " is not a name for a swarm",
-                                   "use 1 to 64 letters, digits, '_', '.' or '-', and begin with a letter or digit");
+                                   "use 1 to 58 letters, digits, '_', '.' or '-', and begin with a letter or digit");
         }
     members.text("$schema");
     if (const auto drones = members.require("drones"))
@@ -53,6 +53,7 @@ void Reader::read(const Value& file)
     if (const auto engines = members.find("engines"); engines && require_object(mistakes_, *engines))
         for (const auto& [glob, place] : engines->place->members)
             read_engine(glob, engines->member(glob, place));
+    check_free_ports();
     tell_unknown_kinds();
 }
 

@@ -3,8 +3,11 @@
 
 #include "values.hpp"
 
+#include <hive/name.hpp>
 #include <hive/transport/listen_address.hpp>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <variant>
@@ -47,6 +50,8 @@ private:
     std::optional<transport::Address> read_address(Members& members, std::string_view key, std::string& text);
     /// False: a mistake was written down.
     bool has_own_port(const SwarmDrone& drone, const Entry& entry);
+    /// With the engines known: are there ports enough for the drones of each machine that are told none?
+    void check_free_ports();
 
     // --- connections.cpp ---
     void read_connection(const Value& connection);
@@ -69,6 +74,17 @@ private:
     void read_slurm(const Value& value);
     void read_directive(const Value& value);
 
+    /// As no_such() has it, with the names of things as candidates; only the first mistakes are compared with all.
+    template <class Things, class Name>
+    Error misspelt(const std::string& text, std::string_view name, const Things& things, Name name_of,
+                   const std::string& otherwise = {})
+    {
+        std::vector<std::string> candidates;
+        if (compared_++ < most_compared)
+            std::ranges::transform(things, std::back_inserter(candidates), name_of);
+        return no_such(text, name, candidates, otherwise);
+    }
+
     /// Of a kind that has been asked for already, or is now; nothing when nobody knows it.
     const Interface* interface(const std::string& kind);
     /// The kinds whose interface nobody knows.
@@ -85,7 +101,9 @@ private:
     std::map<std::pair<std::string, std::uint16_t>, std::vector<std::pair<std::string, std::string>>>
         listening_;                    ///< by machine and port: the address and the drone
     std::set<std::string> connected_;  ///< "from to", with the ports as far as they are known
-    bool names_unclear_ = false;       ///< an entry could not be read: a name that is missing may be its
+    static constexpr int most_compared = 20;
+    int compared_ = 0;            ///< misspelt names
+    bool names_unclear_ = false;  ///< an entry could not be read: a name that is missing may be its
 };
 
 }  // namespace hive::swarm_file

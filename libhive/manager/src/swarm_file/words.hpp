@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace hive::swarm_file {
@@ -20,6 +21,9 @@ inline constexpr std::array slurm_keys{"partition"sv, "options"sv};
 inline constexpr int most_of_a_kind = 1000;
 inline constexpr int widest_window = 64;
 inline constexpr double shortest_lease_s = 0.05, longest_lease_s = 86'400;
+
+/// The name that who changes a swarm has meanwhile; as long as any name at most.
+inline std::string lock_of(const std::string& swarm) { return swarm + ".swarm"; }
 
 /// May a machine be called so in a file? HOST or USER@HOST, never an option of ssh, nor a glob.
 bool is_machine(std::string_view text) noexcept;

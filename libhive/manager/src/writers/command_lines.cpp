@@ -81,12 +81,12 @@ void CommandLines::choose_ports(const SwarmPlan& plan)
     for (const auto& drone : plan.drones) {
         if (!on_network.contains(drone.name) || ports_.contains(drone.name))
             continue;
-        auto& port = next.try_emplace(drone.host, transport::first_own_port).first->second;
+        auto& port = next.try_emplace(drone.host, transport::first_drone_port).first->second;
         while (taken[drone.host].contains(static_cast<std::uint16_t>(port)))
             ++port;
-        if (port > transport::last_own_port)
+        if (port > transport::last_drone_port)
             throw Error(Errc::invalid_argument,
-                        "there are more drones on " + drone.host + " than ports from 7700 to 7955",
+                        "there are more drones on " + drone.host + " than ports from 7700 to 9699",
                         "name ports for some: \"listen\": \"tcp://0.0.0.0:PORT\"");
         ports_[drone.name] = static_cast<std::uint16_t>(port++);
     }

@@ -3,12 +3,13 @@
 
 #include <hive/transport/address.hpp>
 
+#include <cstdint>
 #include <string>
 
 namespace hive::transport {
 
-/// From these a drone chooses its port itself.
-constexpr std::uint16_t first_own_port = 7700, last_own_port = 7955;
+/// A drone that is told no port takes the first free one of these.
+inline constexpr std::uint16_t first_drone_port = 7700, last_drone_port = 9699;
 
 /// Reads tcp://HOST beside what parse_address reads: the port is 0, which means that the listener chooses it. Throws
 /// Errc::invalid_argument.
