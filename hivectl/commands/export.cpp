@@ -68,6 +68,8 @@ void write_file(const std::filesystem::path& path, const hive::ExportedFile& fil
 void write_form(const hive::SwarmPlan& plan, const Options& options, bool json)
 {
     const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+    for (const auto& note : hive::export_notes(plan, options.form))
+        complain("export", note);
     const auto files = hive::export_swarm(plan, options.form, {.programs = programs, .image = options.image});
     if (options.folder.empty() && files.size() > 1 && !json)
         throw hive::Error(hive::Errc::invalid_argument,

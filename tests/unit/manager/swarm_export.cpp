@@ -150,6 +150,30 @@ TEST_CASE("export: a text with a line end stays one word, in a unit of systemd a
     CHECK_MESSAGE(has(script, R"($'title=x\x0dExecStartPre=/bin/false\x0a\x1b[31m\'')"), script);
 }
 
+TEST_CASE("export: what a form cannot carry is said, and stands in the head of the first file")
+{
+    SwarmPlan plan{.name = "s",
+                   .drones = {{.name = "p", .kind = "proj/tint.py"},
+                              {.name = "q", .kind = "proj/tint.py"},
+                              {.name = "r", .kind = "record", .host = "m", .set = {{"file", "/data/run.hive"}}},
+                              {.name = "c", .kind = "camera", .set = {{"source", "/dev/video0"}}}},
+                   .connections = {},
+                   .engines = {}};
+    using Notes = std::vector<std::string>;
+    const std::string python = "p and 1 more need proj/tint.py, ", file = "r needs /data/run.hive, ";
+    const std::string image = "which is not in the image: add it there, or as a volume";
+    CHECK_EQ(export_notes(plan, "systemd"),
+             Notes{python + "it has to be there, seen from the user's home directory", file + "it has to be on m"});
+    CHECK_EQ(export_notes(plan, "shell"), Notes{file + "it has to be on m"});
+    CHECK_EQ(export_notes(plan, "compose"), Notes{python + image, file + image});
+    CHECK_EQ(export_notes(plan, "kubernetes").at(2),
+             "c needs /dev/video0, which a pod does not have: add a hostPath volume and privileged: true, or a device "
+             "plugin");
+    for (const auto& form : export_forms())
+        for (const auto& note : export_notes(plan, form))
+            CHECK_MESSAGE(has(export_swarm(plan, form).at(0).text, "\n# " + note + ".\n"), form);
+}
+
 TEST_CASE("export: a form that there is not")
 {
     CHECK_THROWS_WITH_AS(export_swarm(doorway(), "nomad"), "a swarm cannot be written as \"nomad\"", Error);

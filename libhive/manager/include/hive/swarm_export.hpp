@@ -29,4 +29,8 @@ const std::vector<std::string>& export_forms();
 /// the form cannot say what the plan does.
 std::vector<ExportedFile> export_swarm(const SwarmPlan& plan, std::string_view form, const ExportOptions& options = {});
 
+/// What drones of the plan need and the form does not carry along, a sentence each: files of Python, files that are
+/// read or written, devices. export_swarm() writes the same into the head of the first file.
+std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form);
+
 }  // namespace hive
