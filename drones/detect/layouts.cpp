@@ -335,6 +335,8 @@ std::optional<std::string> objection(const std::vector<cv::Mat>& outputs, const 
 
 cv::Mat table_of(const cv::Mat& output, Layout::Table table)
 {
+    if (output.total() == 0)  // nothing is seen; reshape() refuses that
+        return cv::Mat(0, output.size[output.dims - 1], CV_32F);
     const cv::Mat rows = output.reshape(1, {output.size[output.dims - 2], output.size[output.dims - 1]});
     return table == Table::columns ? cv::Mat(rows.t()) : rows;
 }

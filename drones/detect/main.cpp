@@ -128,6 +128,11 @@ private:
         drone.parameter("model", settings_.model, hive::anything().by_operator(),
                         "ONNX file of a detector; empty: look for people");
         drone.parameter(
+            "engine", settings_.engine, hive::one_of({"auto", "opencv", "onnxruntime"}),
+            "program that runs the model; auto: OpenCV, and ONNX Runtime for a model that OpenCV cannot run");
+        drone.parameter("onnxruntime", settings_.onnxruntime, hive::anything().by_operator(),
+                        "file libonnxruntime.so; empty: where the dynamic linker finds it");
+        drone.parameter(
             "classes", settings_.classes, hive::anything().by_operator(),
             "file of the model's class names, one a line; empty: those in the model's file, or else numbers");
         drone.parameter("layout", layout_, one_of_the_layouts(),

@@ -1,16 +1,16 @@
-// Loads the model and explains failures, converts pictures to inputs and outputs to objects.
+// Chooses the engine and explains refusals, converts outputs to objects.
 #include "network.hpp"
 
 #include "masks.hpp"
 #include "onnx_file.hpp"
 
+#include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -25,39 +25,6 @@ void require_file(const std::string& path, const std::string& what)
 {
     if (!std::filesystem::is_regular_file(path))
         throw std::runtime_error("no " + what + " at " + path);
-}
-
-/// The operator at which OpenCV gave up, from its message; empty: none is named.
-std::string operator_in(const std::string& message)
-{
-    static const std::regex names(R"re(Node \[(\w+)|of type "(\w+))re");
-    std::smatch found;
-    if (!std::regex_search(message, found, names))
-        return {};
-    return found[1].matched ? found[1] : found[2];
-}
-
-/// @param reason  of OpenCV; it names lines of OpenCV, and the sentence says what a user can know
-[[noreturn]] void refuse(const std::string& path, const std::string& reason, const std::string& otherwise)
-{
-    if (const auto lacking = operator_in(reason); !lacking.empty())
-        throw std::runtime_error(path + " needs the operator " + lacking + ", which OpenCV " + cv::getVersionString()
-                                 + " cannot run as it stands there");
-    throw std::runtime_error(path + otherwise);
-}
-
-cv::dnn::Net read_net(const std::string& path)
-{
-    require_file(path, "model");
-    std::string reason;
-    try {
-        cv::dnn::Net net = cv::dnn::readNetFromONNX(path);
-        if (!net.empty())
-            return net;
-    } catch (const cv::Exception& error) {
-        reason = error.what();
-    }
-    refuse(path, reason, " is not an ONNX model that OpenCV's DNN can read");
 }
 
 cv::RotatedRect turned_box(const Candidate& candidate)
@@ -107,11 +74,11 @@ cv::Scalar mean_from(const std::string& text)
     return {numbers[0], numbers[1], numbers[2]};
 }
 
-Network::Network(const NetworkSettings& settings)
-    : settings_(settings), names_(class_names(settings.classes)), net_(read_net(settings.model))
+Network::Network(const NetworkSettings& settings) : settings_(settings), names_(class_names(settings.classes))
 {
+    require_file(settings.model, "model");
     read_card();
-    choose_output();
+    choose_engine();
 }
 
 /// What the file tells counts where nothing else was told.
@@ -126,16 +93,31 @@ void Network::read_card()
     known_ = {names_.size(), settings_.input, card.task, card.keypoints, card.numbers};
 }
 
-void Network::choose_output()
-{
-    const cv::Mat grey(settings_.input, CV_8UC3, cv::Scalar::all(114));
+void Network::choose_engine()
+try {
+    if (settings_.engine == "onnxruntime")
+        return use(onnxruntime_engine(settings_.model, settings_.onnxruntime));
+    std::string reason;
     try {
-        place_ = place_in(run(grey));
-    } catch (const cv::Exception& error) {
-        refuse(settings_.model, error.what(),
-               " does not run with an input of " + std::to_string(settings_.input.width) + "x"
-                   + std::to_string(settings_.input.height) + " (input_width, input_height): " + error.err);
+        return use(opencv_engine(settings_.model));
+    } catch (const EngineError& error) {
+        if (settings_.engine == "opencv")
+            throw;
+        reason = error.what();
     }
+    try {
+        use(onnxruntime_engine(settings_.model, settings_.onnxruntime));
+    } catch (const EngineError& error) {
+        throw EngineError(reason + ", and " + error.what());
+    }
+} catch (const EngineError& error) {
+    throw std::runtime_error(settings_.model + " " + error.what());
+}
+
+void Network::use(std::unique_ptr<Engine> engine)
+{
+    engine_ = std::move(engine);
+    place_ = place_in(run(cv::Mat(settings_.input, CV_8UC3, cv::Scalar::all(114))));
 }
 
 Place Network::place_in(const std::vector<cv::Mat>& outputs) const
@@ -162,13 +144,10 @@ Place Network::place_in(const std::vector<cv::Mat>& outputs) const
                              + classes + reason + known);
 }
 
-std::vector<cv::Mat> Network::run(const cv::Mat& input)
+std::vector<cv::Mat> Network::run(const cv::Mat& input) const
 {
-    cv::Mat blob = cv::dnn::blobFromImage(input, settings_.scale, settings_.input, settings_.mean, settings_.swap);
-    std::vector<cv::Mat> outputs;
-    net_.setInput(blob);
-    net_.forward(outputs, net_.getUnconnectedOutLayersNames());
-    return outputs;
+    return engine_->run(
+        cv::dnn::blobFromImage(input, settings_.scale, settings_.input, settings_.mean, settings_.swap));
 }
 
 Fit::Kind Network::kind_of_fit() const

@@ -1,12 +1,12 @@
-// Finds objects with a detector network from an ONNX file, through OpenCV's DNN.
+// Finds objects with a network from an ONNX file.
 #pragma once
 
+#include "engine.hpp"
 #include "fit.hpp"
 #include "model_output.hpp"
 #include "object.hpp"
 
-#include <opencv2/dnn.hpp>
-
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,10 +19,12 @@ struct NetworkSettings {
                           ///< model's file tells, or else numbers
     cv::Size input;       ///< px; a side of 0: what the file says, or else 640
     std::string layout;   ///< the name of one; empty: told by the outputs
-    std::string fit = "auto";  ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
-    double scale = 1.0 / 255;  ///< the input is (pixel - mean) * scale
-    cv::Scalar mean;           ///< for each channel, in the order of the model
-    bool swap = true;          ///< the model wants RGB; pictures are BGR
+    std::string fit = "auto";     ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
+    double scale = 1.0 / 255;     ///< the input is (pixel - mean) * scale
+    cv::Scalar mean;              ///< for each channel, in the order of the model
+    bool swap = true;             ///< the model wants RGB; pictures are BGR
+    std::string engine = "auto";  ///< "opencv", "onnxruntime", or "auto": OpenCV, else ONNX Runtime if it is there
+    std::string onnxruntime;      ///< path of its library; empty: where the dynamic linker finds it
 
     bool operator==(const NetworkSettings&) const = default;
 };
@@ -46,10 +48,12 @@ public:
 
 private:
     void read_card();
-    void choose_output();
+    void choose_engine();
+    /// Runs the model once with that engine.
+    void use(std::unique_ptr<Engine> engine);
     [[nodiscard]] Place place_in(const std::vector<cv::Mat>& outputs) const;
     [[nodiscard]] Fit::Kind kind_of_fit() const;
-    [[nodiscard]] std::vector<cv::Mat> run(const cv::Mat& input);
+    [[nodiscard]] std::vector<cv::Mat> run(const cv::Mat& input) const;
     [[nodiscard]] std::vector<Candidate> kept(std::vector<Candidate> found) const;
     [[nodiscard]] Object object_from(const Candidate& candidate, const std::vector<cv::Mat>& outputs,
                                      const Fit& fit) const;
@@ -58,7 +62,7 @@ private:
     NetworkSettings settings_;
     std::vector<std::string> names_;
     Knowledge known_;
-    cv::dnn::Net net_;
+    std::unique_ptr<Engine> engine_;
     Place place_;  ///< of the objects among the model's outputs
 };
 

@@ -7,13 +7,14 @@
 #include <cstdio>
 #include <fstream>
 #include <tuple>
+#include <utility>
 
 namespace detect {
 namespace {
 
 constexpr std::uint64_t longest_text = 1 << 20;
 constexpr int largest_side = 4096;
-constexpr std::size_t most_names = 10'000, max_task = 32;
+constexpr std::size_t most_names = 10'000, max_task = 32, max_operator = 64, max_operators = 200;
 constexpr int max_keypoints = 1000;
 
 /// The fields of one message, one after the other. Whatever is wrong ends them.
@@ -124,15 +125,25 @@ std::pair<std::string, std::string> entry(Fields fields)
 
 bool is_side(std::int64_t side) { return side > 0 && side <= largest_side; }
 
-/// GraphProto: input = 11, the first of which that has four sides is the picture: 1, 3, height, width.
-cv::Size input_of(Fields graph)
+/// NodeProto: op_type = 4.
+void add_operator(Fields node, std::vector<std::string>& names)
+{
+    while (node.next())
+        if (node.number == 4 && node.value <= max_operator && names.size() < max_operators)
+            if (auto name = node.text(); std::ranges::find(names, name) == names.end())
+                names.push_back(std::move(name));
+}
+
+/// GraphProto: node = 1, input = 11, the first of which that has four sides is the picture: 1, 3, height, width.
+void read_graph(Fields graph, ModelCard& card)
 {
     while (graph.next())
-        if (graph.number == 11)
+        if (graph.number == 1)
+            add_operator(graph.inside(), card.operators);
+        else if (graph.number == 11 && card.input.empty())
             if (const auto sides = shape_of_value(graph.inside());
                 sides.size() == 4 && sides[0] <= 1 && sides[1] == 3 && is_side(sides[2]) && is_side(sides[3]))
-                return {static_cast<int>(sides[3]), static_cast<int>(sides[2])};
-    return {};
+                card.input = {static_cast<int>(sides[3]), static_cast<int>(sides[2])};
 }
 
 }  // namespace
@@ -192,7 +203,7 @@ ModelCard model_card(const std::string& path)
         return card;
     for (Fields model(file, static_cast<std::uint64_t>(size)); model.next();)
         if (model.number == 7)
-            card.input = input_of(model.inside());
+            read_graph(model.inside(), card);
         else if (model.number == 14) {
             const auto [key, value] = entry(model.inside());
             if (key == "names")

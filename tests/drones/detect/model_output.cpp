@@ -95,6 +95,12 @@ TEST_CASE("model output: boxes that are none are left out")
     CHECK(candidates(output, "yolov5", {100, 100}, 0.3, 1).empty());
 }
 
+TEST_CASE("model output: an output without rows is of an image in which nothing is seen")
+{
+    const int shape[] = {1, 0, 6};
+    CHECK(candidates(cv::Mat(3, shape, CV_32F), "yolov10", {99, 99}, 0.3).empty());
+}
+
 TEST_CASE("model output: a score above 1 is no score, and half precision may round up to 1")
 {
     const cv::Mat output = table({1, 1, 6}, {10, 20, 40, 60, 7.5F, 3}),

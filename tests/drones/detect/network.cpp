@@ -6,6 +6,7 @@
 #include <network.hpp>
 #include <onnx_file.hpp>
 #include <opencv2/imgproc.hpp>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <array>
@@ -198,15 +199,62 @@ TEST_CASE("network: a score above 1 is refused, at the first run and later")
 
 TEST_CASE("network: an operator that OpenCV lacks is named")
 {
-    for (const char* operation : {"TopK", "NonMaxSuppression", "GridSample"}) {
+    for (const char* operation : {"TopK", "NonMaxSuppression", "GridSample", "Hardmax"}) {
         onnx::Model model = yolo8();
         model.operation = operation;
         const onnx::File file(".onnx", onnx::bytes_of(model));
-        const std::string sentence = refusal(settings(file));
-        CHECK_MESSAGE(sentence.find("needs the operator " + std::string(operation) + ", which OpenCV")
-                          != std::string::npos,
-                      sentence);
+        NetworkSettings wanted = settings(file);
+        wanted.engine = "opencv";
+        const std::string sentence = refusal(wanted), expected = "needs " + std::string(operation) + ", which OpenCV";
+        CHECK_MESSAGE(sentence.find(expected) != std::string::npos, sentence);
     }
+}
+
+TEST_CASE("network: without ONNX Runtime, a model that wants it is refused, and OpenCV is used as before")
+{
+    onnx::Model model = yolo8();
+    model.metadata = {{"names", "{0: 'cup', 1: 'spoon'}"}};
+    const onnx::File file(".onnx", onnx::bytes_of(model)), no_library(".so", "this is no library");
+    NetworkSettings wanted = settings(file);
+    wanted.onnxruntime = no_library.path();
+    CHECK(Network(wanted).find(grey_picture({80, 80})).size() == 1);
+    wanted.engine = "onnxruntime";
+    CHECK(refusal(wanted) == file.path() + " cannot be run by ONNX Runtime: no usable " + no_library.path());
+}
+
+TEST_CASE("network: each engine gives the same objects, and ONNX Runtime runs what OpenCV cannot (needs ONNX Runtime)")
+{
+    onnx::Model pose = constant({1, 1, 12}, {2, 3, 6, 5, 0.9F, 0, 3, 4, 0.75F, 5, 4, 0.25F}), two = yolo8();
+    pose.metadata = {{"names", "{0: 'cup'}"}, {"task", "pose"}};
+    two.metadata = {{"names", "{0: 'cup', 1: 'spoon'}"}};
+    onnx::Model seen = two, lacking = two;
+    seen.wires = {{0, 8, 0.1F}};  // the score depends on the picture
+    const auto with = [](const onnx::File& file, const char* engine) {
+        NetworkSettings wanted = settings(file);
+        wanted.engine = engine;
+        return wanted;
+    };
+    lacking.operation = "Hardmax";
+    const onnx::File unknown(".onnx", onnx::bytes_of(lacking));
+    if (!hive::test::possible(
+            refusal(with(unknown, "onnxruntime")) == "accepted" ? "" : "ONNX Runtime: libonnxruntime.so.1"))
+        return;
+    CHECK(Network(with(unknown, "auto")).find(grey_picture({80, 80})).at(0).box == cv::Rect(20, 20, 20, 40));
+    for (const onnx::Model& model : {yolo5(), two, ssd(), pose, seen}) {
+        const onnx::File file(".onnx", onnx::bytes_of(model));
+        Network one(with(file, "opencv")), other(with(file, "onnxruntime"));
+        CHECK(one.layout() == other.layout());
+        const auto expected = one.find(grey_picture({160, 80})), found = other.find(grey_picture({160, 80}));
+        REQUIRE(found.size() == expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            CHECK(found[i].box == expected[i].box);
+            CHECK(found[i].name == expected[i].name);
+            CHECK(found[i].score == doctest::Approx(expected[i].score));
+            CHECK(found[i].keypoints.size() == expected[i].keypoints.size());
+        }
+    }
+    const onnx::File garbage(".onnx", "this is no model");
+    CHECK(refusal(with(garbage, "onnxruntime")).find("cannot be run by ONNX Runtime: ") != std::string::npos);
 }
 
 TEST_CASE("network: a layout that is told is the only one that is considered")
@@ -238,6 +286,7 @@ TEST_CASE("model card: damaged files, other files and no files tell nothing")
         CHECK(size.width <= 4096);
         CHECK(size.height <= 4096);
     }
+    CHECK(detect::model_card(good.path()).operators == std::vector<std::string>{"Flatten", "Gemm", "Reshape"});
     CHECK(detect::model_card("/nowhere/model.onnx") == detect::ModelCard{});
     CHECK(detect::model_card("/") == detect::ModelCard{});
 }

@@ -107,9 +107,12 @@ std::string bytes_of(const Model& model)
         weights[static_cast<std::size_t>(wire.to) * inputs + static_cast<std::size_t>(wire.from)] = wire.factor;
     const std::vector<std::uint64_t> input_sides{1, 3, static_cast<std::uint64_t>(model.height),
                                                  static_cast<std::uint64_t>(model.width)};
-    std::string graph = part(1, node(model.operation, {"image"}, "row")) + part(2, "tiny")
+    const std::string row = model.operation.empty() ? "row" : "changed";
+    std::string graph = part(1, node("Flatten", {"image"}, "row")) + part(2, "tiny")
                         + part(11, value_info("image", input_sides))
-                        + output("row", "objects", model.shape, model.constants, weights);
+                        + output(row, "objects", model.shape, model.constants, weights);
+    if (!model.operation.empty())
+        graph += part(1, node(model.operation, {"row"}, row));
     if (!model.more.empty())  // from the three means of the input: that needs few weights
         graph += part(1, node("GlobalAveragePool", {"image"}, "mean")) + part(1, node("Flatten", {"mean"}, "means"));
     for (const Model::Output& other : model.more)

@@ -29,7 +29,7 @@ struct Model {
     };
     std::vector<Output> more = {};
     std::vector<std::pair<std::string, std::string>> metadata = {};
-    std::string operation = "Flatten";  ///< of the first node; another one makes a model that cannot run
+    std::string operation = {};  ///< of a node of one input and output in between; empty: there is none
 };
 
 /// The bytes of the model in the format of ONNX (protocol buffers).
