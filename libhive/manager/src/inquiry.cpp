@@ -1,10 +1,9 @@
-// The descriptors are watched by the io_context that receives the answers, so that there is one wait for all.
+// A question is out until its answer is taken.
 #include "inquiry.hpp"
 
-#include <asio/posix/stream_descriptor.hpp>
+#include <hive/event/descriptors.hpp>
 
 #include <algorithm>
-#include <list>
 #include <utility>
 
 namespace hive {
@@ -60,26 +59,12 @@ std::vector<StatusAnswer> Inquiry::take()
 
 void Inquiry::wait(Clock::time_point until, const std::vector<int>& descriptors)
 {
-    auto& loop = core_.module.loop();
-    const auto readable = std::make_shared<bool>(false);
-    std::list<asio::posix::stream_descriptor> watched;
-    loop.call([&] {
-        for (const int descriptor : descriptors)
-            watched.emplace_back(loop.context(), descriptor)
-                .async_wait(asio::posix::stream_descriptor::wait_read,
-                            [readable](const std::error_code& error) { *readable = *readable || !error; });
-    });
-    loop.wait(until, [&] {
-        return *readable || std::ranges::any_of(asked_, [](const auto& entry) {
-            const auto& reply = entry.second.reply;
-            return reply && reply->has_value();
-        });
-    });
-    loop.call([&] {
-        for (auto& one : watched)
-            one.release();  // it is whoever gave it who closes it
-        watched.clear();
-    });
+    const auto answered = [](const auto& entry) {
+        const auto& reply = entry.second.reply;
+        return reply && reply->has_value();
+    };
+    event::wait(
+        core_.module.loop(), until, [&] { return std::ranges::any_of(asked_, answered); }, descriptors);
 }
 
 }  // namespace hive

@@ -1,0 +1,15 @@
+// A wait for the network side, and for processes and pipes beside it.
+#pragma once
+
+#include <hive/event/loop.hpp>
+
+#include <functional>
+#include <vector>
+
+namespace hive::event {
+
+/// As Loop::wait(); also returns when a descriptor is readable. The descriptors stay those of the caller.
+void wait(Loop& loop, Clock::time_point deadline, const std::function<bool()>& done,
+          const std::vector<int>& descriptors);
+
+}  // namespace hive::event
