@@ -137,7 +137,7 @@ Process SlurmLab::hivectl_running(const std::vector<std::string>& words, const s
 
 std::vector<std::string> SlurmLab::steps() const
 {
-    std::istringstream lines(slurm({"squeue", "--steps", "--noheader", "--jobs=" + job_, "--format=%j"}).out);
+    std::istringstream lines(slurm({"squeue", "--steps", "--noheader", "--format=%j"}).out);
     std::vector<std::string> names;
     for (std::string name; lines >> name;)
         if (name != "extern" && name != "batch")

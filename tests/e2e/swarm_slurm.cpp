@@ -120,10 +120,16 @@ TEST_CASE("export as slurm: sbatch brings the swarm up on three nodes, a killed 
         drones[all[i]] = {{"kind", "sleeper"}, {"on", i % 2 == 1 ? "n2" : "n3"}, {"restart", "on-failure"}};
     for (const auto& [name, address] : addresses)
         drones[name]["listen"] = address;
+    const auto options = [](const std::string& more) { return Json{{"slurm", {{"options", {"--mem=0", more}}}}}; };
+    content["engines"] = {{"n1", options("--comment=source")}, {"n2", options("--comment=workers")}};
+    content["engines"]["n3"] = content["engines"]["n2"];
     lab.shell_done("hivectl export --from " + write(lab, content) + " --as slurm --to $HIVE_HOME");
     lab.submit(lab.swarm().home() / "work.sbatch");
-    REQUIRE_MESSAGE(eventually([&] { return lab.steps() == all && lab.processes() == 5; }, 30'000ms),
+    REQUIRE_MESSAGE(eventually([&] { return lab.steps() == all && lab.processes() == 5; }, 90'000ms),
                     lab.swarm().log("sbatch"));
+    const auto comments = lab.shell_done("squeue --noheader --format=%N,%k");  // sbatch gives nodes only their options
+    CHECK_MESSAGE(has(comments, "n1,source"), comments);
+    CHECK_MESSAGE(has(comments, "n[2-3],workers"), comments);
     CHECK(lab.processes("n1") == 1);
     CHECK(lab.processes("n2") == 2);
     for (const auto& [name, address] : addresses)

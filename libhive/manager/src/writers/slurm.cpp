@@ -28,30 +28,54 @@ std::string joined(const std::set<std::string>& names)
     return text;
 }
 
-/// A line for each option of sbatch, those of the engines among them, each once.
-std::string directives(const SwarmPlan& plan, const std::vector<const SwarmDrone*>& steps)
-{
+/// Nodes that are asked for with the same options. Several make a heterogeneous job: sbatch gives the options of a
+/// component to its nodes alone.
+struct Component {
+    std::vector<std::string> options;
     std::set<std::string> nodes;
-    std::vector<std::string> options{"--job-name=" + plan.name};
+};
+
+std::vector<std::string> options_of(const SwarmEngine& engine)
+{
+    std::vector<std::string> options;
+    if (engine.name != "slurm")
+        return options;
+    if (engine.settings.contains("partition"))
+        options.push_back("--partition=" + engine.settings["partition"].get<std::string>());
+    for (const auto& option : engine.settings.value("options", Json::array()))
+        options.push_back(option.get<std::string>());
+    return options;
+}
+
+auto component_of(const std::vector<Component>& components, const SwarmPlan& plan, const SwarmDrone& drone)
+{
+    return std::ranges::find(components, options_of(plan.engine_of(drone.host)), &Component::options);
+}
+
+std::vector<Component> components_of(const SwarmPlan& plan, const std::vector<const SwarmDrone*>& steps)
+{
+    std::vector<Component> components;
     for (const auto* drone : steps) {
+        if (component_of(components, plan, *drone) == components.end())
+            components.push_back({options_of(plan.engine_of(drone->host)), {}});
         if (drone->host != Place::here)
-            nodes.insert(machine_name(drone->host));
-        const auto engine = plan.engine_of(drone->host);
-        if (engine.name != "slurm")
-            continue;
-        if (engine.settings.contains("partition"))
-            options.push_back("--partition=" + engine.settings["partition"].get<std::string>());
-        for (const auto& option : engine.settings.value("options", Json::array()))
-            options.push_back(option.get<std::string>());
+            components[static_cast<std::size_t>(component_of(components, plan, *drone) - components.begin())]
+                .nodes.insert(machine_name(drone->host));
     }
-    options.push_back("--nodes=" + std::to_string(std::max<std::size_t>(nodes.size(), 1)));
-    if (!nodes.empty())
-        options.push_back("--nodelist=" + joined(nodes));
-    std::string text;
-    for (std::size_t i = 0; i < options.size(); ++i)
-        if (std::find(options.begin(), options.begin() + static_cast<std::ptrdiff_t>(i), options[i])
-            == options.begin() + static_cast<std::ptrdiff_t>(i))
-            text += "#SBATCH " + options[i] + "\n";
+    return components;
+}
+
+/// A line for each option of sbatch.
+std::string directives(const SwarmPlan& plan, const std::vector<Component>& components)
+{
+    std::string text = "#SBATCH --job-name=" + plan.name + "\n";
+    for (const auto& [options, nodes] : components) {
+        text += &options == &components.front().options ? "" : "#SBATCH hetjob\n";
+        for (const auto& option : options)
+            text += "#SBATCH " + option + "\n";
+        text += "#SBATCH --nodes=" + std::to_string(std::max<std::size_t>(nodes.size(), 1)) + "\n";
+        text += nodes.empty() ? "" : "#SBATCH --nodelist=" + joined(nodes) + "\n";
+    }
     return text;
 }
 
@@ -77,13 +101,15 @@ keep() {
 steps=()
 )";
 
-std::string step(const SwarmDrone& drone, const CommandLines& lines)
+/// @param group  that of srun; empty: there is one
+std::string step(const SwarmDrone& drone, const std::string& group, const CommandLines& lines)
 {
     constexpr std::array words{"never", "on-failure", "always"};
     const auto node = drone.host == Place::here ? "" : shell_word(machine_name(drone.host));
     std::string text = "HIVE_HOME=$home" + (node.empty() ? "" : "-" + node) + " keep "
                        + words.at(static_cast<std::size_t>(drone.restart))
-                       + " srun --nodes=1 --ntasks=1 --overlap --job-name=" + drone.name;
+                       + " srun --nodes=1 --ntasks=1 --overlap --job-name=" + drone.name
+                       + (group.empty() ? "" : " --het-group=" + group);
     if (!node.empty())
         text += " --nodelist=" + node;
     for (const auto& word : lines.of(drone))
@@ -97,11 +123,14 @@ ExportedFiles write_slurm(const SwarmPlan& plan, const ExportOptions&)
 {
     const auto steps = steps_of(plan);
     const CommandLines lines(plan, CommandLines::Machines::as_planned);
-    std::string text = "#!/usr/bin/env bash\n" + directives(plan, steps) + "# The swarm " + plan.name
+    const auto components = components_of(plan, steps);
+    std::string text = "#!/usr/bin/env bash\n" + directives(plan, components) + "# The swarm " + plan.name
                        + ". Start it: sbatch " + plan.name + ".sbatch    end it: scancel --name=" + plan.name + "\n"
                        + functions;
-    for (const auto* drone : steps)
-        text += step(*drone, lines);
+    for (const auto* drone : steps) {
+        const auto group = component_of(components, plan, *drone) - components.begin();
+        text += step(*drone, components.size() > 1 ? std::to_string(group) : "", lines);
+    }
     text += "\n# The job fails when one of them does.\ncode=0\nfor step in \"${steps[@]}\"; do wait \"$step\" || "
             "code=$?; done\n"
             "exit \"$code\"\n";
