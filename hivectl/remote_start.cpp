@@ -40,16 +40,6 @@ hive::StatusAnswer answer_from(hive::Application& application, const hive::Place
     return application.status(std::vector{place.drone}).at(0);
 }
 
-/// The key that is missing there is the one of this swarm, so a new one would not do.
-void advise_key(const RemotePlan& plan, const hive::CommandResult& result)
-{
-    const bool key_missing = result.exit_code == exit_code_of(hive::Errc::not_permitted)
-                             && result.err.find("swarm key") != std::string::npos;
-    if (key_missing)
-        complain("start", "hand the key of this swarm to it: ssh " + plan.ssh + " mkdir -p .config/hive && scp "
-                              + "~/.config/hive/swarm.key " + plan.ssh + ":.config/hive/");
-}
-
 }  // namespace
 
 int start_remotely(Session& session, const RemotePlan& plan)
@@ -77,10 +67,8 @@ int start_remotely(Session& session, const RemotePlan& plan)
     const auto result = starting.get();
     waiting.reset();
     repeat_complaints("start", remote.host(), result.err);
-    if (result.exit_code != exit_code::done) {
-        advise_key(plan, result);
+    if (result.exit_code != exit_code::done)
         return interrupt::requested() ? interrupt::exit_code() : result.exit_code;
-    }
     if (interrupt::requested()) {
         const auto ended = remote.hivectl({"stop", plan.name}, limit + 12s);
         repeat_complaints("stop", remote.host(), ended.err);

@@ -247,13 +247,7 @@ try {
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has ended it
-    const auto complaint = complaint_in(result.err);
-    const bool key = complaint.find("swarm key") != std::string::npos;
-    return {.drone = drone,
-            .error = Error(key ? Errc::not_permitted : Errc::failed, remote_.host() + ": " + complaint,
-                           key ? "hand the key of this swarm to it: ssh " + ssh_ + " mkdir -p .config/hive && scp "
-                                     + "~/.config/hive/swarm.key " + ssh_ + ":.config/hive/"
-                               : "")};
+    return {.drone = drone, .error = Error(Errc::failed, remote_.host() + ": " + complaint_in(result.err))};
 } catch (const Error& error) {
     return {.drone = drone, .error = error};
 }
