@@ -1,4 +1,5 @@
 // Starts the process that takes over, and waits until it answers to the name.
+#include "inquiry.hpp"
 #include "successor_fit.hpp"
 
 #include <hive/event/home.hpp>
@@ -9,7 +10,6 @@
 
 #include <sstream>
 #include <sys/wait.h>
-#include <thread>
 
 namespace hive {
 namespace {
@@ -60,6 +60,7 @@ public:
           drone_(drone),
           options_(options),
           predecessor_(predecessor),
+          inquiry_(application),
           process_(start(home, drone, kind, options))
     {
     }
@@ -82,6 +83,7 @@ private:
     const std::string& drone_;
     const ReplaceOptions& options_;
     std::int64_t predecessor_;
+    Inquiry inquiry_;
     BackgroundProcess process_;
 };
 
@@ -145,7 +147,7 @@ bool Successor::await()
         }
         if (waited > options_.ready_within + patience_to_hand_over)
             fail(Errc::timeout, "still waits for it to end");
-        std::this_thread::sleep_for(3ms);
+        inquiry_.wait(SteadyClock::now() + 3ms, {process_.descriptor()});
     }
     return true;
 }
