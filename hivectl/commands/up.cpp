@@ -72,8 +72,8 @@ Run declare(CommandLine& line, Session& session)
     line.option("FILE", options->file, "the swarm file; -: stdin").required();
     const auto dry_run = line.flag("--dry-run", options->dry_run, "only print what would be done");
     line.flag("--stay", options->stay,
-              "stay until Ctrl-C, and start again what falls and has a \"restart\" in the file: 5 times within 60 s, "
-              "then ps shows it as failed; what hivectl down ends stays down until it is brought up again")
+              "stay until Ctrl-C, and restart what crashes or hangs and has a \"restart\" in the file, after pauses of "
+              "0.1 s to 30 s; what hivectl down ends stays down until it is brought up again")
         .excludes(dry_run);
     return [options, &session] { return run(*options, session); };
 }

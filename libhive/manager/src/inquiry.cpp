@@ -9,10 +9,6 @@
 namespace hive {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr auto pause_between_questions = 10ms;
-
 StatusAnswer answer_of(const std::string& drone, const Place& place, const event::Outcome& outcome)
 try {
     if (const auto* error = std::get_if<Error>(&outcome))
@@ -50,7 +46,7 @@ std::vector<StatusAnswer> Inquiry::take()
             if (asked.reply && asked.reply->has_value()) {
                 answers.push_back(answer_of(drone, asked.place, asked.reply->value()));
                 asked.reply.reset();
-                asked.next = Clock::now() + pause_between_questions;
+                asked.next = Clock::now() + pause_;
             }
     });
     core_.note_answers(answers);

@@ -15,10 +15,13 @@ class Inquiry {
 public:
     using Clock = event::Clock;
 
-    explicit Inquiry(Application& application) : core_(*application.core_) {}
+    /// @param pause  before a drone that has answered is asked again
+    explicit Inquiry(Application& application, std::chrono::milliseconds pause = std::chrono::milliseconds(10))
+        : core_(*application.core_), pause_(pause)
+    {
+    }
 
-    /// Asks those of which no answer is due; one that has just answered is asked again after 10 ms. Each answer is
-    /// there within `limit`, if only as an error.
+    /// Asks those of which no answer is due. Each answer is there within `limit`, if only as an error.
     void ask(const std::vector<std::string>& drones, std::chrono::milliseconds limit);
     /// What has come since the last call, with the first page of the rows of each.
     std::vector<StatusAnswer> take();
@@ -33,6 +36,7 @@ private:
     };
 
     Application::Core& core_;
+    std::chrono::milliseconds pause_;
     std::map<std::string, Asked> asked_;
 };
 

@@ -15,7 +15,6 @@
 #include <hive/program.hpp>
 
 #include <algorithm>
-#include <thread>
 
 namespace hive {
 
@@ -173,8 +172,8 @@ SwarmOutcome Swarm::down(std::chrono::milliseconds patience, const SwarmWatch& w
 
 void Swarm::stay(const std::function<void(const std::string& text)>& told, const SwarmWatch& watch)
 {
-    for (swarm::Staying staying(application_, plan_, told); !is_cancelled(watch); std::this_thread::sleep_for(100ms))
-        staying.look(watch);
+    for (swarm::Staying staying(application_, plan_, told); !is_cancelled(watch); staying.wait())
+        staying.look();
 }
 
 SwarmPlan Swarm::running(Application& application, const std::string& name, const std::vector<std::string>& drones)

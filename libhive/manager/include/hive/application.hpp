@@ -58,10 +58,10 @@ struct CrashedDrone {
     std::string source;        ///< "/src/face.cpp:12:5"; empty: not known
 };
 
-/// A drone that fell too often to be started again.
+/// A drone that crashes again and again.
 struct FailedDrone {
     std::string drone;
-    std::string reason;  ///< "fell 6 times within 60 s"
+    std::string reason;  ///< "crashed 6 times in a row; ..."
     std::string log;     ///< its last lines
 };
 
@@ -186,7 +186,8 @@ public:
     std::vector<std::string> remembered();
     /// Drones that crashed and have left word of it, until they run again or are stopped. Sorted.
     std::vector<CrashedDrone> crashed();
-    /// Drones that whoever stays with their swarm (Swarm::stay) has given up, until they run again or are stopped.
+    /// Drones that crash as soon as whoever stays with their swarm (Swarm::stay) restarts them, until they run again or
+    /// are stopped.
     /// Sorted.
     std::vector<FailedDrone> failed();
     /// Expands a glob over the names, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.

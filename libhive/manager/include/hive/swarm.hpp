@@ -72,11 +72,12 @@ public:
     /// @param patience  for its turn, as up(), and then for events on their way; then they are lost
     SwarmOutcome down(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
 
-    /// Starts drones again that fell and whose plan says so, at most 5 times within 60 s each; then
-    /// Application::failed() has them. What down() ended, or an up() that has it no more, stays down until it
-    /// is brought up again; neither has to wait for a drone of this machine that is just being started again. One on
-    /// another machine is ready first, or given up after 62 s. Returns when `watch` says that it is cancelled; the
-    /// swarm goes on.
+    /// Restarts drones that crash, or do not answer for 10 s on this machine, and whose plan says so: after 0.1 s, then
+    /// after pauses that grow up to 30 s, until they come back. One that has crashed 6 times in a row is in
+    /// Application::failed() while it does not run. No drone holds up another one. What down() ended, or an up() that
+    /// has it no more, stays down until it is brought up again; neither has to wait for a drone of this machine that is
+    /// just being started again. One on another machine is ready first, or given up after 62 s. Returns when `watch`
+    /// says that it is cancelled; the swarm goes on.
     /// @param told  hears what happened, as a sentence
     void stay(const std::function<void(const std::string& text)>& told, const SwarmWatch& watch);
 

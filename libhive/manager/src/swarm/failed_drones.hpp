@@ -1,4 +1,4 @@
-// Drones that fell too often to be started again: remembered in the home until they run once more or are stopped.
+// Drones that crash again and again: remembered in the home until they run once more or are stopped.
 #pragma once
 
 #include <hive/application.hpp>

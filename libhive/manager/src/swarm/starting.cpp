@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace hive::swarm {
 
@@ -18,7 +19,6 @@ namespace {
 /// A lock that is free, or a name that is taken, tells nobody: it has to be looked at.
 constexpr auto look_every = 10ms;
 constexpr auto patience_for_answer = 2s;
-constexpr auto patience_to_undo = 2s;
 
 }  // namespace
 
@@ -28,25 +28,34 @@ Starting::Starting(Application& application, const SwarmPlan& plan)
 }
 
 std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
-                                        const SwarmWatch& watch, AtFailure at_failure)
+                                        const SwarmWatch& watch)
 {
-    end_ = event::Clock::now() + patience;
-    begin(drones);
-    while (!waiting_.empty() && (failures_.empty() || at_failure == AtFailure::go_on)) {
-        hear_engines();
-        look_who_is_ready(watch);
+    begin(drones, patience);
+    std::vector<SwarmFailure> failures;
+    while (!waiting_.empty() && failures.empty()) {
+        failures = poll(watch);
         if (watch.on_progress)
             watch.on_progress(drones.size() - waiting_.size(), drones.size(), "started");
         if (watch.on_waiting)
             watch.on_waiting({waiting_.begin(), waiting_.end()});
-        if (watch.cancelled && watch.cancelled())
-            failed(waiting_.empty() ? plan_.name : *waiting_.begin(), Error(Errc::stopped, "interrupted"));
-        else if (event::Clock::now() >= end_)
-            for (const auto& drone : std::set(waiting_))
-                failed(drone, not_ready_in_time(drone));
-        else
+        if (watch.cancelled && watch.cancelled()) {
+            failures.push_back(
+                {waiting_.empty() ? plan_.name : *waiting_.begin(), Error(Errc::stopped, "interrupted")});
+            break;
+        }
+        if (!waiting_.empty())
             wait();
     }
+    return failures;
+}
+
+std::vector<SwarmFailure> Starting::poll(const SwarmWatch& watch)
+{
+    hear_engines();
+    look_who_is_ready(watch);
+    if (event::Clock::now() >= end_)
+        for (const auto& drone : std::set(waiting_))
+            failed(drone, not_ready_in_time(drone));
     return std::exchange(failures_, {});
 }
 
@@ -66,9 +75,9 @@ Error Starting::not_ready_in_time(const std::string& drone) const
     return {Errc::timeout, drone + " was not ready in time: " + last->second.what(), last->second.advice()};
 }
 
-std::vector<SwarmFailure> Starting::undo(const std::set<std::string>& drones)
+std::vector<SwarmFailure> Starting::undo(event::Clock::time_point until)
 {
-    const auto until = std::max(end_, event::Clock::now()) + patience_to_undo;
+    const auto drones = std::exchange(begun_, {});
     std::map<Engine*, std::vector<std::string>> by_engine;
     for (const auto& drone : drones)
         by_engine[&engine_of(*plan_.drone(drone))].push_back(drone);
@@ -95,8 +104,9 @@ Engine& Starting::engine_of(const SwarmDrone& drone)
     return *engine;
 }
 
-void Starting::begin(const std::vector<std::string>& drones)
+void Starting::begin(const std::vector<std::string>& drones, std::chrono::milliseconds patience)
 {
+    end_ = event::Clock::now() + patience;
     std::map<Engine*, std::vector<SwarmDrone>> by_engine;
     for (const auto& name : drones)
         by_engine[&engine_of(*plan_.drone(name))].push_back(as_started(plan_, *plan_.drone(name)));
@@ -160,7 +170,7 @@ void Starting::hear(const StatusAnswer& answer, const SwarmWatch& watch)
 void Starting::failed(std::string drone, const Error& error)
 {
     placed_.erase(drone);
-    if (waiting_.erase(drone) == 0 && plan_.drone(drone))
+    if (waiting_.erase(drone) == 0)
         return;  // it is ready, or has failed before
     failures_.push_back({std::move(drone), error});
 }

@@ -6,32 +6,36 @@
 
 #include <hive/swarm.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace hive::swarm {
 
 class Starting {
 public:
-    enum class AtFailure { end, go_on };
-
     Starting(Application& application, const SwarmPlan& plan);
 
-    /// Returns when all are ready, or when it is known that not all will be: at the first failure, or of all.
+    /// Takes the order to start these; how far they are is asked by poll().
+    void begin(const std::vector<std::string>& drones, std::chrono::milliseconds patience);
+    /// Waits for nothing. What has failed since the last call, in time or late.
+    std::vector<SwarmFailure> poll(const SwarmWatch& watch = {});
+    /// Those that are neither ready nor failed.
+    [[nodiscard]] const std::set<std::string>& waiting() const noexcept { return waiting_; }
+
+    /// Returns when all are ready, or at the first failure.
     std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
-                                  const SwarmWatch& watch, AtFailure at_failure = AtFailure::end);
-    /// Ends what was begun, within 2 s behind the time that run() had. What cannot be ended is told.
-    std::vector<SwarmFailure> undo() { return undo(std::exchange(begun_, {})); }
-    std::vector<SwarmFailure> undo(const std::set<std::string>& drones);
+                                  const SwarmWatch& watch);
+    /// Ends what was begun, within 2 s behind the time that it had to be ready. What cannot be ended is told.
+    std::vector<SwarmFailure> undo() { return undo(std::max(end_, event::Clock::now()) + std::chrono::seconds(2)); }
+    std::vector<SwarmFailure> undo(event::Clock::time_point until);
 
 private:
     Engine& engine_of(const SwarmDrone& drone);
-    void begin(const std::vector<std::string>& drones);
     void forget_places(const std::set<std::string>& drones);
     void wait();
     void hear_engines();

@@ -1,19 +1,18 @@
-// What fell is known by what it left: a state in the home, or a place in the list.
+// What crashed is known by what it left: a state in the home, or a place in the list.
 #include "staying.hpp"
 
 #include "../directory.hpp"
 #include "changes.hpp"
-#include "claim.hpp"
 #include "differences.hpp"
 #include "failed_drones.hpp"
 #include "record.hpp"
-#include "starting.hpp"
 
 #include <hive/event/home.hpp>
 #include <hive/process.hpp>
 
 #include <algorithm>
-#include <iterator>
+#include <csignal>
+#include <ranges>
 #include <utility>
 
 namespace hive::swarm {
@@ -21,6 +20,14 @@ namespace hive::swarm {
 using namespace std::chrono_literals;
 
 namespace {
+
+constexpr auto first_pause = 100ms, longest_pause = 30'000ms;
+constexpr auto steady_after = 60s;  ///< a drone that has run for so long does not crash again and again
+constexpr int crashes_shown = 6;    ///< from so many on, ps shows it as failed while it does not run
+constexpr auto start_limit = 60s;
+constexpr auto answer_limit = 5s;
+constexpr auto hangs_after = 10s;  ///< without an answer
+constexpr auto look_period = 100ms;
 
 bool is_elsewhere(const Place& place) { return !place.address.empty() && !is_here(place); }
 
@@ -33,186 +40,216 @@ bool is_up(const SwarmPlan& brought_up, const std::string& drone)
 
 }  // namespace
 
-bool RestartLimit::allows(Clock::time_point now)
+RestartPause::Clock::time_point RestartPause::after_crash(Clock::time_point now)
 {
-    while (!times_.empty() && now - times_.front() > within)
-        times_.pop_front();
-    if (times_.size() >= most)
-        return false;
-    times_.push_back(now);
-    return true;
+    if (ready_at_ && now - *ready_at_ >= steady_after)
+        crashes_ = 0;
+    ready_at_.reset();
+    auto pause = first_pause;
+    for (int crash = 0; crash < crashes_ && pause < longest_pause; ++crash)
+        pause = std::min(2 * pause, longest_pause);
+    ++crashes_;
+    return now + pause;
 }
 
-void Staying::look(const SwarmWatch& watch)
+Staying::Staying(Application& application, const SwarmPlan& plan, std::function<void(const std::string& text)> told)
+    : application_(application), plan_(plan), told_(std::move(told)), inquiry_(application, look_period)
+{
+    for (const auto& drone : plan_.drones)
+        if (drone.restart != Restart::never)
+            cares_.try_emplace(drone.name);
+}
+
+void Staying::look()
 try {
-    look_after_the_fallen(watch);
+    reap_background_processes();
+    const auto remembered = application_.remembered();
+    for (const auto& answer : inquiry_.take())
+        hear(answer, remembered);
+    follow_starts();
+    start_due();
     if (!unsettled_.empty() && Clock::now() >= settle_at_)
         settle();
+    if (!is_starting())
+        claim_.reset();
 } catch (const Error& error) {
     tell_trouble(error.what());
 }
 
-void Staying::look_after_the_fallen(const SwarmWatch& watch)
+/// What is being started is looked after there.
+void Staying::wait()
 {
-    reap_background_processes();
-    if (fallen().empty())
+    std::vector<std::string> names;
+    for (const auto& [drone, care] : cares_)
+        if (!care.starting)
+            names.push_back(drone);
+    inquiry_.ask(names, answer_limit);
+    inquiry_.wait(Clock::now() + (is_starting() ? look_period / 10 : look_period), {});
+}
+
+bool Staying::is_starting() const
+{
+    return std::ranges::any_of(cares_, [](const auto& entry) { return entry.second.starting != nullptr; });
+}
+
+void Staying::hear(const StatusAnswer& answer, const std::vector<std::string>& remembered)
+{
+    auto& care = cares_.at(answer.drone);
+    if (!answer.error)
+        care.shared = !owns(plan_, answer);
+    if (care.starting || care.shared)
         return;
-    Texts news;
-    if (const auto alone = claim_if_free(application_.home(), plan_.name))
-        news = start_what_fell(watch);
-    for (const auto& text : news)
-        told_(text);
-}
-
-/// With the claim: whoever had it until now may have started or ended what seemed to have fallen.
-Staying::Texts Staying::start_what_fell(const SwarmWatch& watch)
-{
-    const auto brought_up = Record(application_.home(), plan_.name).read();
-    std::vector<std::string> again;
-    Texts news;
-    for (const auto& drone : fallen())
-        if (!is_up(brought_up, drone)) {
-            if (taken_down_.insert(drone).second)
-                news.push_back(drone + " was taken down, so it is not started again before it is brought up");
-        } else if (put_off_.contains(drone) || limits_[drone].allows(Clock::now())) {
-            again.push_back(drone);
-        } else {
-            give_up(drone);
-            news.push_back(drone + " has fallen " + std::to_string(RestartLimit::most + 1) + " times within "
-                           + std::to_string(RestartLimit::within / 1s)
-                           + " s, so it is not started again; see why: hivectl logs " + drone);
-        }
-    if (!again.empty())
-        std::ranges::move(start(again, watch), std::back_inserter(news));
-    return news;
-}
-
-/// Whoever was stopped by a command has left nothing, and is to stay so unless the file says `always`.
-std::vector<std::string> Staying::fallen()
-{
-    std::vector<std::string> names, gone;
-    for (const auto& drone : plan_.drones)
-        if (drone.restart != Restart::never && !given_up_.contains(drone.name))
-            names.push_back(drone.name);
-    const auto answers = application_.status(names);
-    const auto remembered = application_.remembered();
-    for (const auto& answer : answers) {
-        if (!answer.error || answer.error->code() == Errc::timeout) {
-            missing_since_.erase(answer.drone);
-            put_off_.erase(answer.drone);
-            taken_down_.erase(answer.drone);
-            if (!answer.error && owns(plan_, answer))
-                shared_.erase(answer.drone);
-            else if (!answer.error)
-                shared_.insert(answer.drone);
-            continue;
-        }
-        if (shared_.contains(answer.drone) || may_be_ending(answer))
-            continue;
-        const bool crashed = is_elsewhere(answer.place) || put_off_.contains(answer.drone)
-                             || std::ranges::find(remembered, answer.drone) != remembered.end();
-        if (crashed || plan_.drone(answer.drone)->restart == Restart::always)
-            gone.push_back(answer.drone);
+    if (answer.error && answer.error->code() == Errc::timeout)
+        return hear_silence(answer, care);
+    care.silent_since.reset();
+    if (!answer.error) {
+        care.missing_since.reset();
+        care.restart_at.reset();
+        care.begun = care.taken_down = false;
+    } else if (!has_crashed(answer, care, remembered)) {
+        care.restart_at.reset();
+    } else if (!care.restart_at) {
+        crashed(answer.drone, care);
     }
-    return gone;
 }
 
-/// Here it has its name until it has ended. Elsewhere whoever ends it forgets its place, but only when it is gone.
-bool Staying::may_be_ending(const StatusAnswer& answer)
+/// What hangs on this machine is killed, so that it crashes.
+void Staying::hear_silence(const StatusAnswer& answer, Care& care)
 {
-    if (!is_elsewhere(answer.place))
-        return event::Home(application_.home()).alive(answer.drone);
     const auto now = Clock::now();
-    return now - missing_since_.try_emplace(answer.drone, now).first->second < 1s;
+    if (!care.silent_since)
+        care.silent_since = now - answer_limit;
+    const event::Home home(application_.home());
+    const auto pid = home.holder(answer.drone);
+    if (now - *care.silent_since < hangs_after || is_elsewhere(answer.place) || pid <= 0 || !home.alive(answer.drone))
+        return;
+    told_(answer.drone + " has not answered for " + std::to_string(hangs_after / 1s) + " s and is killed");
+    ::kill(static_cast<pid_t>(pid), SIGKILL);
+    care.silent_since.reset();
 }
 
-void Staying::give_up(const std::string& drone)
+/// Whoever was stopped by a command has left nothing, and is to stay so unless the file says `always`. Here a drone has
+/// its name until it has ended. Elsewhere whoever ends it forgets its place, but only when it is gone.
+bool Staying::has_crashed(const StatusAnswer& answer, Care& care, const std::vector<std::string>& remembered) const
 {
-    given_up_.insert(drone);
-    FailedDrones(application_.home())
-        .add({.drone = drone,
-              .reason = "fell " + std::to_string(RestartLimit::most + 1) + " times within "
-                        + std::to_string(RestartLimit::within / 1s) + " s",
-              .log = {}});
+    const auto now = Clock::now();
+    if (!care.missing_since)
+        care.missing_since = now;
+    const bool may_be_ending = is_elsewhere(answer.place) ? now - *care.missing_since < 1s
+                                                          : event::Home(application_.home()).alive(answer.drone);
+    return !may_be_ending
+           && (care.begun || is_elsewhere(answer.place)
+               || std::ranges::find(remembered, answer.drone) != remembered.end()
+               || plan_.drone(answer.drone)->restart == Restart::always);
 }
 
-Staying::Texts Staying::start(const std::vector<std::string>& drones, const SwarmWatch& watch)
+void Staying::crashed(const std::string& drone, Care& care)
 {
-    for (const auto& drone : drones) {
-        missing_since_.erase(drone);
-        put_off_.erase(drone);
-        unsettled_.insert(drone);
+    care.restart_at = care.pause.after_crash(Clock::now());
+    if (care.pause.crashes() >= crashes_shown)
+        FailedDrones(application_.home())
+            .add({.drone = drone,
+                  .reason = "crashed " + std::to_string(care.pause.crashes())
+                            + " times in a row; it is restarted with pauses of up to "
+                            + std::to_string(longest_pause / 1s) + " s",
+                  .log = {}});
+}
+
+void Staying::follow_starts()
+{
+    if (claim_ && claim_is_wanted(application_.home(), plan_.name))
+        give_way();
+    for (auto& [drone, care] : cares_) {
+        if (!care.starting)
+            continue;
+        const auto failures = care.starting->poll();
+        if (failures.empty() && !care.starting->waiting().empty())
+            continue;
+        for (const auto& failure : failures) {
+            static_cast<void>(care.starting->undo(Clock::now() + 2s));
+            told_(drone + ": " + failure.error.what());
+            crashed(drone, care);
+        }
+        if (failures.empty()) {
+            care.pause.ready(Clock::now());
+            unsettled_.insert(drone);
+            settle_at_ = {};
+            told_(drone + " crashed and was restarted");
+        }
+        care.starting.reset();
     }
-    settle_at_ = {};
-    bool wanted = false;  // once: whoever wanted the claim may have gone again meanwhile
-    const SwarmWatch until_wanted{.on_progress = watch.on_progress, .cancelled = [&] {
-                                      wanted = wanted || claim_is_wanted(application_.home(), plan_.name);
-                                      return wanted || (watch.cancelled && watch.cancelled());
-                                  }};
-    Starting starting(application_, plan_);
-    auto failures = starting.run(drones, 60s, until_wanted, Starting::AtFailure::go_on);
-    if (wanted)
-        failures = give_way(starting, std::move(failures));
-    Texts news;
-    for (const auto& drone : drones) {
-        const auto failure = std::ranges::find(failures, drone, &SwarmFailure::drone);
-        news.push_back(
-            drone
-            + (failure == failures.end() ? " had fallen and runs again" : ": " + std::string(failure->error.what()))
-            + " (" + std::to_string(limits_[drone].counted()) + " of " + std::to_string(RestartLimit::most)
-            + " times)");
-    }
-    return news;
 }
 
 /// What is not ready is ended, so that whoever changes the swarm next meets none that comes up behind its back.
-std::vector<SwarmFailure> Staying::give_way(Starting& starting, std::vector<SwarmFailure> failures)
+void Staying::give_way()
 {
-    std::set<std::string> not_ready;
-    for (auto& [drone, error] : failures)
-        if (error.code() == Errc::stopped && plan_.drone(drone)) {  // else all were ready, and this is the swarm
-            not_ready.insert(drone);
-            error = Error(Errc::stopped, "not started now, because somebody else is changing the swarm");
+    for (auto& [drone, care] : cares_)
+        if (care.starting && !care.starting->waiting().empty()) {
+            told_(drone + ": not started now, because somebody else is changing the swarm");
+            for (const auto& remains : care.starting->undo())
+                told_(remains.drone + ": " + remains.error.what());
+            care.starting.reset();
+            care.restart_at = Clock::now();
         }
-    put_off_.insert(not_ready.begin(), not_ready.end());
-    auto told = starting.undo(not_ready);
-    std::ranges::move(failures, std::back_inserter(told));
-    return told;
+    claim_.reset();
 }
 
-void Staying::settle()
+/// With the claim: whoever had it until now may have started or ended what seemed to have crashed.
+void Staying::start_due()
 {
-    Texts troubles;
-    if (const auto alone = claim_if_free(application_.home(), plan_.name))
-        troubles = settle_alone();
-    for (const auto& trouble : troubles)
-        tell_trouble(trouble);
+    const auto now = Clock::now();
+    const auto is_due = [&](const auto& entry) {
+        return !entry.second.starting && entry.second.restart_at && now >= *entry.second.restart_at;
+    };
+    if (std::ranges::none_of(cares_, is_due))
+        return;
+    if (!claim_)
+        claim_ = claim_if_free(application_.home(), plan_.name);
+    if (!claim_)
+        return;
+    const auto brought_up = Record(application_.home(), plan_.name).read();
+    for (auto& [drone, care] : cares_ | std::views::filter(is_due)) {
+        if (!is_up(brought_up, drone)) {
+            if (!std::exchange(care.taken_down, true))
+                told_(drone + " was taken down, so it is not started again before it is brought up");
+            care.restart_at = now + 1s;
+            continue;
+        }
+        care.restart_at.reset();
+        if (event::Home(application_.home()).alive(drone))
+            continue;  // another was faster
+        care.begun = true;
+        auto starting = std::make_unique<Starting>(application_, plan_);
+        starting->begin({drone}, start_limit);
+        care.starting = std::move(starting);
+    }
 }
 
 /// With the claim, unless somebody waits for that: the rest has its turn later.
-Staying::Texts Staying::settle_alone()
+void Staying::settle()
 {
+    const auto own = claim_ ? nullptr : claim_if_free(application_.home(), plan_.name);
+    if (!claim_ && !own)
+        return;
     const auto brought_up = Record(application_.home(), plan_.name).read();
     std::erase_if(unsettled_, [&](const std::string& drone) { return !is_up(brought_up, drone); });
     settle_at_ = Clock::now() + 1s;
     Changes changes(application_);
     std::set<std::string> unsettled;
-    Texts troubles;
-    for (const auto& step : differences(application_, plan_, plan_).steps) {
+    for (const auto& step : differences(application_, plan_, plan_)) {
         if ((step.what != SwarmStep::What::set && step.what != SwarmStep::What::connect)
             || !unsettled_.contains(step.drone))
             continue;
         if (claim_is_wanted(application_.home(), plan_.name))
-            return troubles;
+            return;
         try {
             changes.make(step);
         } catch (const Error& error) {
             unsettled.insert(step.drone);
-            troubles.push_back(step.drone + ": " + error.what());
+            tell_trouble(step.drone + ": " + error.what());
         }
     }
     unsettled_ = std::move(unsettled);
-    return troubles;
 }
 
 void Staying::tell_trouble(const std::string& text)

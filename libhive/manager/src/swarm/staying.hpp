@@ -1,32 +1,38 @@
-// Starts drones of a swarm again that fell, where no service manager does: not too often.
+// Restarts crashed and hanging drones of a swarm, each with pauses of its own.
 #pragma once
+
+#include "../inquiry.hpp"
+#include "claim.hpp"
+#include "starting.hpp"
 
 #include <hive/swarm.hpp>
 
 #include <chrono>
-#include <deque>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 namespace hive::swarm {
 
-class Starting;
-
-/// How often a drone may be started again: 5 times within 60 s. Pure logic.
-class RestartLimit {
+/// How long to wait before a drone is restarted: 0.1 s, and twice as long each time it crashes again within a minute,
+/// up to 30 s. Pure logic.
+class RestartPause {
 public:
     using Clock = std::chrono::steady_clock;
-    static constexpr std::size_t most = 5;
-    static constexpr std::chrono::seconds within{60};
 
-    /// Counts one more, if it may be.
-    bool allows(Clock::time_point now);
-    [[nodiscard]] std::size_t counted() const noexcept { return times_.size(); }
+    /// Counts one more crash, and returns when the drone may be started.
+    Clock::time_point after_crash(Clock::time_point now);
+    /// The drone is ready.
+    void ready(Clock::time_point now) { ready_at_ = now; }
+    /// In a row.
+    [[nodiscard]] int crashes() const noexcept { return crashes_; }
 
 private:
-    std::deque<Clock::time_point> times_;
+    int crashes_ = 0;
+    std::optional<Clock::time_point> ready_at_{};
 };
 
 /// It changes the swarm as `up` and `down` do: only with the claim, which it leaves to whoever waits for that, and only
@@ -36,37 +42,46 @@ public:
     using Clock = std::chrono::steady_clock;
 
     /// @param told  hears of each drone what happened, and what goes wrong meanwhile, once
-    Staying(Application& application, const SwarmPlan& plan, std::function<void(const std::string& text)> told)
-        : application_(application), plan_(plan), told_(std::move(told))
-    {
-    }
+    Staying(Application& application, const SwarmPlan& plan, std::function<void(const std::string& text)> told);
 
-    /// Looks once, and starts again what fell. Throws nothing that a drone answers, or fails to: the next look is due.
-    void look(const SwarmWatch& watch);
+    /// Looks once, and restarts what is due; waits for no drone. Throws nothing that a drone answers, or fails to: the
+    /// next look is due.
+    void look();
+    /// Until the next look is due.
+    void wait();
 
 private:
-    using Texts = std::vector<std::string>;
+    /// One drone that is to be kept running.
+    struct Care {
+        RestartPause pause{};
+        std::optional<Clock::time_point> restart_at{};  ///< set: it has crashed
+        std::optional<Clock::time_point> missing_since{}, silent_since{};
+        std::unique_ptr<Starting> starting{};
+        bool begun = false;       ///< it was started and has not been ready since
+        bool taken_down = false;  ///< which was told
+        bool shared = false;      ///< another swarm brought it up, which restarts it or not
+    };
 
-    void look_after_the_fallen(const SwarmWatch& watch);
-    [[nodiscard]] std::vector<std::string> fallen();
-    [[nodiscard]] bool may_be_ending(const StatusAnswer& answer);
-    Texts start_what_fell(const SwarmWatch& watch);
-    void give_up(const std::string& drone);
-    Texts start(const std::vector<std::string>& drones, const SwarmWatch& watch);
-    std::vector<SwarmFailure> give_way(Starting& starting, std::vector<SwarmFailure> failures);
+    void hear(const StatusAnswer& answer, const std::vector<std::string>& remembered);
+    void hear_silence(const StatusAnswer& answer, Care& care);
+    [[nodiscard]] bool has_crashed(const StatusAnswer& answer, Care& care,
+                                   const std::vector<std::string>& remembered) const;
+    void crashed(const std::string& drone, Care& care);
+    void follow_starts();
+    void give_way();
+    void start_due();
     /// Gives those that were started again the values and connections that they do not remember.
     void settle();
-    Texts settle_alone();
     void tell_trouble(const std::string& text);
+    [[nodiscard]] bool is_starting() const;
 
     Application& application_;
     const SwarmPlan& plan_;
     std::function<void(const std::string& text)> told_;
-    std::map<std::string, RestartLimit> limits_;
-    std::map<std::string, Clock::time_point> missing_since_;  ///< of drones elsewhere
-    std::set<std::string> given_up_, taken_down_, unsettled_;
-    std::set<std::string> put_off_;  ///< ended before they were ready, for somebody who wanted to change the swarm
-    std::set<std::string> shared_;   ///< of other swarms, which start them again or not
+    Inquiry inquiry_;
+    Claim claim_;  ///< held while something is being started
+    std::map<std::string, Care> cares_;
+    std::set<std::string> unsettled_;
     Clock::time_point settle_at_{};
     std::string trouble_;
 };
