@@ -9,10 +9,9 @@
 namespace hive::event {
 namespace {
 
-std::string drone_of(const Share& share)
-{
-    return share.of.substr(0, share.of.substr(0, share.of.find('#')).rfind('.'));
-}
+std::string without_group(const Share& share) { return share.of.substr(0, share.of.find('#')); }
+
+std::string drone_of(const Share& share) { return share.of.substr(0, without_group(share).rfind('.')); }
 
 /// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group neither drones nor their
 /// groups have names. Workers of the first group may call their inputs as they like.
@@ -48,14 +47,14 @@ bool AnswerFilter::first(const Event& event)
     if (count == 0 || off_)
         return true;
     auto found = named(event, count);
-    auto& work = found.first;
+    auto& key = found.first;
     auto& answer = found.second;
-    const auto known = answers_.find(work);
+    const auto known = answers_.find(key);
     const auto taken = known == answers_.end() ? std::span<const Answer>() : std::span<const Answer>(known->second);
     const auto before =
         std::ranges::find_if(taken, [&](const Answer& one) { return stand_for_each_other(one, answer); });
     if (before == taken.end()) {
-        remember(std::move(work), std::move(answer));
+        remember(std::move(key), std::move(answer));
         return true;
     }
     if (const auto owed = before->owed.lock(); owed && event.identity.lossless)
@@ -63,35 +62,41 @@ bool AnswerFilter::first(const Event& event)
     return false;
 }
 
-/// The work that the event answers, and which answer that is.
+/// A key of the work that the event answers, and which answer that is.
 std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& event, std::size_t count)
 {
     const auto& shares = event.identity.shares;
-    std::string work = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
-    Answer answer{.attempts = {}, .branches = {}, .owed = event.ticket.owed()};
+    std::string key = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
+    Answer answer{.work = {}, .path = {}, .attempts = {}, .branches = {}, .owed = event.ticket.owed()};
     bool behind_group = false, by_kind = false;
     for (std::size_t i = 0; i < count; ++i) {
         const Share& share = shares[i];
         const auto receiver = i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender;
-        add_stage(work, share, receiver, behind_group);
+        add_stage(i == 0 ? key : answer.work, share, receiver, behind_group);
+        if (i > 0)  // the key has the first
+            (((answer.path += ' ') += without_group(share)) += '/') += std::to_string(share.part);
+        (((answer.path += '>') += receiver) += '.') += share.to;
         (answer.attempts += std::to_string(share.attempt)) += ' ';
         if (behind_group)
             answer.branches.push_back(share.group() ? Branch() : Branch{receiver, share.each});
         by_kind = behind_group;
         behind_group = behind_group || share.group();
     }
-    work += ' ';
-    if (by_kind)  // the group that this key names may have workers of several kinds
-        work += event.kind;
-    ((work += '.') += event.output) += '/';
-    return {work += std::to_string(event.identity.part), std::move(answer)};
+    if (by_kind)  // the group that this names may have workers of several kinds
+        (answer.work += ' ') += event.kind;
+    (((key += " .") += event.output) += '/') += std::to_string(event.identity.part);
+    return {std::move(key), std::move(answer)};
 }
 
-/// Of two answers to the same work: does either make the other superfluous? Not where a drone gave what it made of the
-/// work to several others, and these two are of different ones. An attempt was given to one drone, which gives each
-/// answer once.
+/// Does either of two answers make the other superfluous? Not where a drone gave what it made of the work to several
+/// others, and these two are of different ones. An attempt was given to one drone, which gives each answer once. What
+/// went the same way is the same, also if a receiver on the way shared it once and was alone the other time.
 bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
 {
+    if (one.path == other.path)
+        return true;
+    if (one.work != other.work)
+        return false;
     if (one.attempts == other.attempts)
         return one.branches == other.branches;
     const auto [mine, its] =
@@ -99,10 +104,10 @@ bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
     return mine == one.branches.end() || its == other.branches.end() || !(mine->each || its->each);
 }
 
-void AnswerFilter::remember(std::string work, Answer answer)
+void AnswerFilter::remember(std::string key, Answer answer)
 {
-    bytes_ += size_of(work, answer);
-    auto& row = *answers_.try_emplace(std::move(work)).first;
+    bytes_ += size_of(key, answer);
+    auto& row = *answers_.try_emplace(std::move(key)).first;
     row.second.push_back(std::move(answer));
     order_.push_back(&row);
     while (order_.size() > remembered || bytes_ > remembered_bytes)
@@ -111,17 +116,18 @@ void AnswerFilter::remember(std::string work, Answer answer)
 
 void AnswerFilter::forget_oldest()
 {
-    auto& [work, answers] = *order_.front();
+    auto& [key, answers] = *order_.front();
     order_.pop_front();
-    bytes_ -= size_of(work, answers.front());
+    bytes_ -= size_of(key, answers.front());
     answers.erase(answers.begin());
     if (answers.empty())
-        answers_.erase(answers_.find(work));
+        answers_.erase(answers_.find(key));
 }
 
-std::size_t AnswerFilter::size_of(const std::string& work, const Answer& answer)
+std::size_t AnswerFilter::size_of(const std::string& key, const Answer& answer)
 {
-    auto bytes = work.size() + answer.attempts.size() + answer.branches.size() * sizeof(Branch);
+    auto bytes = key.size() + answer.work.size() + answer.path.size() + answer.attempts.size()
+                 + answer.branches.size() * sizeof(Branch);
     for (const auto& branch : answer.branches)
         bytes += branch.receiver.size();
     return bytes;

@@ -201,6 +201,21 @@ TEST_CASE("answer filter: what its sender itself gives out once more may come ag
     CHECK_FALSE(filter.first(answer({with(turn_1, 1, 2), own("face-2.faces")}, "face-2")));
 }
 
+TEST_CASE("answer filter: a receiver that changed between a group and a plain connection answers a work once")
+{
+    const Share given{.of = "camera.image", .epoch = 1, .turn = 1, .attempt = 1, .to = "image"};
+    const Share shared{.of = "face-1.faces#age", .epoch = 2, .turn = 1, .to = "faces"};
+    const Share plain{.of = "face-1.faces", .epoch = 3, .turn = 1, .to = "faces"};
+    const auto in_group = answer({given, shared}, "age-1"), alone = answer({with(given, 1, 2), plain}, "age-1");
+    AnswerFilter joins, leaves;
+    CHECK(joins.first(alone));
+    CHECK_FALSE(joins.first(in_group));
+    CHECK(leaves.first(in_group));
+    CHECK_FALSE(leaves.first(alone));
+    // Another plain receiver answers for itself, whatever the group has answered.
+    CHECK(leaves.first(answer({with(given, 1, 2), plain}, "age-2")));
+}
+
 TEST_CASE("answer filter: its memory is bounded")
 {
     AnswerFilter filter;

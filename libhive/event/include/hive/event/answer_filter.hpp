@@ -31,20 +31,22 @@ private:
         bool operator==(const Branch&) const = default;
     };
     struct Answer {
+        std::string work;  ///< with what its key says
+        std::string path;  ///< the drones that got the shares
         std::string attempts;
         std::vector<Branch> branches;
         std::weak_ptr<Acknowledgement> owed;
     };
     static std::pair<std::string, Answer> named(const Event& event, std::size_t count);
     static bool stand_for_each_other(const Answer& one, const Answer& other);
-    void remember(std::string work, Answer answer);
+    void remember(std::string key, Answer answer);
 
     void forget_oldest();
-    static std::size_t size_of(const std::string& work, const Answer& answer);
+    static std::size_t size_of(const std::string& key, const Answer& answer);
 
     using Answers = std::unordered_map<std::string, std::vector<Answer>>;
     bool off_;                            ///< by a test that shows what it is for
-    Answers answers_;                     ///< that were taken, by the work
+    Answers answers_;                     ///< that were taken, by the beginning and the end of their work
     std::deque<Answers::pointer> order_;  ///< one for each answer
     std::size_t bytes_ = 0;               ///< of all answers, with their works
 };
