@@ -31,7 +31,8 @@ public:
 
 }  // namespace
 
-Sizes::Sizes(const Topology& topology) : lossless_(topology.demand)
+/// What a live stream has queued stays when its connection is changed to another kind.
+Sizes::Sizes(const Topology& topology) : max_queued_(topology.demand ? max_asked : max_streamed_live)
 {
     for (const auto& drone : topology.drones())
         most_[drone] = {other_edges, other_inputs};
@@ -39,11 +40,6 @@ Sizes::Sizes(const Topology& topology) : lossless_(topology.demand)
         ++most_[edge.sender].edges;
         ++most_[edge.receiver].inputs;
     }
-}
-
-std::int64_t Sizes::queue(const ConnectionOptions& options) const
-{
-    return options.transfer == Transfer::streaming && !lossless_ ? max_streamed_live : max_asked;
 }
 
 Problems Sizes::look(const Statuses& statuses) const
@@ -54,16 +50,14 @@ Problems Sizes::look(const Statuses& statuses) const
         for (const auto& output : status.outputs) {
             report.at_most(most.edges, std::ssize(output.edges), "edges of ", name, ".", output.name);
             for (const auto& edge : output.edges) {
-                const auto most_events = queue(edge.options);
-                report.at_most(most_events, edge.waiting, "waiting of ", name, " -> ", edge.receiver);
-                report.at_most(most_events + (edge.group ? members : 1) * max_unacknowledged, edge.events.in_flight(),
+                report.at_most(max_queued_, edge.waiting, "waiting of ", name, " -> ", edge.receiver);
+                report.at_most(max_queued_ + (edge.group ? members : 1) * max_unacknowledged, edge.events.in_flight(),
                                "in flight of ", name, " -> ", edge.receiver);
             }
         }
         for (const auto& input : status.inputs) {
-            const auto most_queued = queue(input.options);
-            report.at_most(most_queued, input.queued, "queued of ", input.from, " -> ", name);
-            report.at_most(most_queued + max_beyond_queue, input.in_hand, "in hand of ", input.from, " -> ", name);
+            report.at_most(max_queued_, input.queued, "queued of ", input.from, " -> ", name);
+            report.at_most(max_queued_ + max_beyond_queue, input.in_hand, "in hand of ", input.from, " -> ", name);
         }
         report.at_most(most.inputs, std::ssize(status.inputs), "inputs of ", name);
         report.at_most(1, std::ssize(status.left), "left inputs of ", name);

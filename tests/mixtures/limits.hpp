@@ -17,9 +17,8 @@ private:
     struct Rows {
         std::int64_t edges = 0, inputs = 0;
     };
-    [[nodiscard]] std::int64_t queue(const ConnectionOptions& options) const;
 
-    bool lossless_;
+    std::int64_t max_queued_;
     std::map<std::string, Rows> most_;  ///< that a drone can have
 };
 
