@@ -105,6 +105,20 @@ TEST_CASE("up: each field that a file changes runs as in a swarm that is started
     }
 }
 
+TEST_CASE("fields: the page has each, and the help of a drone and of hivectl start has each option")
+{
+    const Swarm swarm;
+    const auto page = text_of(HIVE_SOURCE_DIR "/libhive/docs/swarm-file.md");
+    const auto drone = swarm.run({swarm.program("hive-ticker").string(), "--help"}).out;
+    const auto start = swarm.hivectl_done({"start", "--help"});
+    for (const auto& field : hive::order_fields()) {
+        CAPTURE(field.name);
+        CHECK(has(page, "| `" + std::string(field.name) + "` |"));
+        CHECK(has(drone, std::string(field.option)));
+        CHECK(has(start, std::string(field.option)));
+    }
+}
+
 TEST_CASE("up: what changes at run time needs no new process, and what was done by hand outlives one")
 {
     const Swarm swarm;

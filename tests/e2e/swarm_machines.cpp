@@ -50,6 +50,13 @@ TEST_CASE("up over ssh: three machines in a few seconds, again nothing to do, a 
     machines.write(content);
     CHECK(machines.up() == "set source fps=40\n");
     CHECK(machines.pids() == pids);
+    content["drones"]["source"]["log_level"] = "debug";
+    content["drones"]["worker"]["on"] = "gpu1";
+    machines.write(content);
+    CHECK_EQ(machines.up(), "restart source log_level=debug\nrestart worker-2 on=gpu1\nrestart worker-4 on=gpu1\n");
+    CHECK(machines.up().empty());
+    CHECK(Json::parse(machines.lab.machine(1).swarm.hivectl_done({"ps", "--json"})).size() == 4);
+    CHECK(lines_of(machines.lab.hivectl_done("results 'worker-*' -n 8")) == 8);
     machines.lab.hivectl_done("down");
     CHECK(eventually([&] { return machines.processes() == 0; }));
 }

@@ -97,6 +97,18 @@ TEST_CASE("up under systemd: drones are units of the user, and one that crashes 
     CHECK(systemd.swarm.application().drones().empty());
 }
 
+TEST_CASE("up under systemd: a changed restart is in a new unit")
+{
+    const Systemd systemd;
+    auto content = work();
+    systemd.shell_done("hivectl up " + systemd.write(content));
+    content["drones"]["source"]["restart"] = "on-failure";
+    const auto up = "hivectl up " + systemd.write(content);
+    CHECK_EQ(systemd.shell_done(up), "restart source restart=on-failure\n");
+    CHECK(has(text_of(systemd.units() / "hive-source.service"), "Restart=on-failure"));
+    CHECK(systemd.shell_done(up).empty());
+}
+
 TEST_CASE("up under systemd: the drone of another home is left alone, and what runs is said")
 {
     const Systemd systemd;
