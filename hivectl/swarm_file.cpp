@@ -1,8 +1,10 @@
 // Sentences about swarm files.
 #include "swarm_file.hpp"
 
+#include "command_line.hpp"
 #include "file_text.hpp"
 #include "output.hpp"
+#include "settings.hpp"
 #include "status_line.hpp"
 
 #include <hive/printable.hpp>
@@ -21,11 +23,28 @@ std::string counted(std::size_t number, const std::string& what)
 
 }  // namespace
 
-std::string swarm_text(const std::string& file) { return text_of_file(file, most_bytes); }
+void declare_variables(CommandLine& line, SwarmInput& input)
+{
+    line.option("--set", input.settings, "the value of a variable of the file; may be repeated")
+        .type_name("NAME=VALUE")
+        .one_each();
+}
+
+hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit)
+{
+    const auto folder = input.file == "-" ? std::filesystem::path() : std::filesystem::path(input.file).parent_path();
+    hive::SwarmContext context{.folder = folder.empty() ? "." : folder, .variables = {}};
+    const auto settings = parse_settings(input.settings);
+    for (const auto& [name, value] : settings.items())
+        context.variables[name] = value.get<std::string>();
+    const Waiting waiting("the programs of the drones to describe themselves");
+    return hive::check_swarm(text_of_file(input.file, most_bytes), limit, context);
+}
 
 std::string mistake_text(const std::string& file, const hive::Mistake& mistake)
 {
-    return hive::printable((file == "-" ? "<stdin>" : file) + ":" + std::to_string(mistake.line) + ":"
+    const auto& name = mistake.file.empty() ? file : mistake.file;
+    return hive::printable((name == "-" ? "<stdin>" : name) + ":" + std::to_string(mistake.line) + ":"
                            + std::to_string(mistake.column) + ": " + mistake.text
                            + (mistake.advice.empty() ? "" : "; " + mistake.advice));
 }
@@ -39,13 +58,11 @@ std::string size_text(const hive::SwarmPlan& plan)
            + counted(plan.connections.size(), "connection");
 }
 
-std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const std::string& file)
+std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input)
 {
-    std::optional<Waiting> waiting("the programs of the drones to describe themselves");
-    auto reading = hive::check_swarm(swarm_text(file), std::chrono::seconds(10));
-    waiting.reset();
+    auto reading = swarm_reading(input, std::chrono::seconds(10));
     for (const auto& mistake : reading.mistakes)
-        complain(verb, mistake_text(file, mistake));
+        complain(verb, mistake_text(input.file, mistake));
     if (!reading.mistakes.empty())
         return std::nullopt;
     return std::move(reading.plan);

@@ -3,20 +3,31 @@
 
 #include <hive/swarm_plan.hpp>
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace hivectl {
 
-/// The text of a swarm file; "-": stdin.
-std::string swarm_text(const std::string& file);
+class CommandLine;
+
+/// A swarm file as it is meant on a command line.
+struct SwarmInput {
+    std::string file;                   ///< "-": stdin
+    std::vector<std::string> settings;  ///< --set: values of its variables
+};
+/// Declares --set.
+void declare_variables(CommandLine& line, SwarmInput& input);
+
+hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit);
 /// "doorway.json:3:14: text; advice", as editors jump to it.
 std::string mistake_text(const std::string& file, const hive::Mistake& mistake);
 /// "7 drones on 3 machines, 6 connections"
 std::string size_text(const hive::SwarmPlan& plan);
 
 /// What the file says; nothing when it has mistakes: they are on stderr then.
-std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const std::string& file);
+std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input);
 
 }  // namespace hivectl

@@ -4,11 +4,8 @@
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../swarm_file.hpp"
-#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../verbs.hpp"
-
-#include <optional>
 
 namespace hivectl::check_verb {
 namespace {
@@ -25,7 +22,7 @@ void print_json(const std::string& file, const hive::SwarmReading& reading)
 {
     std::vector<Row> rows;
     for (const auto& mistake : reading.mistakes)
-        rows.push_back({{"file", file},
+        rows.push_back({{"file", mistake.file.empty() ? file : mistake.file},
                         {"line", mistake.line},
                         {"column", mistake.column},
                         {"at", mistake.at},
@@ -34,11 +31,10 @@ void print_json(const std::string& file, const hive::SwarmReading& reading)
     write_out(json_array(rows) + "\n");
 }
 
-int run(const std::string& file, Session& session)
+int run(const SwarmInput& input, Session& session)
 {
-    std::optional<Waiting> waiting("the programs of the drones to describe themselves");
-    const auto reading = hive::check_swarm(swarm_text(file), session.timeout(std::chrono::seconds(10)));
-    waiting.reset();
+    const auto& file = input.file;
+    const auto reading = swarm_reading(input, session.timeout(std::chrono::seconds(10)));
     session.json ? print_json(file, reading) : print(file, reading);
     for (const auto& note : reading.notes)
         complain("check", mistake_text(file, note));
@@ -47,9 +43,10 @@ int run(const std::string& file, Session& session)
 
 Run declare(CommandLine& line, Session& session)
 {
-    auto file = std::make_shared<std::string>();
-    line.option("FILE", *file, "the swarm file; -: stdin").required();
-    return [file, &session] { return run(*file, session); };
+    auto input = std::make_shared<SwarmInput>();
+    line.option("FILE", input->file, "the swarm file; -: stdin").required();
+    declare_variables(line, *input);
+    return [input, &session] { return run(*input, session); };
 }
 
 }  // namespace

@@ -16,20 +16,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::vector<hive::SwarmPlan> plans_meant(const std::string& file, hive::Application& application)
+std::vector<hive::SwarmPlan> plans_meant(const SwarmInput& input, hive::Application& application)
 {
-    if (file.empty())
+    if (input.file.empty())
         return hive::Swarm::remembered(application);
-    if (auto plan = read_plan("down", file))
+    if (auto plan = read_plan("down", input))
         return {*std::move(plan)};
     return {};
 }
 
-int run(const std::string& file, Session& session)
+int run(const SwarmInput& input, Session& session)
 {
     auto& application = session.application();
-    const auto plans = plans_meant(file, application);
-    if (plans.empty() && !file.empty())
+    const auto plans = plans_meant(input, application);
+    if (plans.empty() && !input.file.empty())
         return exit_code::refused;
     if (plans.empty())
         complain("down", "no swarm was brought up from here");
@@ -54,9 +54,10 @@ int run(const std::string& file, Session& session)
 
 Run declare(CommandLine& line, Session& session)
 {
-    auto file = std::make_shared<std::string>();
-    line.option("FILE", *file, "the swarm file (default: every swarm that was brought up from here)");
-    return [file, &session] { return run(*file, session); };
+    auto input = std::make_shared<SwarmInput>();
+    line.option("FILE", input->file, "the swarm file (default: every swarm that was brought up from here)");
+    declare_variables(line, *input);
+    return [input, &session] { return run(*input, session); };
 }
 
 }  // namespace

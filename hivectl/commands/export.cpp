@@ -20,7 +20,8 @@ namespace {
 
 struct Options {
     std::vector<std::string> names;
-    std::string swarm, form, from, folder, image = "hive:latest";
+    std::string swarm, form, folder, image = "hive:latest";
+    SwarmInput from;
 };
 
 /// Of the swarm of that name, or else of all that run.
@@ -90,16 +91,16 @@ int run(const Options& options, Session& session)
 {
     Outcome outcome("export");
     hive::SwarmPlan plan;
-    if (options.from.empty()) {
+    if (options.from.file.empty()) {
         plan = running_plan(options, session, outcome);
         if (!options.names.empty() && plan.drones.empty())
             return outcome.exit_code();  // an empty swarm, brought up, would end all that has its name
         if (!options.form.empty() && plan.drones.empty())
             throw hive::Error(hive::Errc::not_found, "no drones to export", "start one: hivectl start KIND");
     } else {
-        const auto reading = hive::check_swarm(swarm_text(options.from), session.timeout(std::chrono::seconds(10)));
+        const auto reading = swarm_reading(options.from, session.timeout(std::chrono::seconds(10)));
         for (const auto& mistake : reading.mistakes)
-            complain("export", mistake_text(options.from, mistake));
+            complain("export", mistake_text(options.from.file, mistake));
         if (!reading.mistakes.empty())
             return exit_code_of(hive::Errc::invalid_argument);
         plan = reading.plan;
@@ -117,6 +118,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("NAME", options->names, "only these drones or globs (default: all of the swarm, or all that run)");
     line.option("--swarm", options->swarm, "the name of the swarm (default: the one that was brought up from here)")
         .type_name("NAME");
+    declare_variables(line, options->from);
     const auto form =
         line.option(
                 "--as", options->form,
@@ -124,7 +126,7 @@ Run declare(CommandLine& line, Session& session)
                 "for sbatch, or a script of hivectl")
             .type_name("FORM")
             .one_of(hive::export_forms());
-    line.option("--from", options->from, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
+    line.option("--from", options->from.file, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
     line.option("--to", options->folder, "write the files of --as there, and print their names")
         .type_name("FOLDER")
         .needs(form);

@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct Options {
-    std::string file;
+    SwarmInput input;
     bool dry_run = false, stay = false;
 };
 
@@ -38,7 +38,7 @@ void stay(hive::Swarm& swarm)
 
 int run(const Options& options, Session& session)
 {
-    const auto plan = read_plan("up", options.file);
+    const auto plan = read_plan("up", options.input);
     if (!plan)
         return exit_code::refused;
     hive::Swarm swarm(session.application(), *plan);
@@ -69,7 +69,8 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("FILE", options->file, "the swarm file; -: stdin").required();
+    line.option("FILE", options->input.file, "the swarm file; -: stdin").required();
+    declare_variables(line, options->input);
     const auto dry_run = line.flag("--dry-run", options->dry_run, "only print what would be done");
     line.flag("--stay", options->stay,
               "stay until Ctrl-C, and restart what crashes or hangs and has a \"restart\" in the file, after pauses of "
@@ -84,7 +85,7 @@ Verb verb()
 {
     return {.name = "up",
             .group = "a swarm from a file",
-            .usage = "FILE [--dry-run | --stay] [options]",
+            .usage = "FILE [--set NAME=VALUE ...] [--dry-run | --stay] [options]",
             .summary = "Starts, sets and connects all drones of a swarm file",
             .details =
                 "Prints what it did. A drone that runs already is changed if the file says something else, and "
@@ -95,7 +96,8 @@ Verb verb()
                 "become ready, or refuses what the file says, or with Ctrl-C, what was begun is undone. The file is "
                 "described in libhive/docs/swarm-file.md; hivectl check finds its mistakes without starting anything.",
             .examples = "hivectl up doorway.json\n"
-                        "hivectl up doorway.json --dry-run",
+                        "hivectl up doorway.json --dry-run\n"
+                        "hivectl up doorway.json --set scale=1.2",
             .timeout = "for all drones to be ready (default 60)",
             .operands = {Operand::file},
             .declare = declare};

@@ -80,19 +80,37 @@ const JsonPlace* JsonPlace::member(std::string_view name) const noexcept
     return found == members.end() ? nullptr : &found->second;
 }
 
+namespace {
+
+constexpr std::size_t counted_every = 256;
+
+std::size_t characters_in(std::string_view text)
+{
+    return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+}  // namespace
+
 TextLines::TextLines(std::string_view text) : text_(text)
 {
     for (auto end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', end + 1))
         begins_.push_back(end + 1);
+    for (std::size_t i = 0; i + counted_every <= text.size(); i += counted_every)
+        counted_.push_back(counted_.back() + characters_in(text.substr(i, counted_every)));
 }
 
 TextLines::Spot TextLines::at(std::size_t byte) const
 {
     byte = std::min(byte, text_.size());
     const auto line = std::prev(std::ranges::upper_bound(begins_, byte));
-    const auto before = text_.substr(*line, byte - *line);
-    const auto characters = std::ranges::count_if(before, [](char c) { return (c & 0xC0) != 0x80; });
-    return {static_cast<std::size_t>(line - begins_.begin()) + 1, static_cast<std::size_t>(characters) + 1};
+    return {static_cast<std::size_t>(line - begins_.begin()) + 1,
+            characters_before(byte) - characters_before(*line) + 1};
+}
+
+std::size_t TextLines::characters_before(std::size_t byte) const
+{
+    const auto block = byte / counted_every;
+    return counted_[block] + characters_in(text_.substr(block * counted_every, byte % counted_every));
 }
 
 }  // namespace hive

@@ -51,8 +51,11 @@ public:
     [[nodiscard]] Spot at(std::size_t byte) const;
 
 private:
+    [[nodiscard]] std::size_t characters_before(std::size_t byte) const;
+
     std::string_view text_;
-    std::vector<std::size_t> begins_{0};  ///< of the lines
+    std::vector<std::size_t> begins_{0};   ///< of the lines
+    std::vector<std::size_t> counted_{0};  ///< characters before every 256th byte: a file may be one long line
 };
 
 }  // namespace hive

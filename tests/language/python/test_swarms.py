@@ -85,6 +85,21 @@ class Swarms(World):
         with self.assertRaises(FileNotFoundError):
             hive.Swarm("nowhere.json")
 
+    def test_a_file_may_have_variables_comments_and_parts(self):
+        part, whole = pathlib.Path(self.home) / "part.json", pathlib.Path(self.home) / "whole.json"
+        part.write_text('// a part\n{"drones": {"more": {"kind": "sleeper"}}}', encoding="utf-8")
+        whole.write_text(
+            '{"swarm": "w", "include": "part.json", "variables": {"n": 1},\n'
+            ' "drones": {"a": {"kind": "sleeper", "count": "${n}"}}} // the whole',
+            encoding="utf-8",
+        )
+        with hive.Swarm(whole, variables={"n": 3}) as swarm:
+            self.assertEqual((swarm.check(), swarm.name, len(swarm.differences())), ([], "w", 4))
+        part.write_text('{"drones": {"more": {"knid": "sleeper"}}}', encoding="utf-8")
+        mistakes = hive.Swarm(whole).check()
+        self.assertEqual({(mistake.file, mistake.line) for mistake in mistakes}, {(str(part), 1)})
+        self.assertTrue(str(mistakes[0]).startswith(f"{part}:1:"))
+
     def test_a_file_with_mistakes_raises_all_of_them_and_starts_nothing(self):
         text = '{"swarm": "a", "drones": {\n  "source": {"kind": "ticker", "set": {"fsp": 3}}},\n "conections": []}'
         swarm = self.swarm.swarm(text)

@@ -127,8 +127,9 @@ TEST_CASE("swarm file: what it says")
 
 TEST_CASE("swarm file: what is no JSON is said where it is")
 {
-    CHECK_EQ(mistakes("{\n  // the camera\n}"), "2:3: JSON has no comments; leave it out\n");
-    CHECK_EQ(mistakes("{\"swarm\": \"s\", /* */ \"drones\": {}}"), "1:16: JSON has no comments; leave it out\n");
+    CHECK_EQ(mistakes("{\n  # the camera\n}"), "2:3: a comment begins with //, and ends with the line\n");
+    CHECK_EQ(mistakes("{\"swarm\": \"s\", /* */ \"drones\": {}}"),
+             "1:16: a comment begins with //, and ends with the line\n");
     CHECK_EQ(mistakes("{\"swarm\": \"s\",\n \"drones\": {},\n}"),
              "3:1: a comma before }; there is none behind the last one of a list\n");
     CHECK_EQ(mistakes("{\"swarm\": \"s\""), "1:14: the file ends too early; see that every { and [ is closed\n");

@@ -72,6 +72,7 @@ TEST_CASE("swarm schema: its words and bounds are those of the reader")
     const auto parts = parse_json(swarm_schema()).at("$defs");
     const auto& drone = parts.at("drone").at("properties");
     const auto& connection = parts.at("connection").at("properties");
+    const auto itself = [](const Json& key) { return key.at("anyOf").at(0); };  // or a variable
     for (const auto& field : order_fields()) {
         CAPTURE(field.name);
         const auto& told = drone.at(field.name);
@@ -79,13 +80,13 @@ TEST_CASE("swarm schema: its words and bounds are those of the reader")
             CHECK_EQ(told.at("default"), field.in_force({}));
         if (field.type != OrderField::Type::word)
             continue;
-        CHECK(std::ranges::equal(told.at("enum").get<std::vector<std::string>>(), field.words));
+        CHECK(std::ranges::equal(itself(told).at("enum").get<std::vector<std::string>>(), field.words));
         CHECK_EQ(told.at("default"), field.usual);
     }
-    CHECK_EQ(drone.at("count").at("maximum"), most_of_a_kind);
-    CHECK_EQ(connection.at("window").at("maximum"), widest_window);
-    CHECK_EQ(connection.at("lease").at("minimum"), shortest_lease_s);
-    CHECK_EQ(connection.at("lease").at("maximum"), longest_lease_s);
+    CHECK_EQ(itself(drone.at("count")).at("maximum"), most_of_a_kind);
+    CHECK_EQ(itself(connection.at("window")).at("maximum"), widest_window);
+    CHECK_EQ(itself(connection.at("lease")).at("minimum"), shortest_lease_s);
+    CHECK_EQ(itself(connection.at("lease")).at("maximum"), longest_lease_s);
 }
 
 TEST_CASE("swarm schema: every key has a title")

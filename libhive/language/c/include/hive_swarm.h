@@ -21,9 +21,11 @@ typedef hive_code (*hive_told_callback)(void* user, const char* text);
 
 /* Finds every mistake that can be found without starting anything: {"mistakes": [{"line", "column", "at", "text",
    "advice"}, ...], "notes": [the same, of what could not be checked here]}. Lines and columns count from 1, in
-   characters; "at" is "drones.face.set.scale". HIVE_OK says only that it was looked at.
+   characters; "at" is "drones.face.set.scale", and "file" an included file or "". Beside them stands "swarm", its name.
+   HIVE_OK says only that it was looked at.
    Options: "timeout_ms" (default 10000) for the programs on this machine, which are asked what they take and produce;
-   "form_only" (they are not asked). */
+   "form_only" (they are not asked); "folder" (where the file is: without it, it cannot include others); "variables" (an
+   object: values for its variables). */
 HIVE_API hive_code hive_swarm_check(const char* text, const char* options, char** json, size_t* length);
 /* The JSON Schema of swarm files, for editors. */
 HIVE_API hive_code hive_swarm_schema(char** json, size_t* length);

@@ -57,7 +57,8 @@ Json mistakes_json(const std::vector<Mistake>& mistakes)
                         {"column", mistake.column},
                         {"at", mistake.at},
                         {"text", mistake.text},
-                        {"advice", mistake.advice}});
+                        {"advice", mistake.advice},
+                        {"file", mistake.file}});
     return list;
 }
 
@@ -102,10 +103,16 @@ Json outcome_json(const SwarmOutcome& outcome)
 
 SwarmReading reading_of(const char* text, const char* options)
 {
-    const Options given(options, {"timeout_ms", "form_only"});
+    const Options given(options, {"timeout_ms", "form_only", "folder", "variables"});
     const auto file = text_of(text, "the swarm file");
-    return given.flag("form_only") ? read_swarm(file)
-                                   : check_swarm(file, patience_of(given.integer("timeout_ms", 0, 10'000)));
+    SwarmContext context;
+    if (const auto folder = given.text("folder"); !folder.empty())
+        context.folder = folder;
+    const auto variables = given.object("variables");
+    for (const auto& [name, value] : variables.items())
+        context.variables[name] = value.is_string() ? value.get<std::string>() : to_text(value);
+    return given.flag("form_only") ? read_swarm(file, {}, context)
+                                   : check_swarm(file, patience_of(given.integer("timeout_ms", 0, 10'000)), context);
 }
 
 void require_good(const std::vector<Mistake>& mistakes)
@@ -113,7 +120,8 @@ void require_good(const std::vector<Mistake>& mistakes)
     if (mistakes.empty())
         return;
     const auto& first = mistakes.front();
-    std::string text = std::to_string(first.line) + ":" + std::to_string(first.column) + ": " + first.text;
+    std::string text = (first.file.empty() ? "" : first.file + ":") + std::to_string(first.line) + ":"
+                       + std::to_string(first.column) + ": " + first.text;
     if (const auto more = mistakes.size() - 1; more > 0)
         text += " (and " + std::to_string(more) + (more == 1 ? " more mistake)" : " more mistakes)");
     throw Error(Errc::invalid_argument, text, first.advice);
@@ -197,8 +205,10 @@ hive_code hive_swarm_check(const char* text, const char* options, char** json, s
 {
     return guarded([&] {
         const auto reading = reading_of(text, options);
-        give_json({{"mistakes", mistakes_json(reading.mistakes)}, {"notes", mistakes_json(reading.notes)}}, json,
-                  length);
+        give_json({{"swarm", reading.plan.name},
+                   {"mistakes", mistakes_json(reading.mistakes)},
+                   {"notes", mistakes_json(reading.notes)}},
+                  json, length);
     });
 }
 

@@ -27,9 +27,10 @@ class Mistake(NamedTuple):
     at: str  #: "drones.face.set.scale"; "": the file as a whole
     text: str
     advice: str
+    file: str = ""  #: an included one; "": the file itself
 
     def __str__(self) -> str:
-        return f"{self.line}:{self.column}: {self.text}" + (f"; {self.advice}" if self.advice else "")
+        return (f"{self.file}:" if self.file else "") + f"{self.line}:{self.column}: {self.text}" + (f"; {self.advice}" if self.advice else "")
 
 
 class SwarmFileError(Error):
@@ -88,18 +89,28 @@ class Swarm(Owner):
     Programs of drones are found in $HIVE_DRONE_PATH and $PATH.  A call that needs the file to be right raises
     :class:`SwarmFileError` when it is not.
 
-    :param source: a path, a dict as the file has it, or its text, which begins with "{"
+    :param source: a path, a dict as the file has it, or its text, which begins with "{" or has several lines
     :param application: by which it is brought up; None: one of its own, as ``hive.Application()`` makes it
+    :param variables: values for variables of the file
     :param form_only: programs are not asked what they take and produce, so what the file says of that is not checked
     :raises OSError: the file cannot be read
     """
 
     def __init__(
-        self, source: Source, *, application: Optional[Application] = None, form_only: bool = False
+        self,
+        source: Source,
+        *,
+        application: Optional[Application] = None,
+        form_only: bool = False,
+        variables: Optional[dict[str, Any]] = None,
     ) -> None:
         self._handle = None
         self._application = application
-        self._options = {"form_only": form_only}
+        self._options = {
+            "form_only": form_only,
+            "folder": _folder_of(source),
+            "variables": variables or {},
+        }
         self._own: Optional[Application] = None
         #: Its file.
         self.text = _text_of(source)
@@ -129,8 +140,9 @@ class Swarm(Owner):
     def name(self) -> str:
         """What the file calls it; "" when it cannot be read."""
         try:
-            return str(json.loads(self.text)["swarm"])
-        except (ValueError, TypeError, KeyError):
+            options = as_json({**self._options, "form_only": True})
+            return str(ask(lib.hive_swarm_check, encoded(self.text), options)["swarm"])
+        except Error:
             return ""
 
     def check(self, timeout: Seconds = 10.0) -> list[Mistake]:
@@ -255,11 +267,21 @@ class Swarm(Owner):
         return outcome["steps"]
 
 
+def _is_text(source: Source) -> bool:
+    return isinstance(source, str) and (source.lstrip().startswith("{") or "\n" in source)
+
+
+def _folder_of(source: Source) -> str:
+    if isinstance(source, Mapping) or _is_text(source):
+        return "."
+    return os.path.dirname(source) or "."
+
+
 def _text_of(source: Source) -> str:
     if isinstance(source, Mapping):
         return as_json(dict(source)).decode()
-    if isinstance(source, str) and source.lstrip().startswith("{"):
-        return source
+    if _is_text(source):
+        return str(source)
     with open(source, encoding="utf-8") as file:
         return file.read()
 

@@ -5,6 +5,7 @@
 #include <hive/drone_order.hpp>
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -53,6 +54,13 @@ struct Mistake {
     std::size_t line = 0, column = 0;  ///< from 1, in characters as editors count them
     std::string at;                    ///< "drones.face.set.scale"; empty: the file as a whole
     std::string text, advice;
+    std::string file = {};  ///< an included one; empty: the file itself
+};
+
+/// What a swarm file depends on beside its text.
+struct SwarmContext {
+    std::optional<std::filesystem::path> folder{};   ///< where the file is; without it, it cannot include others
+    std::map<std::string, std::string> variables{};  ///< values for its variables, as on a command line
 };
 
 struct SwarmReading {
@@ -68,11 +76,13 @@ using InterfaceOfKind = std::function<Interface(const std::string& kind)>;
 /// Reads a swarm file and finds every mistake that can be found without starting anything: of form, names, references
 /// and options; with `interface_of` also those of ports, their types, parameters and their ranges. A kind that it does
 /// not know is a mistake for drones of this machine, and for others, which may have it, a note.
-SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_of = {});
+SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_of = {},
+                        const SwarmContext& context = {});
 
 /// The same with the interfaces that the programs on this machine tell; they are asked side by side, and those that
 /// have not answered within `limit` count as not known.
-SwarmReading check_swarm(std::string_view text, std::chrono::milliseconds limit = std::chrono::seconds(10));
+SwarmReading check_swarm(std::string_view text, std::chrono::milliseconds limit = std::chrono::seconds(10),
+                         const SwarmContext& context = {});
 
 /// The file that says this: reading it gives the same plan.
 std::string to_text(const SwarmPlan& plan);

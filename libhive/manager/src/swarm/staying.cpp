@@ -236,7 +236,7 @@ void Staying::settle()
     settle_at_ = Clock::now() + 1s;
     Changes changes(application_);
     std::set<std::string> unsettled;
-    for (const auto& step : differences(application_, plan_, plan_)) {
+    for (const auto& step : differences(application_, plan_, plan_).steps) {
         if ((step.what != SwarmStep::What::set && step.what != SwarmStep::What::connect)
             || !unsettled_.contains(step.drone))
             continue;

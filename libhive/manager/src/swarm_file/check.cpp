@@ -54,28 +54,34 @@ void ask_programs(KindsTold& kinds, std::chrono::milliseconds limit)
 }  // waits for them
 
 /// The kinds whose interface reading the file asks for, also those of drones that it then drops.
-KindsTold kinds_asked_for(std::string_view text)
+KindsTold kinds_asked_for(std::string_view text, const SwarmContext& context)
 {
     KindsTold kinds;
-    read_swarm(text, [&](const std::string& kind) -> Interface {
-        kinds.try_emplace(kind);
-        throw Error(Errc::not_found, kind);
-    });
+    read_swarm(
+        text,
+        [&](const std::string& kind) -> Interface {
+            kinds.try_emplace(kind);
+            throw Error(Errc::not_found, kind);
+        },
+        context);
     return kinds;
 }
 
 }  // namespace
 
-SwarmReading check_swarm(std::string_view text, std::chrono::milliseconds limit)
+SwarmReading check_swarm(std::string_view text, std::chrono::milliseconds limit, const SwarmContext& context)
 {
-    auto kinds = kinds_asked_for(text);
+    auto kinds = kinds_asked_for(text, context);
     ask_programs(kinds, limit);
-    return read_swarm(text, [&](const std::string& kind) {
-        const auto& told = kinds.at(kind);
-        if (const auto* error = std::get_if<Error>(&told))
-            throw *error;
-        return std::get<Interface>(told);
-    });
+    return read_swarm(
+        text,
+        [&](const std::string& kind) {
+            const auto& told = kinds.at(kind);
+            if (const auto* error = std::get_if<Error>(&told))
+                throw *error;
+            return std::get<Interface>(told);
+        },
+        context);
 }
 
 }  // namespace hive

@@ -1,4 +1,5 @@
 // Reading a swarm file from top to bottom.
+#include "assembly.hpp"
 #include "reader.hpp"
 #include "words.hpp"
 
@@ -8,30 +9,9 @@
 
 namespace hive {
 namespace swarm_file {
-namespace {
-
-constexpr JsonLimits limits{.bytes = 16 << 20, .depth = 16, .keys = 20'000, .values = 1 << 20};
-
-/// What people write who take JSON for something else.
-std::pair<std::string, std::string> syntax_mistake(std::string_view text, const JsonMistake& mistake)
+void Reader::read(const Value& file, bool complete)
 {
-    const auto rest = text.substr(mistake.at());
-    if (rest.starts_with("//") || rest.starts_with("/*") || rest.starts_with("#"))
-        return {"JSON has no comments", "leave it out"};
-    if (rest.empty())
-        return {"the file ends too early", "see that every { and [ is closed"};
-    if (rest.front() == '\'')
-        return {"in JSON, texts stand in \"double\" quotation marks", ""};
-    const auto before = text.substr(0, mistake.at()).find_last_not_of(" \t\r\n");
-    if ((rest.front() == '}' || rest.front() == ']') && before != std::string_view::npos && text[before] == ',')
-        return {"a comma before " + std::string(1, rest.front()), "there is none behind the last one of a list"};
-    return {mistake.what(), mistake.advice()};
-}
-
-}  // namespace
-
-void Reader::read(const Value& file)
-{
+    names_unclear_ = !complete;
     Members members(mistakes_, file, "a swarm file", file_keys);
     if (const auto value = members.require("swarm"))
         if (const auto name = text_of(mistakes_, *value)) {
@@ -95,16 +75,13 @@ void Reader::tell_unknown_kinds()
 
 }  // namespace swarm_file
 
-SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_of)
-try {
-    const auto parsed = parse_placed_json(text, swarm_file::limits);
-    swarm_file::Reader reader(text, interface_of);
-    reader.read({&parsed.value, &parsed.place, ""});
+SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_of, const SwarmContext& context)
+{
+    swarm_file::Texts texts;
+    swarm_file::Reader reader(texts, interface_of);
+    if (const auto file = swarm_file::assemble(text, context, texts, reader.mistakes()))
+        reader.read({&file->json.value, &file->json.place, ""}, file->complete);
     return reader.take();
-} catch (const JsonMistake& mistake) {
-    const auto [line, column] = TextLines(text).at(mistake.at());
-    const auto [what, advice] = swarm_file::syntax_mistake(text, mistake);
-    return {{}, {{line, column, "", what, advice}}, {}};
 }
 
 }  // namespace hive

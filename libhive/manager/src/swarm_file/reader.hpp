@@ -16,13 +16,15 @@ namespace hive::swarm_file {
 
 class Reader {
 public:
-    Reader(std::string_view text, const InterfaceOfKind& interface_of)
-        : mistakes_(text), notes_(text), interface_of_(interface_of)
+    Reader(const Texts& texts, const InterfaceOfKind& interface_of)
+        : mistakes_(texts), notes_(texts), interface_of_(interface_of)
     {
     }
 
-    void read(const Value& file);
+    /// @param complete  false: a file that it includes could not be read, and names that are missing may be there
+    void read(const Value& file, bool complete);
     SwarmReading take();
+    [[nodiscard]] Mistakes& mistakes() noexcept { return mistakes_; }
 
 private:
     /// One entry of `drones`: one drone, or `count` of them.

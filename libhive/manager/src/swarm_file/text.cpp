@@ -1,4 +1,7 @@
 // Writing a swarm file: a line for each drone, each connection and each engine; what is as usual is left out.
+#include "assembly.hpp"
+#include "words.hpp"
+
 #include <hive/swarm_plan.hpp>
 
 namespace hive {
@@ -7,6 +10,8 @@ namespace {
 /// JSON on one line with spaces, for people.
 std::string spaced(const Json& value)
 {
+    if (value.is_string())
+        return to_text(Json(swarm_file::without_variables(value.get<std::string>())));
     if (!value.is_structured() || value.empty())
         return to_text(value);
     std::string text;

@@ -33,10 +33,30 @@ Value Value::item(std::size_t index) const
     return {&json->at(index), &place->items.at(index), path + "[" + std::to_string(index) + "]"};
 }
 
+std::size_t Texts::add(const std::string& file, std::string text)
+{
+    const auto begin = texts_.empty() ? 0 : texts_.back().begin + texts_.back().text.size() + 1;
+    texts_.emplace_back(file, begin, std::move(text));
+    return begin;
+}
+
+Texts::Spot Texts::at(std::size_t byte) const
+{
+    const auto next = std::ranges::upper_bound(texts_, byte, {}, &Text::begin);
+    const auto& text = *std::prev(next);
+    const auto [line, column] = text.lines.at(byte - text.begin);
+    return {text.file, line, column};
+}
+
+/// What stands once in the defaults of a kind would be told of each drone of that kind.
 void Mistakes::at_byte(std::size_t byte, const std::string& path, const std::string& text, const std::string& advice)
 {
-    const auto [line, column] = lines_.at(byte);
-    found_.push_back({line, column, path, text, advice});
+    const auto [first, last] = found_.equal_range(byte);
+    if (silent_.contains(byte)
+        || std::any_of(first, last, [&](const auto& found) { return found.second.text == text; }))
+        return;
+    const auto [file, line, column] = texts_.at(byte);
+    found_.emplace(byte, Mistake{line, column, path, text, advice, file});
 }
 
 void Mistakes::at_value(const Value& value, const std::string& text, const std::string& advice)
@@ -51,9 +71,10 @@ void Mistakes::at_key(const Value& value, const std::string& text, const std::st
 
 std::vector<Mistake> Mistakes::take()
 {
-    const auto spot = [](const Mistake& mistake) { return std::pair(mistake.line, mistake.column); };
-    std::ranges::stable_sort(found_, {}, spot);
-    return std::move(found_);
+    std::vector<Mistake> mistakes;
+    for (auto& found : found_)
+        mistakes.push_back(std::move(found.second));
+    return mistakes;
 }
 
 Members::Members(Mistakes& mistakes, Value object, std::string_view what, std::span<const std::string_view> keys)

@@ -4,7 +4,10 @@
 #include <hive/json_places.hpp>
 #include <hive/swarm_plan.hpp>
 
+#include <deque>
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,10 +25,40 @@ struct Value {
     [[nodiscard]] Value item(std::size_t index) const;
 };
 
-/// The mistakes of one file, in the order in which they were found.
+/// The texts of a file and of those that it includes, one behind the other: each byte has a number of its own.
+class Texts {
+public:
+    /// @param file  empty: the file itself
+    /// @return      the number of the first byte
+    std::size_t add(const std::string& file, std::string text);
+
+    struct Spot {
+        std::string file;
+        std::size_t line, column;
+    };
+    [[nodiscard]] Spot at(std::size_t byte) const;
+
+private:
+    struct Text {
+        Text(std::string name, std::size_t first, std::string content)
+            : file(std::move(name)), begin(first), text(std::move(content)), lines(text)
+        {
+        }
+        Text(const Text&) = delete;
+        Text& operator=(const Text&) = delete;
+
+        std::string file;
+        std::size_t begin;
+        std::string text;
+        TextLines lines;
+    };
+    std::deque<Text> texts_;
+};
+
+/// The mistakes of a file and of those that it includes.
 class Mistakes {
 public:
-    explicit Mistakes(std::string_view text) : lines_(text) {}
+    explicit Mistakes(const Texts& texts) : texts_(texts) {}
 
     void at_value(const Value& value, const std::string& text, const std::string& advice = {});
     void at_key(const Value& value, const std::string& text, const std::string& advice = {});
@@ -33,13 +66,16 @@ public:
     /// The words of an error.
     void at_value(const Value& value, const Error& error) { at_value(value, error.what(), error.advice()); }
     void at_key(const Value& value, const Error& error) { at_key(value, error.what(), error.advice()); }
+    /// What is written down of this value from now on would only follow from what was.
+    void no_more_at(const Value& value) { silent_.insert(value.place->value); }
     [[nodiscard]] std::size_t count() const noexcept { return found_.size(); }
     /// In the order of the file.
     std::vector<Mistake> take();
 
 private:
-    TextLines lines_;
-    std::vector<Mistake> found_;
+    const Texts& texts_;
+    std::multimap<std::size_t, Mistake> found_;  ///< by byte
+    std::set<std::size_t> silent_;
 };
 
 /// An object whose keys are known. Reading a value of the wrong kind writes down a mistake and gives nothing.

@@ -10,7 +10,8 @@ namespace hive::swarm_file {
 
 using namespace std::string_view_literals;
 
-inline constexpr std::array file_keys{"$schema"sv, "swarm"sv, "drones"sv, "connections"sv, "engines"sv};
+inline constexpr std::array file_keys{"$schema"sv,  "swarm"sv,  "include"sv,     "variables"sv,
+                                      "defaults"sv, "drones"sv, "connections"sv, "engines"sv};
 /// With those of the fields of an order.
 std::span<const std::string_view> drone_keys();
 inline constexpr std::array connection_keys{"from"sv,        "to"sv,    "stream"sv, "notify"sv, "window"sv,
