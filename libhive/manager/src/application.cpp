@@ -174,10 +174,11 @@ void forgive_haste(std::vector<Answer>& answers)
             answer.error.reset();
 }
 
-/// Or be killed: one of this machine that gives no answer hangs.
+/// Or be killed: one of this machine that gives no answer hangs, or is ending already.
 bool may_end(const Place& place, const Answer& answer)
 {
-    return !answer.error || (is_here(place) && answer.error->code() == Errc::timeout);
+    return !answer.error
+           || (is_here(place) && (answer.error->code() == Errc::timeout || answer.error->code() == Errc::unreachable));
 }
 
 /// What a drone of this machine was told stays here when it hangs or has crashed, and with it whose it is.

@@ -51,7 +51,7 @@ private:
     /// A drone that was ready there and does not answer here.
     struct Silent {
         Error why;
-        int answers = 0;  ///< that did not come
+        int found_running = 0;  ///< by looks
         Clock::time_point next_look{};
     };
     /// One hivectl there.
@@ -73,7 +73,7 @@ private:
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
     void look_at_the_silent(std::vector<Report>& reports);
-    [[nodiscard]] Error silence_of(const std::string& drone) const;
+    void hear_running(const std::string& drone, std::vector<Report>& reports);
     void read_log(const std::string& drone, std::vector<Report>& reports);
     Place place_of(const std::string& drone, const Json& started);
     void await_starts(Clock::time_point until);
@@ -168,16 +168,13 @@ std::vector<int> SshEngine::descriptors() const
     return all;
 }
 
-/// The drone was ready when it was reported, since the hivectl there waits for that; but it may have ended since. One
-/// answer that comes late says little of a slow network.
+/// The drone was ready when it was reported, since the hivectl there waits for that; but it may have ended since.
 void SshEngine::look_again(const std::string& drone, const Error& why)
 {
     const auto now = Clock::now();
     auto& silent = silent_.try_emplace(drone, Silent{.why = why}).first->second;
     silent.why = why;
-    ++silent.answers;
-    const bool slow = why.code() == Errc::timeout && silent.answers == 1;
-    if (slow || now < silent.next_look || looks_.size() + logs_.size() >= sessions_at_once
+    if (now < silent.next_look || looks_.size() + logs_.size() >= sessions_at_once
         || running_everywhere >= sessions_everywhere)
         return;
     silent.next_look = now + patience_to_look + look_every;
@@ -191,7 +188,7 @@ void SshEngine::look_at_the_silent(std::vector<Report>& reports)
         if (result && !result->late && result->exit_code == not_found)
             read_log(look.drone, reports);
         else if (result && !result->late && result->exit_code == 0)
-            reports.push_back({.drone = look.drone, .error = silence_of(look.drone)});
+            hear_running(look.drone, reports);
         return result.has_value();
     });
     std::erase_if(logs_, [&](Session& log) {
@@ -205,12 +202,19 @@ void SshEngine::look_at_the_silent(std::vector<Report>& reports)
     });
 }
 
-Error SshEngine::silence_of(const std::string& drone) const
+/// It may just be ending there, or one answer may have been late, so there is a second look.
+void SshEngine::hear_running(const std::string& drone, std::vector<Report>& reports)
 {
-    const auto& why = silent_.at(drone).why;
-    return {why.code(), drone + " runs on " + remote_.host() + " and is not reached from here: " + why.what(),
-            why.advice().empty() ? "open its port to this machine, or choose one that is open: \"listen\""
-                                 : why.advice()};
+    auto& [why, found_running, next_look] = silent_.at(drone);
+    next_look = Clock::now() + look_every;
+    if (++found_running < 2)
+        return;
+    reports.push_back(
+        {.drone = drone,
+         .error =
+             Error(why.code(), drone + " runs on " + remote_.host() + " and is not reached from here: " + why.what(),
+                   why.advice().empty() ? "open its port to this machine, or choose one that is open: \"listen\""
+                                        : why.advice())});
 }
 
 void SshEngine::read_log(const std::string& drone, std::vector<Report>& reports)
