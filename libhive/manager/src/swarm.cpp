@@ -146,8 +146,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
         append(outcome.remains, restarting.undo());
         append(outcome.remains, starting.undo());
     } else {
-        outcome.remains =
-            swarm::failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
+        outcome.remains = swarm::failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
     }
     if (!outcome.remains.empty())
         return outcome;

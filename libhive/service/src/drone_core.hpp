@@ -23,7 +23,7 @@ struct DroneSettings {
     std::vector<protocol::Connect> connections;  ///< --connect
     std::vector<protocol::Expect> expected;      ///< --expect
     DroneOrder order;                            ///< without on_exception: as before the crash, or skip
-    std::string swarm = {};  ///< that brings it up; empty: as before the crash, or none
+    std::string swarm = {};                      ///< that brings it up; empty: as before the crash, or none
     /// To take over from the running drone of this name, if it is ready by then.
     std::optional<std::chrono::steady_clock::time_point> take_over = {};
     bool describe = false;
