@@ -62,8 +62,9 @@ public:
             return;
         connection_->start({.packet = [this](hive::protocol::Packet&& packet) { on_packet(packet); },
                             .closed = [this](const hive::Error&) { closed_ = true; }});
+        static std::int64_t started = 0;  // each is another one
         send(PacketType::hello, hive::to_text(to_json(hive::protocol::Hello{
-                                    .name = "stranger", .kind = "application", .epoch = 1, .pid = 1})));
+                                    .name = "stranger", .kind = "application", .epoch = ++started, .pid = 1})));
         until([&] { return met_ || closed_; });
     }
 

@@ -78,7 +78,8 @@ TEST_CASE("up: each field that a file changes runs as in a swarm that is started
     const Swarm swarm;
     const auto fields = changes(swarm);
     for (const auto& field : hive::order_fields())
-        CHECK_MESSAGE(fields.contains(field.name), field.name, " is not tried");
+        if (field.change != hive::OrderField::Change::never)
+            CHECK_MESSAGE(fields.contains(field.name), field.name, " is not tried");
 
     std::vector<Json> contents{Json::object()};
     for (auto one = fields.begin(); one != fields.end(); ++one) {

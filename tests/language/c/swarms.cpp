@@ -197,7 +197,7 @@ TEST_CASE("c: whoever stays with a swarm starts again what falls, until it is to
     CHECK(hive_swarm_stay(file.handle, hear, &told) == HIVE_REFUSED);
     CHECK(error() == "that is enough");
     REQUIRE(told.texts.size() == 1);
-    CHECK_MESSAGE(told.texts[0].find("worker had fallen and runs again") == 0, told.texts[0]);
+    CHECK_MESSAGE(told.texts[0].find("worker crashed and was restarted") == 0, told.texts[0]);
     CHECK(lab.pid("worker") != before);
 
     static int asked;

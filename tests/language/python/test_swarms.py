@@ -219,7 +219,7 @@ class Swarms(World):
         with self.assertRaises(KeyboardInterrupt):
             swarm.stay(tell)
         self.assertEqual(len(told), 1)
-        self.assertIn("worker-1 had fallen and runs again", told[0])
+        self.assertIn("worker-1 crashed and was restarted", told[0])
         self.assertNotEqual(self.swarm.status("worker-1")["pid"], before)
 
         left = []
@@ -231,7 +231,7 @@ class Swarms(World):
         swarm.close()
         thread.join(LONG)
         self.assertEqual(len(left), 1)
-        self.assertIn("runs again", logs.output[0])
+        self.assertIn("was restarted", logs.output[0])
         self.swarm.swarms()[0].down(LONG)
 
     def test_what_runs_is_a_file_again_and_a_file_is_files_for_what_runs_it(self):

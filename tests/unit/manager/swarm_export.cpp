@@ -67,7 +67,7 @@ TEST_CASE("command lines: parameters, ports that receivers know, and connections
              "hive-face --name face-2 --listen tcp://0.0.0.0:7700 --swarm doorway --connect "
              "camera.image,at=tcp://cam1:7700,window=2,group=camera,lease=1.5");
     CHECK_EQ(joined(lines.of(plan.drones[3])),
-             "hive-track --name track --set title=100% $HOME \"door\" --swarm doorway --halted "
+             "hive-track --name track --set title=100% $HOME \"door\" --halted --swarm doorway "
              "--connect in=face-1.faces,at=tcp://gpu1:7701");
 }
 
@@ -192,8 +192,8 @@ TEST_CASE("export: units of systemd, a folder for each machine")
     CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "Restart=on-failure\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"), "\nRestart=no\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"),
-              "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --swarm "
-              "doorway --halted "));
+              "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --halted "
+              "--swarm doorway "));
 }
 
 TEST_CASE("export: a compose file has the devices, and the key unless nobody needs it")
