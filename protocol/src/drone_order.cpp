@@ -103,6 +103,8 @@ template <class... Cases>
 struct Each : Cases... {
     using Cases::operator()...;
 };
+template <class... Cases>
+Each(Cases...) -> Each<Cases...>;  // for clang 14
 
 }  // namespace
 

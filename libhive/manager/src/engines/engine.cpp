@@ -30,9 +30,9 @@ std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::stri
                                    Engine::Clock::time_point until)
 {
     std::vector<std::future<std::vector<SwarmFailure>>> stops;
-    for (const auto& [engine, names] : drones)
+    for (const auto& row : drones)
         stops.push_back(
-            std::async(std::launch::async, [engine, &names, until] { return stopped(*engine, names, until); }));
+            std::async(std::launch::async, [&row, until] { return stopped(*row.first, row.second, until); }));
     std::vector<SwarmFailure> remains;
     for (auto& stop : stops)
         std::ranges::move(stop.get(), std::back_inserter(remains));

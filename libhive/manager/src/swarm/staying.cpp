@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <ranges>
 #include <utility>
 
 namespace hive::swarm {
@@ -198,17 +197,19 @@ void Staying::give_way()
 void Staying::start_due()
 {
     const auto now = Clock::now();
-    const auto is_due = [&](const auto& entry) {
-        return !entry.second.starting && entry.second.restart_at && now >= *entry.second.restart_at;
+    const auto is_due = [now](const Care& care) {
+        return !care.starting && care.restart_at && now >= *care.restart_at;
     };
-    if (std::ranges::none_of(cares_, is_due))
+    if (std::ranges::none_of(cares_, [&](const auto& entry) { return is_due(entry.second); }))
         return;
     if (!claim_)
         claim_ = claim_if_free(application_.home(), plan_.name);
     if (!claim_)
         return;
     const auto brought_up = Record(application_.home(), plan_.name).read();
-    for (auto& [drone, care] : cares_ | std::views::filter(is_due)) {
+    for (auto& [drone, care] : cares_) {
+        if (!is_due(care))
+            continue;
         if (!is_up(brought_up, drone)) {
             if (!std::exchange(care.taken_down, true))
                 told_(drone + " was taken down, so it is not started again before it is brought up");
