@@ -107,7 +107,8 @@ TEST_CASE("swarm file: included files, of which the including one changes what i
 {
     const Folder folder;
     folder.write("parts/cameras.json", R"({"swarm": "other", "include": "more.json", "variables": {"fps": 5},
-"drones": {"camera": {"kind": "c", "set": {"fps": "${fps}", "faces": 1}}}, "connections": [{"from": "camera", "to": "v"}]})");
+"drones": {"camera": {"kind": "c", "set": {"fps": "${fps}", "faces": 1}}},
+"connections": [{"from": "camera", "to": "v"}]})");
     folder.write("parts/more.json",
                  R"({"defaults": {"v": {"halted": true}, "unused": {}}, "drones": {"v": {"kind": "v"}}})");
     const std::string text = R"({"swarm": "s", "include": ["parts/cameras.json"], "variables": {"fps": 30},
