@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 #include <free_port.hpp>
+#include <possible.hpp>
 
 #include <algorithm>
 #include <set>
@@ -181,6 +182,8 @@ TEST_CASE("up: a drone of another kind under the name of one that this swarm did
 
 TEST_CASE("up: a Python file and a wrapper are kinds like others: they come up, are exported and are found to run")
 {
+    if (!possible(sanitized() ? "a build without sanitizers, which Python cannot load" : ""))
+        return;
     const Programs programs({"hive-wrapper"}, wrapper);
     const Swarm swarm;
     const auto python = (swarm.home() / "plain.py").string();
