@@ -17,7 +17,7 @@ cv::Mat reduced(const cv::Mat& picture);
 /// @param picture, known  reduced; of one size and number of channels
 std::optional<std::vector<double>> change_of_light(const cv::Mat& picture, const cv::Mat& known);
 
-/// The picture with each channel so many times as bright.
+/// The picture with each channel multiplied by its factor.
 cv::Mat in_the_light(const cv::Mat& picture, const std::vector<double>& gains);
 
 }  // namespace background

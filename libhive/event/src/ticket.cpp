@@ -78,7 +78,7 @@ void Acknowledgement::conclude(Ending ending)
     ending_ = ending;
     concluded_ = true;
     if (!processed_)
-        return;  // it is told together with that
+        return;  // stop() tells it, or the destructor
     if (const auto ended = news())
         tell(false, false, ended);
 }

@@ -1,4 +1,4 @@
-// A wait for the network side, and for processes and pipes beside it.
+// Waits for the network side and for file descriptors at once.
 #pragma once
 
 #include <hive/event/loop.hpp>

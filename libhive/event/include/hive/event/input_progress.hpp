@@ -17,7 +17,7 @@ class InputProgress {
 public:
     /// Registered: goes on behind what is in hand if the sender does so at the same place.
     /// @param epoch  of the registration
-    /// @return       false: the numbering begins anew behind `taken`, and what was in hand is of no account
+    /// @return       false: the numbering starts again behind `taken`, and what was in hand is forgotten
     bool begin(std::int64_t epoch, const ConnectionOptions& options, std::int64_t place, std::int64_t taken);
     /// The sender was started again, and knows nothing of the place.
     void lose_place() { place_ = 0; }
@@ -28,7 +28,7 @@ public:
     /// @param turn  of the group; 0: it is none's
     /// @return      its number
     std::int64_t receive(bool lossless, std::int64_t turn);
-    /// Of the numbering: what is told of an earlier one is of no account.
+    /// Of the numbering: heard() ignores deliveries of an earlier one.
     [[nodiscard]] std::int64_t generation() const { return generation_; }
     /// A delivery was processed, or is done with. @param back  and is handed back if another member can have it
     void heard(std::int64_t generation, std::int64_t number, bool worked, bool done, bool back);
@@ -39,7 +39,7 @@ public:
     std::optional<protocol::Request> last_news();
     /// Acknowledges all that is in hand, whatever becomes of it.
     protocol::Request acknowledge_all();
-    /// What is in hand is of no account any more.
+    /// Ignores what is in hand from now on.
     void forget();
 
     [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }

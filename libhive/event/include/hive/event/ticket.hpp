@@ -65,7 +65,7 @@ private:
     std::vector<std::shared_ptr<Acknowledgement>> held_;
 };
 
-/// Nothing happens to an event that nobody waits for.
+/// Counts how the event ended; without a ticket it does nothing.
 void conclude(const Event& event, Ending ending);
 /// Did it arrive over this connection?
 bool came_over(const Event& event, const Intake& intake);
