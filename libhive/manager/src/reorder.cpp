@@ -157,6 +157,11 @@ Reorder::TimePoint Reorder::due(const Line& line) const
            + (line.finished || line.expected <= line.closed ? std::min(patience_, closed_patience) : patience_);
 }
 
+Reorder::TimePoint Reorder::due(const Earlier& earlier) const
+{
+    return earlier.since + (finished_ ? std::min(patience_, closed_patience) : patience_);
+}
+
 void Reorder::finish(TimePoint now)
 {
     if (!std::exchange(finished_, true))
@@ -169,16 +174,27 @@ void Reorder::finish(TimePoint now)
 
 void Reorder::expire(TimePoint now)
 {
-    const auto patience = finished_ ? std::min(patience_, closed_patience) : patience_;
-    std::erase_if(earlier_, [&](auto& row) {
-        const bool due = row.second.since + patience <= now;
-        if (due)
-            ready_.push_back(std::move(row.second.event));
-        return due;
-    });
     for (auto& [key, line] : lines_)
         while (!line.waiting.empty() && due(line) <= now)
             give_up(key, line, now);
+    std::erase_if(earlier_, [&](auto& row) {
+        const bool hand_out = !behind_waiting(row.first) && due(row.second) <= now;
+        if (hand_out)
+            ready_.push_back(std::move(row.second.event));
+        return hand_out;
+    });
+}
+
+/// Does a result of an earlier capture of this run wait in a line? Then this follows it, see hand_out().
+bool Reorder::behind_waiting(const Capture& capture) const
+{
+    const Capture first{std::get<0>(capture), std::get<1>(capture), 0};
+    return std::ranges::any_of(lines_, [&](const auto& row) {
+        return std::ranges::any_of(row.second.waiting, [&](const auto& waiting) {
+            const auto other = capture_of(waiting.second);
+            return first <= other && other < capture;
+        });
+    });
 }
 
 /// Goes on behind the turns that are due. Those from before this began to receive are nobody's loss.
@@ -218,9 +234,9 @@ std::optional<Event> Reorder::pop()
 std::optional<Reorder::TimePoint> Reorder::deadline() const
 {
     std::optional<TimePoint> first;
-    const auto patience = finished_ ? std::min(patience_, closed_patience) : patience_;
     for (const auto& [capture, earlier] : earlier_)
-        first = std::min(first.value_or(TimePoint::max()), earlier.since + patience);
+        if (!behind_waiting(capture))
+            first = std::min(first.value_or(TimePoint::max()), due(earlier));
     for (const auto& [key, line] : lines_)
         if (!line.waiting.empty())
             first = first ? std::min(*first, due(line)) : due(line);

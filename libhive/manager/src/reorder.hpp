@@ -96,7 +96,9 @@ private:
     void advance(Line& line, TimePoint now);
     void give_up(const Key& key, Line& line, TimePoint now);
     void miss(const Key& key, std::int64_t turn);
+    [[nodiscard]] bool behind_waiting(const Capture& capture) const;
     [[nodiscard]] TimePoint due(const Line& line) const;
+    [[nodiscard]] TimePoint due(const Earlier& earlier) const;
     [[nodiscard]] static bool answered(const Line& line, std::int64_t turn);
     static Key key_of(const Share& share) { return {share.of, share.epoch}; }
 

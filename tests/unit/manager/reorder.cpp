@@ -52,6 +52,26 @@ Turns drain(Reorder& reorder)
     return result;
 }
 
+/// A result of work that a stage, in one of its runs, gave to a group.
+Event redone(std::int64_t sequence, std::int64_t turn, std::int64_t run)
+{
+    Event event;
+    event.identity = {.source = "camera",
+                      .epoch = 1,
+                      .sequence = sequence,
+                      .lossless = true,
+                      .shares = {{.of = "edges.image#workers", .epoch = run, .turn = turn}}};
+    return event;
+}
+
+Turns sequences(Reorder& reorder)
+{
+    Turns all;
+    while (const auto event = reorder.pop())
+        all.push_back(event->identity.sequence);
+    return all;
+}
+
 Share standing(std::int64_t turn, std::int64_t closed)
 {
     return {.of = "camera.image#workers", .epoch = 1, .turn = turn, .closed = closed};
@@ -143,38 +163,23 @@ TEST_CASE("reorder: closed turns that have no result hold up the next one togeth
 
 TEST_CASE("reorder: results of an earlier run stand where their captures are among those of the next one")
 {
-    const auto made = [](std::int64_t sequence, std::int64_t turn, std::int64_t run) {
-        Event event;
-        event.identity = {.source = "camera",
-                          .epoch = 1,
-                          .sequence = sequence,
-                          .lossless = true,
-                          .shares = {{.of = "edges.image#workers", .epoch = run, .turn = turn}}};
-        return event;
-    };
-    const auto sequences = [](Reorder& reorder) {
-        Turns all;
-        while (const auto event = reorder.pop())
-            all.push_back(event->identity.sequence);
-        return all;
-    };
     Reorder reorder(30s);
     for (const std::int64_t of : {1, 3, 5})
-        reorder.push(made(of, of, 7), start);
+        reorder.push(redone(of, of, 7), start);
     CHECK(sequences(reorder) == Turns{1});
     // What it had not finished is done again, but for what was answered; 4 is still under way from the earlier run.
-    reorder.push(made(2, 1, 8), start);
+    reorder.push(redone(2, 1, 8), start);
     CHECK(sequences(reorder) == Turns{2});
-    reorder.skip(made(3, 2, 8).identity, start);
-    reorder.push(made(4, 4, 7), start);
-    reorder.skip(made(4, 3, 8).identity, start);
+    reorder.skip(redone(3, 2, 8).identity, start);
+    reorder.push(redone(4, 4, 7), start);
+    reorder.skip(redone(4, 3, 8).identity, start);
     CHECK(sequences(reorder).empty());
     SUBCASE("up to a later one")
     {
-        reorder.push(made(6, 5, 8), start);
-        reorder.skip(made(5, 4, 8).identity, start);
+        reorder.push(redone(6, 5, 8), start);
+        reorder.skip(redone(5, 4, 8).identity, start);
         CHECK(sequences(reorder) == Turns{3, 4, 5, 6});
-        reorder.push(made(5, 5, 7), start);
+        reorder.push(redone(5, 5, 7), start);
         CHECK(sequences(reorder) == Turns{5});
     }
     SUBCASE("up to the end")
@@ -186,6 +191,23 @@ TEST_CASE("reorder: results of an earlier run stand where their captures are amo
     }
     CHECK(reorder.empty());
     CHECK(reorder.missing() == 0);
+}
+
+TEST_CASE("reorder: results of an earlier run do not go before those that wait for a turn that never comes")
+{
+    Reorder reorder(30s);
+    for (const std::int64_t of : {1, 4, 6})
+        reorder.push(redone(of, of, 7), start);
+    reorder.push(redone(5, 3, 8), start);  // the first turn of this run was answered in the earlier one
+    reorder.push(redone(3, 2, 8), start);
+    CHECK(sequences(reorder) == Turns{1});
+    CHECK(reorder.deadline() == start + 30s);
+    reorder.finish(start + 1s);
+    const auto due = start + 1s + Reorder::closed_patience;
+    CHECK(reorder.deadline() == due);
+    reorder.expire(due);
+    CHECK(sequences(reorder) == Turns{3, 4, 5, 6});
+    CHECK(reorder.empty());
 }
 
 TEST_CASE("reorder: a turn of which one result was refused as a second answer may have another one")
