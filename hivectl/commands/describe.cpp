@@ -15,7 +15,10 @@ std::vector<Row> port_rows(const std::vector<hive::Port>& ports)
 {
     std::vector<Row> rows;
     for (const auto& port : ports)
-        rows.push_back({{"name", port.name}, {"type", port.type}, {"help", port.help}});
+        rows.push_back({{"name", port.name},
+                        {"type", port.type},
+                        {"encodings", hive::in_words(port.encodings)},
+                        {"help", port.help}});
     return rows;
 }
 
@@ -42,7 +45,8 @@ std::string section(std::string_view title, const std::string& table)
 std::string text_of(const std::string& name, const hive::Interface& interface, const hive::Json& values,
                     const Page& page)
 {
-    const std::vector<Column> ports{{"NAME", "name"}, {"TYPE", "type"}, {"HELP", "help"}};
+    const std::vector<Column> ports{
+        {"NAME", "name"}, {"TYPE", "type"}, {"ENCODINGS", "encodings", nullptr, nothing}, {"HELP", "help"}};
     const std::vector<Column> parameters{{"NAME", "name"},
                                          {"VALUE", "value"},
                                          {"DEFAULT", "default"},

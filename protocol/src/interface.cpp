@@ -16,11 +16,22 @@ const Item* find(const std::vector<Item>& items, std::string_view name)
     return found == items.end() ? nullptr : &*found;
 }
 
+Json to_json(const Encoding& encoding)
+{
+    Json object{{"word", encoding.word}, {"type", encoding.type}};
+    if (encoding.least <= encoding.most)
+        object.update({{"min", encoding.least}, {"max", encoding.most}});
+    return object;
+}
+
 Json to_json(const std::vector<Port>& ports)
 {
     Json array = Json::array();
-    for (const auto& port : ports)
+    for (const auto& port : ports) {
         array.push_back({{"name", port.name}, {"type", port.type}, {"help", port.help}});
+        for (const auto& encoding : port.encodings)
+            array.back()["encodings"].push_back(to_json(encoding));
+    }
     return array;
 }
 
@@ -58,6 +69,19 @@ void require_new(const std::vector<Item>& items, const Item& item)
         throw Error(Errc::malformed, "interface: two are called " + in_quotes(item.name));
 }
 
+Encoding encoding(const Json& object)
+{
+    const Fields fields(object, "encoding");
+    Encoding result{.word = fields.text("word"), .type = fields.text("type")};
+    if (!is_encoding(result.word) || result.word.find(':') != std::string::npos)
+        throw Error(Errc::malformed, "encoding: " + in_quotes(result.word) + " is no word");
+    if (fields.has("min") || fields.has("max")) {
+        result.least = fields.integer("min", 0, max_json_integer);
+        result.most = fields.integer("max", result.least, max_json_integer);
+    }
+    return result;
+}
+
 std::vector<Port> ports(const Json& array)
 {
     std::vector<Port> result;
@@ -65,6 +89,9 @@ std::vector<Port> ports(const Json& array)
         const Fields fields(item, "port");
         Port port{fields.name("name"), fields.text("type"), fields.text_or("help", "")};
         require_new(result, port);
+        if (fields.has("encodings"))
+            for (const auto& one : fields.array("encodings"))
+                port.encodings.push_back(encoding(one));
         result.push_back(std::move(port));
     }
     return result;

@@ -1,6 +1,8 @@
-// Which port of a drone is meant: the one with the name, or the only one that fits.
+// Which port of a drone is meant, the one with the name or the only one that fits; and how an output is encoded.
+#include <hive/error.hpp>
 #include <hive/interface.hpp>
 #include <hive/name.hpp>
+#include <hive/transfer.hpp>
 
 #include <algorithm>
 
@@ -47,6 +49,17 @@ const Port& port_meant(const std::vector<Port>& ports, const std::string& drone,
         throw Error(Errc::type_mismatch, drone + " has no " + kind + description, "it has: " + listed(all));
     throw Error(Errc::invalid_argument, drone + " has several " + kind + "s" + description,
                 "say which, as " + drone + "." + fitting.front()->name + "; there are: " + listed(fitting));
+}
+
+void require_encoding(const Port& output, const std::string& encoding, const std::string& receiver,
+                      const std::string& accepts)
+{
+    if (output.encodings.empty())
+        throw Error(Errc::invalid_argument,
+                    "output " + output.name + " knows no encodings; its events travel as they are");
+    if (const auto& type = encoding_named(output.encodings, encoding).type; !types_fit(type, accepts))
+        throw Error(Errc::type_mismatch, "output " + output.name + " as " + encoding + " is " + type + ", but "
+                                             + receiver + " takes " + accepts);
 }
 
 }  // namespace hive

@@ -1,4 +1,5 @@
 // Tokens of the transfer words, connection options as JSON, and which media types fit.
+#include <hive/encoding.hpp>
 #include <hive/error.hpp>
 #include <hive/transfer.hpp>
 
@@ -123,20 +124,6 @@ ConnectionOptions connection_options(const Json& object)
         throw Error(Errc::malformed, "a group gives each event to one member: first_frame, which begins with an event "
                                      "that others may have had, does not go with it");
     return options;
-}
-
-bool is_encoding(std::string_view text)
-{
-    constexpr std::size_t longest_word = 32, most_digits = 6;
-    const auto colon = text.find(':');
-    const auto word = text.substr(0, colon);
-    const auto all = [](std::string_view part, std::size_t most, auto fits) {
-        return !part.empty() && part.size() <= most && std::ranges::all_of(part, fits);
-    };
-    const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
-    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-    return all(word, longest_word, [&](char c) { return lower(c) || digit(c) || c == '-'; }) && lower(word.front())
-           && (colon == std::string_view::npos || all(text.substr(colon + 1), most_digits, digit));
 }
 
 bool types_fit(std::string_view output_types, std::string_view input_types)

@@ -1,45 +1,34 @@
 // Choosing encodings.
-#include <hive/error.hpp>
 #include <hive/event/encoding_choice.hpp>
 
 #include <algorithm>
 
 namespace hive::event {
 
-EncodingChoice::EncodingChoice(const Encoder& encoder, const protocol::Registration& registration, Way way)
-    : encoder_(encoder), accepts_(registration.accepts), always_(registration.options.encoding)
+EncodingChoice::EncodingChoice(const Port& output, const protocol::Registration& registration, Way way)
+    : output_(output), accepts_(registration.accepts), always_(registration.options.encoding)
 {
     if (!always_.empty())
-        require_known(registration);
+        require_encoding(output, always_, registration.receiver, accepts_);
     else if (way == Way::network && registration.options.delivery == Delivery::data)
         always_ = preferred();
-}
-
-void EncodingChoice::require_known(const protocol::Registration& registration) const
-{
-    if (!encoder_)
-        throw Error(Errc::invalid_argument,
-                    "output " + registration.output + " knows no encodings; its events travel as they are");
-    if (const auto type = encoder_.type(always_); !types_fit(type, accepts_))
-        throw Error(Errc::type_mismatch, "output " + registration.output + " as " + always_ + " is " + type + ", but "
-                                             + registration.receiver + " takes " + accepts_);
 }
 
 std::string EncodingChoice::preferred() const
 {
     const auto found = std::ranges::find_if(
-        encoder_.encodings, [&](const std::string& word) { return types_fit(encoder_.type(word), accepts_); });
-    return found == encoder_.encodings.end() ? std::string() : *found;
+        output_.encodings, [&](const Encoding& encoding) { return types_fit(encoding.type, accepts_); });
+    return found == output_.encodings.end() ? std::string() : found->word;
 }
 
 bool EncodingChoice::met_by(const Event& event, const std::string& encoding) const
 {
-    return encoding.find(':') == std::string::npos && event.type == encoder_.type(encoding);
+    return encoding.find(':') == std::string::npos && event.type == encoding_named(output_.encodings, encoding).type;
 }
 
 std::string EncodingChoice::of(const Event& event)
 {
-    if (!encoder_ || event.body.empty())
+    if (output_.encodings.empty() || event.body.empty())
         return {};
     fell_back_ = always_.empty() && !types_fit(event.type, accepts_);
     const auto encoding = fell_back_ ? preferred() : always_;

@@ -64,7 +64,7 @@ Outlet::Outlet(const protocol::Hello& drone, Port port, PacketType carrier, Enco
 
 EncodingChoice Outlet::choice(const Link& link, const protocol::Registration& registration) const
 {
-    return {encoder_, registration, link.local() ? EncodingChoice::Way::one_machine : EncodingChoice::Way::network};
+    return {port_, registration, link.local() ? EncodingChoice::Way::one_machine : EncodingChoice::Way::network};
 }
 
 void Outlet::require_fit(const Link& link, const protocol::Registration& registration) const
@@ -90,7 +90,7 @@ void Outlet::require_modest(const protocol::Registration& registration) const
     if (!registration.options.group.empty())
         throw Error(Errc::not_permitted, "a viewer may not share work");
     if (const auto& encoding = registration.options.encoding;
-        !encoding.empty() && std::ranges::find(encoder_.encodings, encoding) == encoder_.encodings.end())
+        !encoding.empty() && std::ranges::find(port_.encodings, encoding, &Encoding::word) == port_.encodings.end())
         throw Error(Errc::not_permitted, "a viewer may not ask for the encoding " + in_quotes(encoding),
                     "leave it out");
 }

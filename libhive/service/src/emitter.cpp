@@ -18,6 +18,7 @@ std::int64_t telling(std::int64_t time_us) { return time_us >= 0 && time_us <= m
 
 std::size_t Emitter::add_output(Port port, Encoder encoder)
 {
+    port.encodings = encoder.encodings;
     interface_.outputs.push_back(std::move(port));
     outputs_.push_back(&slots_.emplace_back());
     outputs_.back()->encoder = std::move(encoder);

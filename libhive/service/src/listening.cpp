@@ -46,9 +46,7 @@ void require_members_key(transport::KeyRing* keys, const std::string& what)
 try {
     if (!keys)
         throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
-    if (keys->own().front().role != Role::member)
-        throw Error(Errc::not_permitted, keys->file().string() + " is a viewers' key, and a drone needs the members'",
-                    "copy the members' key here");
+    require_members(keys->own(), keys->file());
 } catch (const Error& error) {
     throw Error(Errc::not_permitted,
                 what + ": anybody who reaches this port could control the drone, and " + error.what(),

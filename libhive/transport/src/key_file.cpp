@@ -203,6 +203,13 @@ fs::path default_key_file()
     return {};
 }
 
+void require_members(const std::vector<SwarmKey>& keys, const fs::path& file)
+{
+    if (keys.front().role != Role::member)
+        throw Error(Errc::not_permitted, file.string() + " is a viewers' key, and a drone needs the members'",
+                    "copy the members' key here");
+}
+
 std::vector<SwarmKey> read_key_file(const fs::path& file)
 {
     const auto opened = open_regular(file);

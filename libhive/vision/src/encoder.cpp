@@ -1,9 +1,7 @@
 // The encodings of pictures by their words.
-#include <hive/error.hpp>
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 
-#include <charconv>
 #include <optional>
 
 namespace hive::vision {
@@ -11,53 +9,30 @@ namespace {
 
 constexpr int usual_quality = 80;
 
-struct Encoding {
-    std::string word;
-    std::optional<int> quality;  ///< asked for
-
-    [[nodiscard]] std::string type() const { return "image/" + word; }
-};
-
-[[noreturn]] void unknown(const std::string& encoding)
+const std::vector<Encoding>& encodings()
 {
-    throw Error(Errc::invalid_argument, "there is no encoding " + in_quotes(encoding),
-                "there are raw, png, jpeg, and jpeg:1 to jpeg:100");
+    static const std::vector<Encoding> all{{"jpeg", "image/jpeg", 1, 100}, {"png", "image/png"}, {"raw", "image/raw"}};
+    return all;
 }
 
-Encoding parse(const std::string& text)
+Body body_of(const cv::Mat& picture, const std::string& word, std::optional<std::int64_t> quality)
 {
-    const auto colon = text.find(':');
-    Encoding encoding{text.substr(0, colon), {}};
-    if (encoding.word != "jpeg" && encoding.word != "png" && encoding.word != "raw")
-        unknown(text);
-    if (colon == std::string::npos)
-        return encoding;
-    int quality = 0;
-    const char* const end = text.data() + text.size();
-    const auto [rest, problem] = std::from_chars(text.data() + colon + 1, end, quality);
-    if (encoding.word != "jpeg" || problem != std::errc() || rest != end || quality < 1 || quality > 100)
-        unknown(text);
-    encoding.quality = quality;
-    return encoding;
-}
-
-Body body_of(const cv::Mat& picture, const Encoding& encoding)
-{
-    if (encoding.word == "raw")
+    if (word == "raw")
         return encode_raw(picture);
-    return encoding.word == "png" ? encode_png(picture)
-                                  : encode_jpeg(picture, encoding.quality.value_or(usual_quality));
+    return word == "png" ? encode_png(picture)
+                         : encode_jpeg(picture, static_cast<int>(quality.value_or(usual_quality)));
 }
 
 Event encode(const Event& event, const std::string& text)
 {
-    const Encoding encoding = parse(text);
-    if (event.type == encoding.type() && !encoding.quality)
+    const auto& encoding = encoding_named(encodings(), text);
+    const auto quality = number_of(text);
+    if (event.type == encoding.type && !quality)
         return event;
     const cv::Mat picture = view(event, {.sixteen_bits = true});
     Event result = event;
-    result.type = encoding.type();
-    result.body = body_of(picture, encoding);
+    result.type = encoding.type;
+    result.body = body_of(picture, encoding.word, quality);
     result.size = result.body.size();
     for (const char* field : {"pixel_format", "stride"})
         result.header.erase(field);
@@ -68,11 +43,6 @@ Event encode(const Event& event, const std::string& text)
 
 }  // namespace
 
-Encoder encoder()
-{
-    return {.encodings = {"jpeg", "png", "raw"},
-            .type = [](const std::string& text) { return parse(text).type(); },
-            .encode = encode};
-}
+Encoder encoder() { return {.encodings = encodings(), .encode = encode}; }
 
 }  // namespace hive::vision

@@ -1,6 +1,7 @@
 // What a drone offers: inputs, outputs and parameters, as `--describe` prints and `describe` answers them.
 #pragma once
 
+#include <hive/encoding.hpp>
 #include <hive/json.hpp>
 
 #include <functional>
@@ -15,6 +16,7 @@ struct Port {
     std::string name;
     std::string type;
     std::string help;
+    std::vector<Encoding> encodings{};  ///< of an output: how it can give its events, the preferred one first
 };
 
 enum class ParameterType { integer, number, text, flag };
@@ -44,6 +46,12 @@ const Port& port_named(const std::vector<Port>& ports, const std::string& drone,
 /// several do; the advice lists what there is.
 const Port& port_meant(const std::vector<Port>& ports, const std::string& drone, std::string_view what,
                        std::string_view which, const std::function<bool(const Port&)>& fits);
+
+/// Does a receiver that takes the types `accepts` take the events of this output in this encoding? Throws
+/// Errc::invalid_argument when the output has no such encoding, and Errc::type_mismatch when the receiver does not take
+/// what it gives.
+void require_encoding(const Port& output, const std::string& encoding, const std::string& receiver,
+                      const std::string& accepts);
 
 /// The value a parameter takes when told `value`: of its declared type (a text is parsed, as the shell gives it) and
 /// within its range. Throws Errc::refused saying what is allowed.

@@ -39,7 +39,7 @@ struct ConnectionOptions {
     /// How long a member of a group may work on one event before another gets it. Empty: 30 s until the source knows
     /// how long the work takes, then four times that, at least 2 s.
     std::optional<std::chrono::milliseconds> lease = {};
-    /// How the bodies are to be encoded, see is_encoding(). Empty: as they are on one machine, what the output prefers
+    /// How the bodies are to be encoded, see encoding.hpp. Empty: as they are on one machine, what the output prefers
     /// across a network.
     std::string encoding = {};
 
@@ -49,10 +49,6 @@ struct ConnectionOptions {
 Json to_json(const ConnectionOptions& options);
 /// Reads what to_json wrote; absent fields have their defaults. Throws Errc::malformed.
 ConnectionOptions connection_options(const Json& object);
-
-/// Is it written as an encoding: a word, with a number if wanted ("raw", "jpeg:80")? Which there are, and what their
-/// numbers mean, each output knows itself. A word without a number stands for every body of its type.
-bool is_encoding(std::string_view text);
 
 /// Do the types that an output emits and those that an input accepts overlap? Each is a comma-separated list of media
 /// types in which `*` may stand for a part: "image/jpeg", "image/*", "*/*".

@@ -15,8 +15,7 @@ namespace {
 class Workshop {
 public:
     Encoder encoder{
-        .encodings = {"loud"},
-        .type = [](const std::string&) { return std::string("text/loud"); },
+        .encodings = {{"loud", "text/loud"}},
         .encode = [this](const Event& event, const std::string& encoding) { return encode(event, encoding); }};
     std::deque<std::function<void()>> jobs, tasks;
     std::vector<std::string> encoded;      ///< "loud of 1", in order
@@ -204,8 +203,8 @@ TEST_CASE("dispatch: the ticket is held while the event waits for its encoding, 
 TEST_CASE("dispatch: a job that ends after the module's end does nothing")
 {
     std::function<void()> job, task;
-    Encoder encoder{
-        .encodings = {"loud"}, .type = {}, .encode = [](const Event& event, const std::string&) { return event; }};
+    Encoder encoder{.encodings = {{"loud", "text/loud"}},
+                    .encode = [](const Event& event, const std::string&) { return event; }};
     int transmitted = 0;
     {
         Dispatch dispatch(

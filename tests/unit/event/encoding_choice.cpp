@@ -11,15 +11,10 @@ namespace {
 
 using Way = EncodingChoice::Way;
 
-const Encoder pictures{.encodings = {"jpeg", "png", "raw"},
-                       .type =
-                           [](const std::string& encoding) {
-                               const auto word = encoding.substr(0, encoding.find(':'));
-                               if (word != "jpeg" && word != "png" && word != "raw")
-                                   throw Error(Errc::invalid_argument, "there is jpeg, png, raw");
-                               return "image/" + word;
-                           },
-                       .encode = [](const Event& event, const std::string&) { return event; }};
+const Port pictures{.name = "image",
+                    .type = "image/*",
+                    .help = "",
+                    .encodings = {{"jpeg", "image/jpeg", 1, 100}, {"png", "image/png"}, {"raw", "image/raw"}}};
 
 protocol::Registration registration(const std::string& encoding = {}, const std::string& accepts = "image/*")
 {
@@ -46,10 +41,10 @@ std::string chosen(const protocol::Registration& asked, Way way, const std::stri
     return EncodingChoice(pictures, asked, way).of(event_of(type));
 }
 
-Errc refusal(const Encoder& encoder, const protocol::Registration& asked)
+Errc refusal(const Port& output, const protocol::Registration& asked)
 {
     try {
-        EncodingChoice(encoder, asked, Way::one_machine);
+        EncodingChoice(output, asked, Way::one_machine);
     } catch (const Error& error) {
         return error.code();
     }
@@ -109,7 +104,7 @@ TEST_CASE("encoding: what the output does not know or the receiver does not take
 
 TEST_CASE("encoding: an output without an encoder sends everything as it is, whatever the way")
 {
-    const Encoder none;
+    const Port none;
     EncodingChoice choice(none, registration("", "*/*"), Way::network);
     CHECK(choice.of(event_of("image/raw")) == "");
     CHECK(choice.word() == "as it is");

@@ -32,7 +32,10 @@ Interface camera()
             .summary = {},
             .version = {},
             .inputs = {},
-            .outputs = {{"image", "image/jpeg,image/png,image/raw", ""}},
+            .outputs = {{"image",
+                         "image/jpeg,image/png,image/raw",
+                         "",
+                         {{"jpeg", "image/jpeg", 1, 100}, {"png", "image/png"}, {"raw", "image/raw"}}}},
             .parameters = {number("fps", 0, 1000), text("source")}};
 }
 
@@ -294,6 +297,74 @@ TEST_CASE("swarm file: where a drone is found, when nobody could find it there")
                                                      "to 65535; write tcp://HOST or tcp://HOST:PORT\n");
 }
 
+TEST_CASE("swarm file: an engine behind one that fits the same machines")
+{
+    const auto engines = [](const std::string& globs) {
+        return mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"n1\"}, \"b\": {\"kind\": \"k\", \"on\": \"m1\"}",
+                             "\"engines\": {" + globs + "}"));
+    };
+    CHECK_EQ(engines("\"n*\": {\"slurm\": {}}, \"*\": {\"local\": {}}"), "");
+    CHECK_EQ(engines("\"*\": {\"local\": {}}, \"n*\": {\"slurm\": {}}"),
+             "4:33: \"n*\" counts for no drone: an engine before it fits the same machines; write the narrower one "
+             "first\n");
+}
+
+TEST_CASE("swarm file: what systemd would always start again")
+{
+    const auto restart = [](const std::string& word) {
+        return mistakes(with("\"a\": {\"kind\": \"k\", \"restart\": \"" + word + "\"}",
+                             "\"engines\": {\"local\": {\"systemd\": {}}}"));
+    };
+    CHECK_EQ(restart("on-failure"), "");
+    CHECK_EQ(restart("always"),
+             "2:31: a: what systemd always starts again cannot be ended by hivectl stop or hivectl down; write "
+             "\"restart\": \"on-failure\"\n");
+}
+
+TEST_CASE("swarm file: an encoding that the output does not have, or the receiver does not take")
+{
+    const auto encoding = [](const std::string& from, const std::string& to, const std::string& word) {
+        return mistakes(with("\"camera\": {\"kind\": \"camera\"}, \"face\": {\"kind\": \"face\"}, "
+                             "\"only-boxes\": {\"kind\": \"boxes\"}",
+                             "\"connections\": [{\"to\": \"" + to + "\", \"from\": \"" + from + "\", \"encoding\": \""
+                                 + word + "\"}]"),
+                        [](const std::string& kind) {
+                            auto interface = known(kind == "boxes" ? "face" : kind);
+                            if (kind == "boxes")
+                                interface.inputs = {{"boxes", "application/json", ""}, {"image", "image/jpeg", ""}};
+                            return interface;
+                        });
+    };
+    for (const char* good : {"jpeg", "jpeg:100", "png", "raw"})
+        CHECK_EQ(encoding("camera", "face", good), "");
+    CHECK_EQ(encoding("camera", "face", "jpeg:200"),
+             "4:24: there is no encoding \"jpeg:200\"; there are jpeg, jpeg:1 to jpeg:100, png, raw\n");
+    CHECK_EQ(encoding("camera", "only-boxes.image", "png"),
+             "4:24: output image as png is image/png, but only-boxes takes image/jpeg\n");
+    CHECK_EQ(encoding("face.faces", "only-boxes", "png"),
+             "4:24: output faces knows no encodings; its events travel as they are\n");
+}
+
+TEST_CASE("swarm file: a key of this machine that is not there, where one is told or needed")
+{
+    setenv("HIVE_KEY", "/nowhere/swarm.key", 1);
+    const std::string get = "make one: hivectl key new; or copy the swarm's from a machine that has it: scp "
+                            "HOST:.config/hive/swarm.key ";
+    const auto drone = [](const std::string& more) {
+        return mistakes(with("\"a\": {\"kind\": \"camera\"" + more + "}"), known);
+    };
+    CHECK_EQ(drone(""), "");
+    CHECK_EQ(drone(", \"key\": \"/nowhere/else\""),
+             "2:32: there is no swarm key at /nowhere/else; " + get + "/nowhere/else\n");
+    CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\""),
+             "2:35: anybody who reaches this port could control the drone, and there is no swarm key at "
+             "/nowhere/swarm.key; "
+                 + get + "/nowhere/swarm.key; or, on a network that you trust wholly, add \"insecure\": true\n");
+    CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\", \"insecure\": true"), "");
+    CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\", \"on\": \"m1\""), "");
+    unsetenv("HIVE_KEY");
+}
+
 TEST_CASE("swarm file: engines for machines that no drone is on")
 {
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"cam1\"}", "\"engines\": {\"cma1\": {\"ssh\": \"x\"}}")),
@@ -313,6 +384,8 @@ TEST_CASE("swarm file: a machine is no folder, and a directive of Slurm is one l
     CHECK_EQ(slurm(R"({"partition": "gpu", "options": ["--gres=gpu:1"]})"), "");
     CHECK(slurm(R"({"partition": "p\ntouch x"})").find("does not belong into a line") != std::string::npos);
     CHECK(slurm(R"({"options": ["--a\nid"]})").find("does not belong into a line") != std::string::npos);
+    CHECK_EQ(slurm(R"({"options": ["gres=gpu:1"]})"),
+             "4:42: \"gres=gpu:1\" is no option of Slurm; an option begins with -, such as --gres=gpu:1\n");
 }
 
 TEST_CASE("swarm file: with interfaces, parameters are checked")

@@ -18,7 +18,9 @@ Interface face()
     face.version = "0.1.0";
     face.stateful = true;
     face.inputs = {{"image", "image/*", "the picture"}};
-    face.outputs = {{"faces", "application/json", ""}, {"annotated", "image/jpeg,image/png", "with boxes"}};
+    face.outputs = {
+        {"faces", "application/json", ""},
+        {"annotated", "image/jpeg,image/png", "with boxes", {{"jpeg", "image/jpeg", 1, 100}, {"png", "image/png"}}}};
     face.parameters = {
         {"scale", ParameterType::number, 1.1, 1.01, 2.0, {}, "", "step"},
         {"min", ParameterType::integer, 40, 1, std::nullopt, {}, "px", ""},
@@ -37,6 +39,8 @@ TEST_CASE("interface: what was written is read, through text")
     CHECK_EQ(to_json(read), written);
     CHECK_EQ(read.kind, "face");
     CHECK(read.stateful);
+    CHECK(read.outputs[0].encodings.empty());
+    CHECK(read.outputs[1].encodings == face().outputs[1].encodings);
     REQUIRE_EQ(read.parameters.size(), 4u);
     CHECK_EQ(read.parameters[0].most, 2.0);
     CHECK_FALSE(read.parameters[1].most.has_value());

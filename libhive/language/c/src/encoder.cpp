@@ -4,26 +4,11 @@
 #include "texts.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 using namespace hive;
 using namespace hive::c;
 
 namespace {
-
-/// One word that connections may ask for: "jpeg", and the numbers that may stand behind it.
-struct Encoding {
-    std::string word, type;
-    std::int64_t least = 0, most = -1;
-
-    [[nodiscard]] bool numbered() const { return least <= most; }
-    [[nodiscard]] std::string in_words() const
-    {
-        if (!numbered())
-            return word;
-        return word + ", " + word + ":" + std::to_string(least) + " to " + word + ":" + std::to_string(most);
-    }
-};
 
 Encoding encoding_of(const Json& item)
 {
@@ -52,30 +37,6 @@ std::vector<Encoding> encodings_of(const char* text)
             throw Error(Errc::invalid_argument, "encoding " + encodings.back().word + " is there twice");
     }
     return encodings;
-}
-
-bool fits(const Encoding& encoding, const std::string& text)
-{
-    if (text == encoding.word)
-        return true;
-    if (!encoding.numbered() || !text.starts_with(encoding.word + ":"))
-        return false;
-    std::int64_t number = 0;
-    const char* const end = text.data() + text.size();
-    const auto [rest, problem] = std::from_chars(text.data() + encoding.word.size() + 1, end, number);
-    return rest == end && problem == std::errc() && number >= encoding.least && number <= encoding.most;
-}
-
-/// The media type that an encoding gives, which takes no code of the caller: the network side asks for it.
-std::string type_of(const std::vector<Encoding>& encodings, const std::string& text)
-{
-    const auto found = std::ranges::find_if(encodings, [&](const Encoding& encoding) { return fits(encoding, text); });
-    if (found != encodings.end())
-        return found->type;
-    std::string there;
-    for (const auto& encoding : encodings)
-        there += (there.empty() ? "" : ", ") + encoding.in_words();
-    throw Error(Errc::invalid_argument, "there is no encoding " + in_quotes(text), "there are " + there);
 }
 
 /// What the caller's code answers with.
@@ -138,16 +99,12 @@ hive_code hive_drone_encoded_output(hive_drone* drone, const char* name, const c
         const auto known = encodings_of(encodings);
         const auto named = text_of(name, "the name"), types = text_of(type, "the type");
         require_output(open->interface(), named, types);
-        Encoder encoder{.encodings = {},
-                        .type = [known](const std::string& text) { return type_of(known, text); },
-                        .encode =
-                            [known, callback, user](const Event& event, const std::string& encoding) {
-                                Event result = encode(event, encoding, callback, user);
-                                result.type = type_of(known, encoding);
-                                return result;
-                            }};
-        for (const auto& encoding : known)
-            encoder.encodings.push_back(encoding.word);
+        Encoder encoder{.encodings = known,
+                        .encode = [known, callback, user](const Event& event, const std::string& encoding) {
+                            Event result = encode(event, encoding, callback, user);
+                            result.type = encoding_named(known, encoding).type;
+                            return result;
+                        }};
         const auto made = open->drone().output(named, types, text_or_empty(help), std::move(encoder));
         *output = give(std::make_shared<OutputObject>(object, made));
     });

@@ -54,12 +54,17 @@ std::string restart_of(const SwarmDrone& drone)
     case Restart::on_failure: return "on-failure";
     case Restart::always: break;
     }
-    throw Error(Errc::unsupported,
-                drone.name + ": what systemd always starts again cannot be ended by hivectl stop or hivectl down",
-                "write \"restart\": \"on-failure\"");
+    throw restart_refused(drone.name);
 }
 
 }  // namespace
+
+Error restart_refused(const std::string& drone)
+{
+    return {Errc::unsupported,
+            drone + ": what systemd always starts again cannot be ended by hivectl stop or hivectl down",
+            "write \"restart\": \"on-failure\""};
+}
 
 std::string quoted_for_systemd(const std::string& text) { return word(text, true); }
 

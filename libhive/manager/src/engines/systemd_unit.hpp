@@ -9,6 +9,9 @@
 
 namespace hive {
 
+/// That a drone cannot have a restart which systemd would not tell from being stopped.
+Error restart_refused(const std::string& drone);
+
 /// "hive-face-1.service"
 std::string unit_name(const std::string& drone);
 

@@ -1,5 +1,7 @@
-// Reading where the drones of a swarm file listen.
+// Reading where the drones of a swarm file listen, and whom they let in there.
 #include "reader.hpp"
+
+#include <hive/key.hpp>
 
 #include <algorithm>
 
@@ -10,6 +12,18 @@ std::string everywhere(const std::string& host) { return host == "0.0.0.0" || ho
 
 /// Do two that listen at one port of a machine meet there?
 bool overlap(const std::string& a, const std::string& b) { return a == b || a.empty() || b.empty(); }
+
+/// What is wrong with the key that a drone of this machine would have.
+std::optional<Error> problem_of_key(const std::string& told)
+try {
+    const auto file = told.empty() ? default_key_file() : std::filesystem::path(told);
+    if (file.empty())
+        return Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
+    require_members(read_key_file(file), file);
+    return std::nullopt;
+} catch (const Error& error) {
+    return error;
+}
 
 }  // namespace
 
@@ -90,6 +104,29 @@ void Reader::check_free_ports()
                                          + (host == Place::here ? "this machine" : host) + " need a free port",
                                      "name ports for some: \"listen\": \"tcp://0.0.0.0:PORT\"");
             }
+}
+
+void Reader::check_keys()
+{
+    if (!interface_of_)
+        return;  // the caller does not ask what is on this machine
+    std::map<std::string, std::optional<Error>> problems;
+    for (const auto& entry : read_entries_) {
+        const auto& told = entry.drone.key;
+        const auto* place = entry.value.place->member(told.empty() ? "listen" : "key");
+        if (entry.drone.insecure || !place || (told.empty() && !entry.listening) || !starts_here(entry))
+            continue;
+        if (!problems.contains(told))
+            problems[told] = problem_of_key(told);
+        const auto& problem = problems.at(told);
+        if (problem && told.empty())
+            mistakes_.at_value(entry.value.member("listen", *place),
+                               std::string("anybody who reaches this port could control the drone, and ")
+                                   + problem->what(),
+                               problem->advice() + "; or, on a network that you trust wholly, add \"insecure\": true");
+        else if (problem)
+            mistakes_.at_value(entry.value.member("key", *place), *problem);
+    }
 }
 
 }  // namespace hive::swarm_file

@@ -184,6 +184,8 @@ void Reader::check_ports(SwarmConnection& connection)
     const auto [output, input] = fitting_ports(connection.from, *from, connection.to, *to);
     connection.from.port = output->name;
     connection.to.port = input->name;
+    if (const auto& encoding = connection.options.encoding; !encoding.empty())
+        require_encoding(*output, encoding, connection.to.drone, input->type);
 }
 
 }  // namespace hive::swarm_file

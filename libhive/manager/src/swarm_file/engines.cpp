@@ -1,4 +1,5 @@
 // Reading the engines of a swarm file.
+#include "../engines/systemd_unit.hpp"
 #include "reader.hpp"
 #include "words.hpp"
 
@@ -15,6 +16,14 @@ void Reader::read_engine(const std::string& glob, const Value& value)
     if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits))
         mistakes_.at_key(value, misspelt("no drone of this file is on a machine that fits " + in_quotes(glob), glob,
                                          plan_.drones, &SwarmDrone::host));
+    const auto has_engine = [&](const SwarmDrone& drone) {
+        return std::ranges::any_of(plan_.engines,
+                                   [&](const auto& engine) { return matches_glob(engine.first, drone.host); });
+    };
+    if (std::ranges::any_of(plan_.drones, fits)
+        && std::ranges::none_of(plan_.drones, [&](const auto& drone) { return fits(drone) && !has_engine(drone); }))
+        mistakes_.at_key(value, in_quotes(glob) + " counts for no drone: an engine before it fits the same machines",
+                         "write the narrower one first");
     Members members(mistakes_, value, "an engine", engine_keys);
     if (!value.json->is_object())
         return;
@@ -47,7 +56,7 @@ void Reader::read_slurm(const Value& value)
     if (!options->json->is_array())
         return mistakes_.at_value(*options, "\"options\" must be a list of texts, not " + shown(*options->json));
     for (std::size_t i = 0; i < options->json->size(); ++i)
-        read_directive(options->item(i));
+        read_slurm_option(options->item(i));
 }
 
 /// What stands in a line of a batch script.
@@ -56,6 +65,24 @@ void Reader::read_directive(const Value& value)
     const auto text = text_of(mistakes_, value);
     if (text && printable(*text) != *text)
         mistakes_.at_value(value, in_quotes(*text) + " has a character that does not belong into a line");
+}
+
+void Reader::read_slurm_option(const Value& value)
+{
+    read_directive(value);
+    if (value.json->is_string() && !value.json->get<std::string>().starts_with('-'))
+        mistakes_.at_value(value, in_quotes(value.json->get<std::string>()) + " is no option of Slurm",
+                           "an option begins with -, such as --gres=gpu:1");
+}
+
+void Reader::check_restarts()
+{
+    for (const auto& entry : read_entries_)
+        if (const auto* restart = entry.value.place->member("restart");
+            restart && entry.drone.restart == Restart::always
+            && std::ranges::any_of(entry.hosts,
+                                   [&](const auto& host) { return plan_.engine_of(host).name == "systemd"; }))
+            mistakes_.at_value(entry.value.member("restart", *restart), restart_refused(entry.name));
 }
 
 }  // namespace hive::swarm_file

@@ -34,6 +34,8 @@ void Reader::read(const Value& file, bool complete)
         for (const auto& [glob, place] : engines->place->members)
             read_engine(glob, engines->member(glob, place));
     check_free_ports();
+    check_restarts();
+    check_keys();
     tell_unknown_kinds();
 }
 
@@ -53,12 +55,16 @@ const Interface* Reader::interface(const std::string& kind)
     return std::get_if<Interface>(&found->second);
 }
 
-void Reader::tell_unknown_kinds()
+bool Reader::starts_here(const Entry& entry) const
 {
-    const auto is_here_started = [&](const std::string& host) {
+    return std::ranges::any_of(entry.hosts, [&](const std::string& host) {
         const auto engine = plan_.engine_of(host).name;
         return engine == "local" || (engine == "systemd" && host == Place::here);
-    };
+    });
+}
+
+void Reader::tell_unknown_kinds()
+{
     std::set<std::string> noted;
     for (const auto& entry : read_entries_) {
         const auto& kind = entry.drone.kind;
@@ -66,7 +72,7 @@ void Reader::tell_unknown_kinds()
             continue;
         const auto& error = std::get<Error>(interfaces_.at(kind));
         const auto value = entry.value.member("kind", *entry.value.place->member("kind"));
-        if (std::ranges::any_of(entry.hosts, is_here_started))
+        if (starts_here(entry))
             mistakes_.at_value(value, error);
         else if (noted.insert(kind).second)
             notes_.at_value(value, "parameters and ports of " + kind + " are not checked: " + error.what());

@@ -54,6 +54,8 @@ private:
     bool has_own_port(const SwarmDrone& drone, const Entry& entry);
     /// With the engines known: are there ports enough for the drones of each machine that are told none?
     void check_free_ports();
+    /// Are the keys there that drones of this machine are told, or need where they listen?
+    void check_keys();
 
     // --- connections.cpp ---
     void read_connection(const Value& connection);
@@ -75,6 +77,8 @@ private:
     void read_engine(const std::string& glob, const Value& value);
     void read_slurm(const Value& value);
     void read_directive(const Value& value);
+    void read_slurm_option(const Value& value);
+    void check_restarts();
 
     /// As no_such() has it, with the names of things as candidates; only the first mistakes are compared with all.
     template <class Things, class Name>
@@ -87,6 +91,8 @@ private:
         return no_such(text, name, candidates, otherwise);
     }
 
+    /// Is a drone of this entry started on this machine?
+    [[nodiscard]] bool starts_here(const Entry& entry) const;
     /// Of a kind that has been asked for already, or is now; nothing when nobody knows it.
     const Interface* interface(const std::string& kind);
     /// The kinds whose interface nobody knows.
