@@ -363,19 +363,23 @@ void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Cl
     if (!subscriber.group.empty()) {
         Group& group = group_named(subscriber.group);
         group.lost.insert(subscriber.receiver);
-        return group.subscription.expect(until);
+        return group.subscription.expect(until, subscriber.missed);
     }
     const bool unique = subscriber.pid == 0;
     Plain& plain = plain_.emplace_back(Plain{
         .receiver = subscriber.receiver, .subscription = Subscription({.application = !unique}), .unique = unique});
     plain.place = epoch_ + static_cast<std::int64_t>(id);
-    plain.subscription.expect(until);
+    plain.registered.gone = ++order_;
+    if (subscriber.dormant)
+        plain.subscription.go_on_missing(subscriber.missed);
+    else
+        plain.subscription.expect(until, subscriber.missed);
 }
 
 std::int64_t ReceiverTable::missed(Id id) const
 {
     const auto found = seats_.find(id);
-    return found == seats_.end() ? 0 : found->second.subscription().missed();
+    return found == seats_.end() ? 0 : found->second.subscription().missed().count;
 }
 
 std::vector<ReceiverTable::Id> ReceiverTable::registered(const std::string& drone) const

@@ -80,8 +80,9 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
 {
     std::vector<Subscriber> list;
     for (const Plain& plain : plain_)
-        if (plain.subscription.active() && !plain.subscription.retiring())
-            list.push_back({.output = {}, .receiver = plain.receiver});
+        if (const auto& one = plain.subscription; !one.retiring() && (one.active() || one.misses_lossless()))
+            list.push_back(
+                {.output = {}, .receiver = plain.receiver, .missed = one.missed(), .dormant = !one.active()});
     for (const auto& [name, group] : groups_) {
         if (!group.subscription.active())
             continue;
@@ -90,7 +91,7 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
             if (seat.group == &group && !seat.heir)
                 members.insert(seat.receiver);
         for (const auto& receiver : members)
-            list.push_back({.output = {}, .receiver = receiver, .group = name});
+            list.push_back({.output = {}, .receiver = receiver, .group = name, .missed = group.subscription.missed()});
     }
     return list;
 }

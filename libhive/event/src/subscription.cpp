@@ -105,6 +105,7 @@ void Subscription::miss(const Identity& identity, Clock::time_point now)
 void Subscription::count_missed(const Identity& identity)
 {
     missed_ = {.count = missed_.count + 1, .source = identity.source, .epoch = identity.epoch};
+    missed_more_ = true;
 }
 
 void Subscription::skip_newest_live()
@@ -353,6 +354,7 @@ Clock::duration Subscription::lease() const
 
 void Subscription::tick(Clock::time_point now, Decisions& decisions)
 {
+    missed_more_ = false;
     if (awaited_ && awaited_until_ && *awaited_until_ <= now)
         shared() ? cancel(decisions) : stop_waiting();
     if (!shared())

@@ -115,12 +115,19 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
     away_ = Away{.was = std::move(last), .how = how};
 }
 
-void Subscription::expect(std::optional<Clock::time_point> until)
+void Subscription::expect(std::optional<Clock::time_point> until, Missed missed)
 {
+    missed_ = std::move(missed);
     awaited_ = true;
     awaited_until_ = until;
     if (!shared())
         away_ = Away{.was = {.options = {}, .own = nullptr, .credit = Credit({})}, .how = Fate::lost_connection};
+}
+
+void Subscription::go_on_missing(Missed missed)
+{
+    missed_ = std::move(missed);
+    missing_as_ = Fate::lost_connection;
 }
 
 void Subscription::stop_waiting()

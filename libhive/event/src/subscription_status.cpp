@@ -30,7 +30,7 @@ bool Subscription::backlogged() const
 
 bool Subscription::timed() const
 {
-    return (awaited_ && awaited_until_)
+    return missed_more_ || (awaited_ && awaited_until_)
            || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
 }
 

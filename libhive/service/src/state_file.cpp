@@ -22,7 +22,21 @@ Json subscriber_json(const event::Subscriber& subscriber)
         json["group"] = subscriber.group;
     if (subscriber.pid != 0)
         json["pid"] = subscriber.pid;
+    if (const auto& [count, source, epoch] = subscriber.missed; count > 0)
+        json["missed"] = {{"events", count}, {"source", source}, {"epoch", epoch}};
+    if (subscriber.dormant)
+        json["dormant"] = true;
     return json;
+}
+
+event::Subscription::Missed missed_from(const Fields& subscriber)
+{
+    if (!subscriber.has("missed"))
+        return {};
+    const Fields missed(subscriber.object("missed"), "a saved subscriber: missed");
+    return {.count = missed.integer("events", 0, max_json_integer),
+            .source = missed.text("source"),
+            .epoch = missed.integer("epoch", 0, max_json_integer)};
 }
 
 }  // namespace
@@ -36,7 +50,9 @@ std::vector<event::Subscriber> subscribers_from(const Json& state, const Reporte
             subscribers.push_back({.output = fields.text("output"),
                                    .receiver = fields.text("receiver"),
                                    .group = fields.text_or("group", ""),
-                                   .pid = fields.integer_or("pid", 0, max_json_integer, 0)});
+                                   .pid = fields.integer_or("pid", 0, max_json_integer, 0),
+                                   .missed = missed_from(fields),
+                                   .dormant = fields.flag_or("dormant", false)});
         } catch (const Error& error) {
             reporter.log(LogLevel::warning, std::string("ignored a saved subscriber: ") + error.what());
         }

@@ -284,7 +284,7 @@ private:
                 shared = line.shared();
             }
         drone->out.emplace(kind(*drone, shared));
-        drone->out->expect(shared ? std::nullopt : std::optional(now_ + Subscription::kept_for));
+        drone->out->expect(shared ? std::nullopt : std::optional(now_ + Subscription::kept_for), {});
     }
 
     void pass(Clock::duration time)

@@ -62,13 +62,51 @@ TEST_CASE("expect: one that does not come is waited for as long as was said, and
     world.pass(29s);
     CHECK(world.table.subscribers().size() == 2);
     world.pass(2s);
-    CHECK(world.table.subscribers() == std::vector<Subscriber>{{.output = "", .receiver = "y.image"}});
+    const auto dormant = world.table.subscribers();
+    REQUIRE(dormant.size() == 2);
+    CHECK(dormant[0] == Subscriber{.output = {}, .receiver = "x.image", .missed = {1, "camera", 1}, .dormant = true});
+    CHECK(dormant[1] == Subscriber{.output = {}, .receiver = "y.image"});
     CHECK(world.row("x.image").events.of(Fate::lost_connection) == 1);
     world.pass(1h);
     CHECK(world.table.why() == Reason::place_kept);
     CHECK(world.forget("y") == 1);
     CHECK(world.table.why() == Reason::no_receiver);
     CHECK_FALSE(world.table.timed());
+}
+
+TEST_CASE("expect: what a receiver missed is counted on when its sender crashes")
+{
+    World before, after;
+    before.add(drone(1, "x.image"));
+    before.add(drone(2, "y.image"));
+    before.lose(1, Fate::lost_cut_off);
+    before.offer(1, true);
+    before.ask(2, {2, 1, 1});
+    before.pass(31s);
+    CHECK(before.table.timed());
+    before.pass(20ms);
+    CHECK_FALSE(before.table.timed());
+    before.offer(2, true);
+    CHECK(before.table.timed());  // so that the count is soon written down
+    for (const auto& subscriber : before.table.subscribers())
+        after.table.expect(subscriber.dormant ? 1 : 2, subscriber, after.now + 30s);
+    CHECK(after.offer(3, true).empty());  // y is waited for, x is not
+    CHECK(after.add(drone(3, "y.image")) == Got{{3, {3}}});
+    after.ask(3, {2, 1, 1});
+    CHECK(after.table.asked());
+    CHECK(after.add(drone(4, "x.image")).empty());
+    CHECK(after.table.missed(4) == 3);
+    CHECK(after.table.missed(3) == 0);
+    CHECK(after.table.subscribers()[0].missed == Subscription::Missed{3, "camera", 1});
+}
+
+TEST_CASE("expect: what an application misses of a live source is not remembered")
+{
+    World world;
+    world.add(1, "results", window(1));
+    world.offer(1);
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.table.subscribers().empty());
 }
 
 TEST_CASE("expect: a live source waits for nobody")

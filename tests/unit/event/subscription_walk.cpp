@@ -84,7 +84,7 @@ private:
     void offer()
     {
         const bool lossless = dice_.yes(60);
-        const auto before = subscription_->ledger().total(), missed = subscription_->missed();
+        const auto before = subscription_->ledger().total(), missed = subscription_->missed().count;
         const auto event = any_emission(dice_, ++sequence_, lossless);
         if (!lossless || passive_)
             live_.insert(sequence_);
@@ -92,7 +92,7 @@ private:
             peer.told_end = false;
         const bool was_missing = subscription_->missing();
         decide([&](Decisions& to) { subscription_->offer(event, now_, to); });
-        const bool misses = subscription_->missed() > missed;
+        const bool misses = subscription_->missed().count > missed;
         hold(misses == (was_missing && lossless && !passive_), "who was away for too long misses what must arrive");
         if (lossless && !passive_ && subscription_->ledger().total() > before && !misses)
             owed_.insert(sequence_);

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <iostream>
 #include <sstream>
@@ -35,6 +36,12 @@ public:
     Home& operator=(const Home&) = delete;
 
     [[nodiscard]] bool has(const std::string& file) const { return std::filesystem::exists(directory_ / file); }
+    void write(const std::string& file, const Json& json) const { std::ofstream(directory_ / file) << json; }
+    [[nodiscard]] Json read(const std::string& file) const
+    {
+        std::ifstream stream(directory_ / file);
+        return Json::parse(stream);
+    }
 
 private:
     std::filesystem::path directory_;
@@ -267,6 +274,20 @@ TEST_CASE("running drone: a drone whose world has ended stops itself and leaves 
     CHECK(drone.exit_code() == 0);
     CHECK_FALSE(home.has("subject.sock"));
     CHECK_FALSE(home.has("subject.state"));
+}
+
+TEST_CASE("running drone: after a crash it knows what its receivers have missed, and writes that down again")
+{
+    const Home home;
+    const Json subscribers = Json::parse(R"([
+        {"output": "out", "receiver": "waits.in", "missed": {"events": 2, "source": "camera", "epoch": 7}},
+        {"output": "out", "receiver": "away.in", "missed": {"events": 3, "source": "camera", "epoch": 7},
+         "dormant": true}])");
+    home.write("subject.state", {{"kind", "subject"}, {"subscribers", subscribers}});
+    const Running drone([](Drone& subject) { subject.output("out", "text/plain"); });
+    hive::Application application;
+    status_when(application, idle);
+    CHECK(home.read("subject.state")["subscribers"] == subscribers);
 }
 
 TEST_CASE("running drone: stop() before run() is refused")

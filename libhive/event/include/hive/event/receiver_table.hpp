@@ -37,12 +37,15 @@ struct Welcome {
     std::optional<ReceiverId> ends{};  ///< the registration that ends by this one
 };
 
-/// Somebody whom a source waits for. What a drone remembers of it is enough for its next run to wait, too.
+/// A receiver that a source waits for, or has stopped waiting for and still counts what it misses. What a drone
+/// remembers of it is enough for its next run to do the same.
 struct Subscriber {
     std::string output;
     std::string receiver;
     std::string group{};   ///< that it shares the events with; empty: none
     std::int64_t pid = 0;  ///< of an application on this machine, which comes again only as long as it lives
+    Subscription::Missed missed{};
+    bool dormant = false;  ///< the source does not wait for it any longer
 
     bool operator==(const Subscriber&) const = default;
 };
@@ -123,7 +126,7 @@ public:
     [[nodiscard]] std::int64_t unreceived() const noexcept { return unreceived_; }
     /// The last event that was offered here, null: none was.
     [[nodiscard]] const Event* newest() const { return newest_ ? &newest_->event() : nullptr; }
-    /// Those whom the source waits for, and who may come again; without outputs and processes.
+    /// Without outputs and processes.
     [[nodiscard]] std::vector<Subscriber> subscribers() const;
     /// Receivers first, then groups under the name "group NAME", then those that were lost.
     [[nodiscard]] std::vector<Row> rows() const;

@@ -63,6 +63,14 @@ public:
         bool application = false;
         bool redelivers = true;  ///< false in tests that show what redelivery is for
     };
+    /// Lossless events that did not reach a consumer that was away, in the last run of their source.
+    struct Missed {
+        std::int64_t count = 0;
+        std::string source = {};  ///< of the last one
+        std::int64_t epoch = 0;   ///< of that source
+
+        bool operator==(const Missed&) const = default;
+    };
     explicit Subscription(Kind kind) : kind_(std::move(kind)) {}
 
     void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
@@ -90,7 +98,9 @@ public:
     void stop_waiting();
     /// Of a new one: an earlier run of this drone had a consumer, which will come again.
     /// @param until  empty: whenever that is
-    void expect(std::optional<Clock::time_point> until);
+    void expect(std::optional<Clock::time_point> until, Missed missed);
+    /// Of a new one: an earlier run of this drone had already stopped waiting for the consumer.
+    void go_on_missing(Missed missed);
     /// No consumer will come: also what one that was lost may have answered is given up.
     void give_up(Decisions& decisions) { give_up(true, decisions); }
     /// Nothing more will come: each consumer is told, behind what waits, and where events are shared, behind their last
@@ -124,8 +134,9 @@ public:
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
     /// True while the consumer is away and may return, but the source does not wait: its lossless events are lost.
     [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
-    /// Number of lossless events lost that way in the last run of their source.
-    [[nodiscard]] std::int64_t missed() const noexcept { return missed_.count; }
+    [[nodiscard]] const Missed& missed() const noexcept { return missed_; }
+    /// Must the next run of this drone know of it, although the source does not wait?
+    [[nodiscard]] bool misses_lossless() const { return missing() && lossless_.value_or(true); }
     /// Of a shared one: the jobs so far, and the last of those that are answered, as are all before.
     [[nodiscard]] Share standing() const;
 
@@ -161,11 +172,6 @@ private:
     struct Away {
         Consumer was;
         Fate how;
-    };
-    struct Missed {
-        std::int64_t count = 0;
-        std::string source;      ///< of the last one
-        std::int64_t epoch = 0;  ///< of that source
     };
     using Consumers = std::map<ReceiverId, Consumer>;
 
@@ -224,6 +230,7 @@ private:
     std::optional<Fate> missing_as_;
     Clock::time_point live_missed_until_{};
     Missed missed_;
+    bool missed_more_ = false;                      ///< since the last tick
     std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries counted as missed, unless the consumer has them
 };
 
