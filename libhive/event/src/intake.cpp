@@ -186,9 +186,8 @@ void Intake::keep_time()
         return;
     link_->ask_time();
     host_.arm();
-    timer_.expires_at(std::max(link_->peer_clock().due(), Clock::now() + 10ms));
-    timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
-        if (const auto self = weak.lock(); self && !problem)
+    timer_.run_at(std::max(link_->peer_clock().due(), Clock::now() + 10ms), [weak = weak_from_this()] {
+        if (const auto self = weak.lock())
             self->keep_time();
     });
 }
@@ -208,11 +207,11 @@ void Intake::failed(const Error& error)
 void Intake::retry()
 {
     const auto pause = in_short_break() ? quick_backoff_.next() : backoff_.next();
-    timer_.expires_after(refusal() ? std::max<Clock::duration>(pause, pause_after_refusal) : pause);
-    timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
-        if (const auto self = weak.lock(); self && !problem && !self->stopped())
-            self->attempt();
-    });
+    timer_.run_after(refusal() ? std::max<Clock::duration>(pause, pause_after_refusal) : pause,
+                     [weak = weak_from_this()] {
+                         if (const auto self = weak.lock(); self && !self->stopped())
+                             self->attempt();
+                     });
 }
 
 void Intake::stop(std::function<void()> left)
@@ -223,9 +222,8 @@ void Intake::stop(std::function<void()> left)
     if (const auto first = std::exchange(first_, {}))
         first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
     if (connected_ && !progress_.empty()) {
-        timer_.expires_after(patience_to_leave);
-        timer_.async_wait([weak = weak_from_this()](std::error_code problem) {
-            if (const auto self = weak.lock(); self && !problem)
+        timer_.run_after(patience_to_leave, [weak = weak_from_this()] {
+            if (const auto self = weak.lock())
                 self->leave_now();
         });
     }

@@ -247,11 +247,7 @@ void Loop::set_alarm(Clock::time_point deadline)
     if (deadline == Clock::time_point::max() || (alarm_set_ && alarm_.expiry() <= deadline))
         return;
     alarm_set_ = true;
-    alarm_.expires_at(deadline);
-    alarm_.async_wait([this](std::error_code problem) {
-        if (!problem)
-            alarm_set_ = false;
-    });
+    alarm_.run_at(deadline, [this] { alarm_set_ = false; });
 }
 
 /// The network thread.

@@ -67,6 +67,7 @@ void Module::close_links()
 {
     signals_.reset();
     keys_timer_.cancel();
+    armed_ = false;
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
     if (!handed_over_)
         for (auto& outlet : outlets_)
@@ -78,11 +79,7 @@ void Module::close_links()
     if (links_.empty() && dialing_.empty())
         return;
     // What is left are closings and dials under way: a peer that does not answer is not waited for.
-    last_.expires_after(patience_at_end);
-    last_.async_wait([this](std::error_code problem) {
-        if (!problem)
-            context().stop();
-    });
+    last_.run_after(patience_at_end, [this] { context().stop(); });
 }
 
 void Module::on_signal(std::function<void(int)> handler) { signals_.emplace(context(), std::move(handler)); }
@@ -354,16 +351,6 @@ void Module::demand_changed()
     on_demand();
 }
 
-Alarm Module::alarm(Clock::time_point time, Loop::Task task)
-{
-    auto timer = std::make_shared<platform::Timer>(context(), time);
-    timer->async_wait([task = std::move(task)](std::error_code problem) {
-        if (!problem)
-            task();
-    });
-    return timer;
-}
-
 void Module::arm()
 {
     if (armed_)
@@ -374,11 +361,9 @@ void Module::arm()
     if (!needed)
         return;
     armed_ = true;
-    timer_.expires_after(tick_period);
-    timer_.async_wait([this](std::error_code problem) {
+    timer_.run_after(tick_period, [this] {
         armed_ = false;
-        if (!problem)
-            tick();
+        tick();
     });
 }
 

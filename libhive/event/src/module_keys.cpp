@@ -24,11 +24,9 @@ void Module::watch_keys()
     if (watching_keys_ || ending_)
         return;
     watching_keys_ = true;
-    keys_timer_.expires_after(look_at_keys_every);
-    keys_timer_.async_wait([this](std::error_code problem) {
+    keys_timer_.run_after(look_at_keys_every, [this] {
         watching_keys_ = false;
-        if (!problem)
-            recheck_keys();
+        recheck_keys();
     });
 }
 

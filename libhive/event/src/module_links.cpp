@@ -176,9 +176,7 @@ void Module::await_earlier_run(const LinkPtr& link)
 void Module::await_end_or_answer(Link& earlier, const LinkPtr& link)
 {
     link->defer();
-    // What it sends but a pong shows as well that it lives; else it has been cut off by then.
-    const auto timer = std::make_shared<platform::Timer>(context(), Clock::now() + options_.timing.silence
-                                                                        + options_.timing.heartbeat);
+    const auto timer = std::make_shared<platform::Timer>(context());
     const auto go_on = [this, timer, decided = std::make_shared<bool>(false), weak = std::weak_ptr(link),
                         place = earlier.connection().peer()](bool lives) {
         const auto to = weak.lock();
@@ -194,10 +192,8 @@ void Module::await_end_or_answer(Link& earlier, const LinkPtr& link)
         to->go_on();
         arm();
     };
-    timer->async_wait([go_on](std::error_code problem) {
-        if (!problem)
-            go_on(true);
-    });
+    // What it sends but a pong shows as well that it lives; else it has been cut off by then.
+    timer->run_after(options_.timing.silence + options_.timing.heartbeat, [go_on] { go_on(true); });
     earlier.connection().ping(go_on);
 }
 

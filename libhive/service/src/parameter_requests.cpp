@@ -87,8 +87,9 @@ void ParameterRequests::propose(Proposal::Terms terms)
     const auto proposal = std::make_shared<Proposal>(std::move(terms));
     if (proposal->by_asker())
         held_ = proposal;
-    under_way_[proposal] =
-        parts_.module.alarm(proposal->deadline(), [this, weak = std::weak_ptr(proposal)] { on_deadline(weak.lock()); });
+    under_way_.try_emplace(proposal, parts_.module.context())
+        .first->second.run_at(proposal->deadline(),
+                              [this, weak = std::weak_ptr(proposal)] { on_deadline(weak.lock()); });
     parts_.inbox.command([this, proposal](Worker& worker) { carry_out(worker, proposal); });
 }
 
@@ -158,7 +159,7 @@ Error ParameterRequests::too_late() const
 
 void ParameterRequests::end()
 {
-    for (const auto& [proposal, alarm] : std::exchange(under_way_, {}))
+    for (const auto& [proposal, deadline] : std::exchange(under_way_, {}))
         proposal->give_up(Error(Errc::stopped, parts_.module.self().name + " is ending; nothing was set"));
     held_.reset();
 }

@@ -52,8 +52,8 @@ private:
     [[nodiscard]] Json present_values(const Json& wanted) const;
 
     Parts parts_;
-    std::map<ProposalPtr, event::Alarm> under_way_;  ///< each with the alarm of its deadline
-    ProposalPtr held_;                               ///< the one prepare that locks the others out
+    std::map<ProposalPtr, platform::Timer> under_way_;  ///< each with its deadline
+    ProposalPtr held_;                                  ///< the one prepare that locks the others out
     SetTurns turns_;
 };
 

@@ -34,12 +34,11 @@ void Worker::run()
 void Worker::run(Clock::time_point until)
 {
     const auto over = std::make_shared<bool>(false);
-    event::Alarm alarm;
-    parts_.module.call(
-        [&] { alarm = parts_.module.alarm(until, [this, over] { parts_.mailbox.push([over] { *over = true; }); }); });
+    platform::Timer timer(parts_.module.context());
+    parts_.module.call([&] { timer.run_at(until, [this, over] { parts_.mailbox.push([over] { *over = true; }); }); });
     while (!*over && !parts_.board.stopping())
         work_once();
-    parts_.module.call([&] { alarm.reset(); });
+    parts_.module.call([&] { timer.cancel(); });
     if (parts_.board.stopping())
         parts_.board.ended();
 }

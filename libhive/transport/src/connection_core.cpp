@@ -325,9 +325,8 @@ void ConnectionCore::on_written(std::error_code error, std::size_t bytes)
 
 void ConnectionCore::look_later()
 {
-    timer_.expires_at(liveness_.next_look(Clock::now(), reader_.inside()));
-    timer_.async_wait([self = shared_from_this()](std::error_code error) {
-        if (!error && !self->ended_)
+    timer_.run_at(liveness_.next_look(Clock::now(), reader_.inside()), [self = shared_from_this()] {
+        if (!self->ended_)
             self->look();
     });
 }

@@ -15,10 +15,8 @@ DialAttempt::DialAttempt(asio::io_context& context, const Address& address, OnDi
 
 void DialAttempt::start(std::chrono::milliseconds deadline)
 {
-    deadline_.expires_after(deadline);
-    deadline_.async_wait([self = shared_from_this(), deadline](std::error_code error) {
-        if (!error)
-            self->fail(Errc::timeout, "no answer within " + duration_text(deadline));
+    deadline_.run_after(deadline, [self = shared_from_this(), deadline] {
+        self->fail(Errc::timeout, "no answer within " + duration_text(deadline));
     });
     try {
         begin();

@@ -33,30 +33,24 @@ std::uint64_t entropy() { return world().entropy(); }
 struct Timer::Real {
     asio::io_context& context;
     SteadyClock::time_point time{};
-    std::vector<std::weak_ptr<Operation>> waits{};
+    std::weak_ptr<Operation> wait{};
 };
 
 Timer::Timer(asio::io_context& context) : real_(new Real{context}) {}
 Timer::~Timer() { cancel(); }
 
-void Timer::expires_at(SteadyClock::time_point time)
+SteadyClock::time_point Timer::expiry() const { return real_->time; }
+
+void Timer::run_at(SteadyClock::time_point time, Task task)
 {
     cancel();
     real_->time = time;
-}
-
-SteadyClock::time_point Timer::expiry() const { return real_->time; }
-
-void Timer::async_wait(Handler handler)
-{
-    const std::weak_ptr<Operation> wait =
-        NetworkSide::of(real_->context).begin([handler = std::move(handler)](std::error_code problem, std::size_t) {
-            handler(problem);
-        });
-    std::erase_if(real_->waits, [](const auto& each) { return each.expired(); });
-    real_->waits.push_back(wait);
-    if (real_->time != SteadyClock::time_point::max())
-        world().at(real_->time, [wait] {
+    real_->wait = NetworkSide::of(real_->context).begin([task = std::move(task)](std::error_code problem, std::size_t) {
+        if (!problem)
+            task();
+    });
+    if (time != SteadyClock::time_point::max())
+        world().at(time, [wait = real_->wait] {
             if (const auto operation = wait.lock())
                 operation->finish({});
         });
@@ -64,9 +58,8 @@ void Timer::async_wait(Handler handler)
 
 void Timer::cancel()
 {
-    for (const auto& wait : std::exchange(real_->waits, {}))
-        if (const auto operation = wait.lock())
-            operation->finish(asio::error::operation_aborted);
+    if (const auto operation = std::exchange(real_->wait, {}).lock())
+        operation->finish(asio::error::operation_aborted);
 }
 
 /// Nobody sends any: a history kills, or orders a stop.

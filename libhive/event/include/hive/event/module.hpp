@@ -42,9 +42,6 @@ struct Incoming {
     std::function<bool()> connected;   ///< network side: does that connection last?
 };
 
-/// Holds a task for later; it is not run any more when this is gone.
-using Alarm = std::shared_ptr<void>;
-
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
 class Module : public IntakeHost {
 public:
@@ -103,6 +100,7 @@ public:
     void on_signal(std::function<void(int)> handler);
 
     // --- network side ---
+    /// A timer that a task still waits for must be gone before the end of the module, which would wait for it.
     [[nodiscard]] asio::io_context& context() override { return loop_.context(); }
     transport::Address listen(const transport::Address& address);
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
@@ -138,8 +136,6 @@ public:
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
     }
     std::int64_t next_registration() override { return registration_ = std::max(registration_ + 1, wall_us()); }
-    /// Runs a task at a time. The alarm must be gone before the end of the module, which would wait for it.
-    [[nodiscard]] Alarm alarm(Clock::time_point time, Loop::Task task);
     /// Ticks while something has a deadline.
     void arm() override;
 

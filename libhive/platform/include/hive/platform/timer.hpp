@@ -1,4 +1,4 @@
-// A timer of an io_context, by the clock of the platform. Chosen at link time, as that is.
+// Runs a task of an io_context at a time of the platform's clock. Chosen at link time, as that clock is.
 #pragma once
 
 #include <hive/platform/clock.hpp>
@@ -7,26 +7,25 @@
 
 #include <functional>
 #include <memory>
-#include <system_error>
+#include <utility>
 
 namespace hive::platform {
 
-/// As asio::steady_timer: setting the time, cancelling or destroying it calls who waits with operation_aborted, from
-/// the io_context.
+/// Has at most one task. Another task, cancel() and the end of the timer drop it; one that is due at that moment may
+/// still run.
 class Timer {
 public:
-    using Handler = std::function<void(std::error_code)>;
+    using Task = std::function<void()>;
 
     explicit Timer(asio::io_context& context);
-    Timer(asio::io_context& context, SteadyClock::time_point time) : Timer(context) { expires_at(time); }
     ~Timer();
     Timer(const Timer&) = delete;
     Timer& operator=(const Timer&) = delete;
 
-    void expires_at(SteadyClock::time_point time);
-    void expires_after(SteadyClock::duration time) { expires_at(SteadyClock::now() + time); }
+    void run_at(SteadyClock::time_point time, Task task);
+    void run_after(SteadyClock::duration time, Task task) { run_at(SteadyClock::now() + time, std::move(task)); }
+    /// When the last task was to run.
     [[nodiscard]] SteadyClock::time_point expiry() const;
-    void async_wait(Handler handler);
     void cancel();
 
 private:
