@@ -1,5 +1,4 @@
 // What comes at an intake, what the sender is told of it, and what the status says.
-#include <hive/event/door.hpp>
 #include <hive/event/emission.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/name.hpp>
@@ -83,7 +82,7 @@ void Intake::accept(Event event)
 
 Ticket Intake::ticket(std::int64_t generation, std::int64_t number)
 {
-    return {std::make_shared<Acknowledgement>(host_.door(), weak_from_this(), generation, number), true};
+    return {std::make_shared<Acknowledgement>(host_.weak_loop(), weak_from_this(), generation, number), true};
 }
 
 /// A halted member keeps no work from others, and an input that leaves takes nothing more.

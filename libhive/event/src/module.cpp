@@ -24,7 +24,7 @@ const std::size_t reserved = defended("reserved-places") ? 32 : 0;
 
 Module::Module(Options options) : options_(std::move(options))
 {
-    loop_.on_thrown = [this](const std::string& what) {
+    loop_->on_thrown = [this](const std::string& what) {
         log_about(LogLevel::error, "", "the network side threw: " + what);
     };
 }
@@ -34,12 +34,11 @@ Module::~Module() { end(); }
 void Module::end()
 {
     encoder_thread_.end();
-    if (loop_.started()) {
+    if (loop_->started()) {
         leave();
         call([this] { close_links(); });
-        loop_.end();
+        loop_->end();
     }
-    door_->shut();
     pool_->end();
 }
 
@@ -55,12 +54,12 @@ void Module::leave()
     const auto left = [&] {
         return std::ranges::all_of(leaving_, [](const auto& intake) { return intake->has_left(); });
     };
-    loop_.wait(Clock::now() + patience_at_end, left);
+    loop_->wait(Clock::now() + patience_at_end, left);
     call([&] {
         for (const auto& intake : std::vector(leaving_))
             intake->leave_now();
     });
-    loop_.wait(Clock::now() + patience_at_end, left);
+    loop_->wait(Clock::now() + patience_at_end, left);
 }
 
 void Module::close_links()
@@ -84,15 +83,15 @@ void Module::close_links()
 
 void Module::on_signal(std::function<void(int)> handler) { signals_.emplace(context(), std::move(handler)); }
 
-void Module::start() { loop_.start(); }
+void Module::start() { loop_->start(); }
 
 std::optional<Mailbox::Item> Module::next(Mailbox& mailbox, Clock::time_point deadline)
 {
     const auto ready = [&] { return mailbox.ready(!halted_); };
     if (ready())
-        loop_.serve();  // what the last item left behind, its ticket and what it emitted, is not for later
+        loop_->serve();  // what the last item left behind, its ticket and what it emitted, is not for later
     else
-        loop_.wait(deadline, ready);
+        loop_->wait(deadline, ready);
     return mailbox.pop(!halted_);
 }
 
@@ -107,9 +106,9 @@ void Module::halt(bool halted)
 
 void Module::settle()
 {
-    loop_.serve();
-    loop_.wait(Clock::now() + patience_at_end,
-               [this] { return std::ranges::none_of(intakes_, [](const auto& intake) { return intake->owes(); }); });
+    loop_->serve();
+    loop_->wait(Clock::now() + patience_at_end,
+                [this] { return std::ranges::none_of(intakes_, [](const auto& intake) { return intake->owes(); }); });
 }
 
 void Module::hand_over()

@@ -192,10 +192,12 @@ std::function<void(const Outcome&)> Module::answer_to(Link& link, const std::sha
         if (to->open())
             to->answer(asked->id(), outcome);
     };
-    return [door = door_, send](const Outcome& outcome) {
-        if (door->inside())
-            return send(outcome);
-        door->post([send, outcome] { send(outcome); });
+    return [weak = weak_loop(), send](const Outcome& outcome) {
+        const auto loop = weak.lock();
+        if (loop && loop->has_turn())
+            send(outcome);
+        else if (loop)
+            loop->post([send, outcome] { send(outcome); });
     };
 }
 

@@ -1,6 +1,6 @@
 // The way back from an event to its input.
-#include <hive/event/door.hpp>
 #include <hive/event/intake.hpp>
+#include <hive/event/loop.hpp>
 #include <hive/event/ticket.hpp>
 
 #include <optional>
@@ -45,9 +45,9 @@ void Ticket::stop_processing()
 
 namespace hive::event {
 
-Acknowledgement::Acknowledgement(std::shared_ptr<Door> door, std::weak_ptr<Intake> intake, std::int64_t generation,
+Acknowledgement::Acknowledgement(std::weak_ptr<Loop> loop, std::weak_ptr<Intake> intake, std::int64_t generation,
                                  std::int64_t number)
-    : door_(std::move(door)), intake_(std::move(intake)), generation_(generation), number_(number)
+    : loop_(std::move(loop)), intake_(std::move(intake)), generation_(generation), number_(number)
 {
 }
 
@@ -58,9 +58,10 @@ Acknowledgement::~Acknowledgement() { tell(tells_both_, true, told_ ? std::nullo
 /// @param ending     how it ended, for who counts; nothing: not now
 void Acknowledgement::tell(bool processed, bool done, std::optional<Ending> ending) const
 {
-    if (!door_)
-        return;
-    door_->post([weak = intake_, generation = generation_, number = number_, processed, done, ending] {
+    const auto loop = loop_.lock();
+    if (!loop)
+        return;  // it is for nobody, or the module has ended
+    loop->post([weak = intake_, generation = generation_, number = number_, processed, done, ending] {
         if (const auto to = weak.lock())
             to->heard(generation, number, processed, done, ending);
     });

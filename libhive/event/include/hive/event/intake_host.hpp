@@ -12,8 +12,8 @@
 
 namespace hive::event {
 
-class Door;
 class Intake;
+class Loop;
 
 /// Network side.
 class IntakeHost {
@@ -21,7 +21,8 @@ public:
     using OnLink = std::function<void(const LinkPtr&, const Error&)>;
 
     virtual asio::io_context& context() = 0;
-    [[nodiscard]] virtual const std::shared_ptr<Door>& door() const = 0;
+    /// For who may outlive the module.
+    [[nodiscard]] virtual std::weak_ptr<Loop> weak_loop() const = 0;
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
     virtual void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) = 0;
     /// Must inputs wait with asking, and why?

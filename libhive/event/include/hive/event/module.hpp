@@ -1,7 +1,6 @@
 // What drones and applications have in common: links to peers, outlets, intakes, requests, and the loop that runs them.
 #pragma once
 
-#include <hive/event/door.hpp>
 #include <hive/event/encoder_thread.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
@@ -79,13 +78,13 @@ public:
     void end();
 
     // --- any thread ---
-    [[nodiscard]] Loop& loop() noexcept { return loop_; }
-    void post(Loop::Task task) { loop_.post(std::move(task)); }
-    void call(const Loop::Task& task) { loop_.call(task); }
+    [[nodiscard]] Loop& loop() noexcept { return *loop_; }
+    [[nodiscard]] std::weak_ptr<Loop> weak_loop() const override { return loop_; }
+    void post(Loop::Task task) { loop_->post(std::move(task)); }
+    void call(const Loop::Task& task) { loop_->call(task); }
     /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until
     /// there is one. Nothing when the deadline has passed or the mailbox was nudged. For one thread.
     std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
-    [[nodiscard]] const std::shared_ptr<Door>& door() const override { return door_; }
     /// Where bodies are made that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
@@ -101,7 +100,7 @@ public:
 
     // --- network side ---
     /// A timer that a task still waits for must be gone before the end of the module, which would wait for it.
-    [[nodiscard]] asio::io_context& context() override { return loop_.context(); }
+    [[nodiscard]] asio::io_context& context() override { return loop_->context(); }
     transport::Address listen(const transport::Address& address);
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) override;
@@ -183,8 +182,7 @@ private:
 
     Options options_;
     std::shared_ptr<transport::Pool> pool_ = std::make_shared<transport::Pool>();
-    Loop loop_;
-    std::shared_ptr<Door> door_ = std::make_shared<Door>(loop_);
+    std::shared_ptr<Loop> loop_ = std::make_shared<Loop>();
     platform::Timer timer_{context()};
     platform::Timer last_{context()};
     platform::Timer keys_timer_{context()};

@@ -11,8 +11,8 @@
 
 namespace hive::event {
 
-class Door;
 class Intake;
+class Loop;
 
 /// How an input came to be done with an event.
 enum class Ending {
@@ -32,7 +32,7 @@ public:
     /// Of nothing itself; for what it holds.
     Acknowledgement() = default;
     /// @param generation  of the numbering
-    Acknowledgement(std::shared_ptr<Door> door, std::weak_ptr<Intake> intake, std::int64_t generation,
+    Acknowledgement(std::weak_ptr<Loop> loop, std::weak_ptr<Intake> intake, std::int64_t generation,
                     std::int64_t number);
     Acknowledgement(const Acknowledgement&) = delete;
     Acknowledgement& operator=(const Acknowledgement&) = delete;
@@ -55,7 +55,7 @@ private:
     void tell(bool processed, bool done, std::optional<Ending> ending) const;
     std::optional<Ending> news();
 
-    std::shared_ptr<Door> door_;
+    std::weak_ptr<Loop> loop_;
     std::weak_ptr<Intake> intake_;
     std::int64_t generation_ = 0, number_ = 0;
     std::atomic<int> processing_ = 0;              ///< how many tickets say so
