@@ -1,6 +1,5 @@
 // Registering at a sender, coming back after a loss, and leaving.
-#include <hive/event/clock.hpp>
-#include <hive/event/intake.hpp>
+#include <hive/event/module.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -39,14 +38,14 @@ Backoff backoff_for(const transport::Address& address)
 
 }  // namespace
 
-Intake::Intake(IntakeHost& host, IntakeSpec spec, Sink sink, std::function<void()> on_end)
-    : host_(host),
+Intake::Intake(Module& module, IntakeSpec spec, Sink sink, std::function<void()> on_end)
+    : module_(module),
       spec_(std::move(spec)),
       sink_(std::move(sink)),
       on_end_(std::move(on_end)),
       backoff_(backoff_for(spec_.address)),
       quick_backoff_(10ms, 200ms, static_cast<std::uint32_t>(wall_us())),
-      timer_(host.context())
+      timer_(module.context())
 {
 }
 
@@ -90,23 +89,23 @@ void Intake::attempt()
         return;
     const std::chrono::microseconds round_trips(6 * round_trip_us_);
     const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
-    host_.with_link(spec_.address, deadline,
-                    [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
-                        if (self->stopped() || self->holds())
-                            return;
-                        if (!link)
-                            self->failed(error);
-                        else if (const auto wrong = met_another(self->spec_, *link))
-                            self->failed(*wrong);
-                        else
-                            self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
-                    });
+    module_.with_link(spec_.address, deadline,
+                      [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
+                          if (self->stopped() || self->holds())
+                              return;
+                          if (!link)
+                              self->failed(error);
+                          else if (const auto wrong = met_another(self->spec_, *link))
+                              self->failed(*wrong);
+                          else
+                              self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
+                      });
 }
 
 void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
 {
     link_ = link;
-    epoch_ = host_.next_registration();
+    epoch_ = module_.next_registration();
     if (link->peer().epoch != sender_epoch_)
         progress_.lose_place();
     sender_epoch_ = link->peer().epoch;
@@ -143,7 +142,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
         self->confirmed(link, std::get<Json>(outcome));
     };
     link->request(PacketType::register_receiver, to_json(registration), {}, deadline, on_outcome, channel_);
-    host_.arm();
+    module_.arm();
 }
 
 void Intake::confirmed(const LinkPtr& link, const Json& result)
@@ -185,7 +184,7 @@ void Intake::keep_time()
     if (!connected_ || stopped() || link_->local())
         return;
     link_->ask_time();
-    host_.arm();
+    module_.arm();
     timer_.run_at(std::max(link_->peer_clock().due(), Clock::now() + 10ms), [weak = weak_from_this()] {
         if (const auto self = weak.lock())
             self->keep_time();
@@ -253,7 +252,7 @@ void Intake::leave_now()
 /// Results that wait for their first receiver are kept, so nothing is lost when their events are acknowledged.
 void Intake::acknowledge_held()
 {
-    if (connected_ && all_worked() && !progress_.empty() && host_.holds())
+    if (connected_ && all_worked() && !progress_.empty() && module_.holds())
         tell(progress_.acknowledge_all());
 }
 
@@ -283,7 +282,7 @@ void Intake::try_to_leave()
     link->request(
         PacketType::deregister, Json::object(), {}, Clock::now() + patience, [tell](const Outcome&) { tell(); },
         channel_);
-    host_.arm();
+    module_.arm();
 }
 
 void Intake::end_if_done()
@@ -292,7 +291,7 @@ void Intake::end_if_done()
     for (const auto count : ended_)
         ended += count;
     if (stage_ >= Stage::leaving && ended == received_)
-        host_.gone(shared_from_this());
+        module_.gone(shared_from_this());
 }
 
 void Intake::link_closed(const Link& link)

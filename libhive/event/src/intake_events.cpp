@@ -1,6 +1,6 @@
 // What comes at an intake, what the sender is told of it, and what the status says.
 #include <hive/event/emission.hpp>
-#include <hive/event/intake.hpp>
+#include <hive/event/module.hpp>
 #include <hive/name.hpp>
 #include <hive/printable.hpp>
 
@@ -82,13 +82,13 @@ void Intake::accept(Event event)
 
 Ticket Intake::ticket(std::int64_t generation, std::int64_t number)
 {
-    return {std::make_shared<Acknowledgement>(host_.weak_loop(), weak_from_this(), generation, number), true};
+    return {std::make_shared<Acknowledgement>(module_.weak_loop(), weak_from_this(), generation, number), true};
 }
 
 /// A halted member keeps no work from others, and an input that leaves takes nothing more.
 bool Intake::refuses_now() const
 {
-    return stopped() || (!spec_.options.group.empty() && host_.paused() == Reason::halted);
+    return stopped() || (!spec_.options.group.empty() && module_.paused() == Reason::halted);
 }
 
 /// @return  the number of the delivery
@@ -130,7 +130,7 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
 void Intake::flush()
 {
     if (connected_)
-        tell(progress_.news(!stopped() && host_.paused() == Reason::none));
+        tell(progress_.news(!stopped() && module_.paused() == Reason::none));
 }
 
 void Intake::tell(const std::optional<protocol::Request>& news)
@@ -169,7 +169,7 @@ InputStatus Intake::status() const
     for (const auto count : ended_)
         status.in_hand -= count;
     if (connected_)
-        status.why = host_.paused();
+        status.why = module_.paused();
     if (refusal())
         status.why = Reason::refused;
     else if (end_ && status.why == Reason::none)

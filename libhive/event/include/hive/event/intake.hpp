@@ -3,7 +3,7 @@
 
 #include <hive/backoff.hpp>
 #include <hive/event/input_progress.hpp>
-#include <hive/event/intake_host.hpp>
+#include <hive/event/link.hpp>
 #include <hive/event/ticket.hpp>
 #include <hive/platform/timer.hpp>
 #include <hive/status.hpp>
@@ -15,6 +15,8 @@
 #include <string>
 
 namespace hive::event {
+
+class Module;
 
 struct IntakeSpec {
     std::string sender = {};  ///< the drone
@@ -40,7 +42,7 @@ public:
 
     /// @param on_end  called when something has changed that end_of() looks at
     Intake(
-        IntakeHost& host, IntakeSpec spec, Sink sink, std::function<void()> on_end = [] {});
+        Module& module, IntakeSpec spec, Sink sink, std::function<void()> on_end = [] {});
 
     /// Counts an event that came in another way than over this connection, and hands it on.
     void accept(Event event);
@@ -118,7 +120,7 @@ private:
     [[nodiscard]] bool refuses_now() const;
     void tell(const std::optional<protocol::Request>& news);
 
-    IntakeHost& host_;
+    Module& module_;
     IntakeSpec spec_;
     Sink sink_;
     std::function<void()> on_end_;

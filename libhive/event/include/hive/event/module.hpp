@@ -42,7 +42,7 @@ struct Incoming {
 };
 
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
-class Module : public IntakeHost {
+class Module {
 public:
     struct Options {
         protocol::Hello self;
@@ -54,7 +54,7 @@ public:
         Log log = [](LogLevel, const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
-    using IntakeHost::OnLink;
+    using OnLink = std::function<void(const LinkPtr&, const Error&)>;
 
     explicit Module(Options options);
     virtual ~Module();  ///< calls end()
@@ -79,7 +79,7 @@ public:
 
     // --- any thread ---
     [[nodiscard]] Loop& loop() noexcept { return *loop_; }
-    [[nodiscard]] std::weak_ptr<Loop> weak_loop() const override { return loop_; }
+    [[nodiscard]] std::weak_ptr<Loop> weak_loop() const { return loop_; }  ///< for who may outlive the module
     void post(Loop::Task task) { loop_->post(std::move(task)); }
     void call(const Loop::Task& task) { loop_->call(task); }
     /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until
@@ -100,10 +100,10 @@ public:
 
     // --- network side ---
     /// A timer that a task still waits for must be gone before the end of the module, which would wait for it.
-    [[nodiscard]] asio::io_context& context() override { return loop_->context(); }
+    [[nodiscard]] asio::io_context& context() { return loop_->context(); }
     transport::Address listen(const transport::Address& address);
     /// A link to the module at an address: the present one, or a new one. The error counts only without link.
-    void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link) override;
+    void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
     /// @param on_end  called when end_of() may have changed
@@ -127,23 +127,25 @@ public:
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
-    /// Not at its end, when nobody will receive the results any more.
-    [[nodiscard]] bool holds() const override { return !ending_ && std::ranges::any_of(outlets_, &Outlet::holds); }
+    /// Do results wait here for their first receiver, which will come? Not at the end of this module.
+    [[nodiscard]] bool holds() const { return !ending_ && std::ranges::any_of(outlets_, &Outlet::holds); }
     /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
-    [[nodiscard]] Reason paused() const override
+    [[nodiscard]] Reason paused() const
     {
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
     }
-    std::int64_t next_registration() override { return registration_ = std::max(registration_ + 1, wall_us()); }
-    /// Ticks while something has a deadline.
-    void arm() override;
+    /// The epoch of a new registration: later than that of any before it, of whichever input.
+    std::int64_t next_registration() { return registration_ = std::max(registration_ + 1, wall_us()); }
+    /// Something may have a deadline now: ticks as long as that is so.
+    void arm();
+    /// An intake that was removed has left its sender and is done with all its events.
+    void gone(const std::shared_ptr<Intake>& intake);
 
 private:
     struct Waiting {  ///< for a link that is being made
         Clock::time_point deadline;
         OnLink on_link;
     };
-    void gone(const std::shared_ptr<Intake>& intake) override;
     void release_held();
     void await_earlier_run(const LinkPtr& link);
     void await_end_or_answer(Link& earlier, const LinkPtr& link);
