@@ -179,7 +179,22 @@ InputStatus Intake::status() const
     return status;
 }
 
-std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& intakes, bool worked)
+bool EndOfInputs::look(const std::vector<std::shared_ptr<Intake>>& intakes)
+{
+    auto now = text_of(intakes);
+    const std::lock_guard lock(mutex_);
+    const bool changed = now != text_;
+    text_ = std::move(now);
+    return changed;
+}
+
+std::optional<std::string> EndOfInputs::text() const
+{
+    const std::lock_guard lock(mutex_);
+    return text_;
+}
+
+std::optional<std::string> EndOfInputs::text_of(const std::vector<std::shared_ptr<Intake>>& intakes) const
 {
     constexpr auto exceptions = "exceptions";  // they never end
     bool any = false;
@@ -187,7 +202,7 @@ std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& in
     for (const auto& intake : intakes) {
         if (intake->spec().output == exceptions)
             continue;
-        if ((!intake->ended() && !intake->gone_for_good()) || (worked && !intake->all_worked()))
+        if ((!intake->ended() && !intake->gone_for_good()) || (worked_ && !intake->all_worked()))
             return std::nullopt;
         any = any || intake->ended();
         end.add(intake->ended().value_or(intake->lacks()));

@@ -111,7 +111,10 @@ std::shared_ptr<Intake> intake_of(const Event& event)
 
 }  // namespace
 
-bool came_over(const Event& event, const Intake& intake) { return intake_of(event).get() == &intake; }
+std::function<bool(const Event&)> came_over(const Intake& intake)
+{
+    return [&intake](const Event& event) { return intake_of(event).get() == &intake; };
+}
 
 bool came_to_member(const Event& event)
 {

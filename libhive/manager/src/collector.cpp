@@ -6,7 +6,6 @@
 #include <hive/event/answer_filter.hpp>
 #include <hive/event/ticket.hpp>
 
-#include <mutex>
 #include <set>
 
 namespace hive {
@@ -14,29 +13,10 @@ namespace {
 
 constexpr auto exceptions_output = "exceptions";
 
-/// Whether the connections of a collector have ended. Kept by them while they leave, too.
-class Ends {
-public:
-    /// Network side.
-    void look(event::Mailbox& mailbox)
-    {
-        const std::lock_guard lock(mutex_);
-        text_ = event::end_of(intakes, false);
-        if (text_)
-            mailbox.nudge();
-    }
-    /// Any thread.
-    [[nodiscard]] std::optional<std::string> text() const
-    {
-        const std::lock_guard lock(mutex_);
-        return text_;
-    }
-
-    std::vector<std::shared_ptr<event::Intake>> intakes;  ///< network side
-
-private:
-    mutable std::mutex mutex_;
-    std::optional<std::string> text_;
+/// The connections of a collector. Kept by them while they leave, too.
+struct Inputs {
+    std::vector<std::shared_ptr<event::Intake>> intakes{};  ///< network side
+    event::EndOfInputs end{false};
 };
 
 /// Intakes whose events meet in one mailbox, taken by the user thread.
@@ -74,7 +54,7 @@ private:
     const Directory& directory_;
     CollectOptions options_;
     std::shared_ptr<event::Mailbox> mailbox_ = std::make_shared<event::Mailbox>();
-    std::shared_ptr<Ends> ends_ = std::make_shared<Ends>();
+    std::shared_ptr<Inputs> inputs_ = std::make_shared<Inputs>();
     event::AnswerFilter filter_;
     Reorder reorder_;
     std::set<std::string> followed_;
@@ -85,8 +65,8 @@ MailboxCollector::~MailboxCollector()
 {
     const auto remaining = std::make_shared<std::size_t>();
     module_.call([&] {
-        *remaining = ends_->intakes.size();
-        for (const auto& intake : std::exchange(ends_->intakes, {}))
+        *remaining = inputs_->intakes.size();
+        for (const auto& intake : std::exchange(inputs_->intakes, {}))
             module_.remove_intake(intake, [remaining] { --*remaining; });
     });
     // Nobody will take what is still here. An input that leaves waits for lossless events in hand.
@@ -98,9 +78,13 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                                      const std::string& output, const ConnectionOptions& connection)
 {
     const auto sink = [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); };
-    const auto look = [mailbox = mailbox_, weak = std::weak_ptr(ends_)] {
-        if (const auto ends = weak.lock())
-            ends->look(*mailbox);
+    const auto look = [mailbox = mailbox_, weak = std::weak_ptr(inputs_)] {
+        const auto inputs = weak.lock();
+        if (!inputs)
+            return;
+        inputs->end.look(inputs->intakes);
+        if (inputs->end.text())
+            mailbox->nudge();
     };
     const auto intake = module_.add_intake({.sender = place.drone,
                                             .output = output,
@@ -110,7 +94,7 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                             .accepts = "*/*",
                                             .options = connection},
                                            sink, look);
-    ends_->intakes.push_back(intake);
+    inputs_->intakes.push_back(intake);
     look();  // while it is not known to have ended, neither have all
     return intake;
 }
@@ -187,7 +171,7 @@ std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
 
 std::optional<std::string> MailboxCollector::ended()
 {
-    auto text = ends_->text();  // first: what has come before the end is in the mailbox when this is known
+    auto text = inputs_->end.text();  // first: what has come before the end is in the mailbox when this is known
     if (!text || mailbox_->events() > 0)
         return std::nullopt;
     reorder_.finish(event::Clock::now());
@@ -247,7 +231,7 @@ std::vector<InputStatus> MailboxCollector::inputs() const
 {
     std::vector<InputStatus> rows;
     module_.call([&] {
-        for (const auto& intake : ends_->intakes)
+        for (const auto& intake : inputs_->intakes)
             rows.push_back(intake->status());
     });
     return rows;

@@ -90,7 +90,7 @@ void ParameterRequests::propose(Proposal::Terms terms)
     under_way_.try_emplace(proposal, parts_.module.context())
         .first->second.run_at(proposal->deadline(),
                               [this, weak = std::weak_ptr(proposal)] { on_deadline(weak.lock()); });
-    parts_.inbox.command([this, proposal](Worker& worker) { carry_out(worker, proposal); });
+    parts_.mailbox.push([this, proposal] { carry_out(parts_.worker, proposal); });
 }
 
 /// A second prepare is refused at once instead of waiting: two that wait for each other on two drones would wait for

@@ -1,10 +1,10 @@
 // Answers get and set: each set is tried by the drone's own code, and kept or put back as it is decided.
 #pragma once
 
-#include "inbox.hpp"
 #include "proposal.hpp"
 #include "set_turns.hpp"
 #include "state_file.hpp"
+#include "worker.hpp"
 
 #include <map>
 
@@ -18,7 +18,8 @@ public:
         const ParameterSet& parameters;
         StatusBoard& board;
         event::Module& module;
-        Inbox& inbox;
+        event::Mailbox& mailbox;
+        Worker& worker;  ///< for commands alone
         StateFile& state_file;
         bool remote_operator;  ///< members may set what is the operator's
     };

@@ -10,13 +10,14 @@ using protocol::PacketType;
 
 Requests::Requests(Parts parts)
     : parts_(std::move(parts)),
-      inbox_(parts_.mailbox, parts_.worker),
       state_file_(parts_.home, parts_.module, parts_.declaration, parts_.board, parts_.listening, parts_.reporter),
-      wiring_(parts_.declaration, parts_.home, parts_.module, inbox_, state_file_, parts_.reporter),
+      wiring_(parts_.declaration, parts_.home, parts_.module, parts_.mailbox, parts_.worker, state_file_,
+              parts_.reporter),
       parameters_({.parameters = parts_.declaration.parameters,
                    .board = parts_.board,
                    .module = parts_.module,
-                   .inbox = inbox_,
+                   .mailbox = parts_.mailbox,
+                   .worker = parts_.worker,
                    .state_file = state_file_,
                    .remote_operator = parts_.order.remote_operator}),
       status_(parts_.declaration, parts_.board, parts_.mailbox, parts_.module, parts_.listening, parts_.order)
@@ -93,7 +94,7 @@ void Requests::on_put(const Incoming& incoming)
     event.body = incoming.body;
     event.size = incoming.body.size();
     event.received = event::Clock::now();
-    parts_.module.accept(std::move(event), [this](Event&& arrived) { inbox_.arrived(std::move(arrived)); });
+    parts_.module.accept(std::move(event), [this](Event&& arrived) { parts_.mailbox.push(std::move(arrived)); });
     incoming.answer(Json::object());
 }
 
@@ -133,7 +134,7 @@ void Requests::on_resume(const Incoming& incoming)
 {
     if (set_policy(incoming))
         return;
-    inbox_.command([answer = incoming.answer](Worker& worker) {
+    parts_.mailbox.push([&worker = parts_.worker, answer = incoming.answer] {
         worker.resume();
         answer(Json::object());
     });

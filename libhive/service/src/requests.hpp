@@ -47,7 +47,6 @@ private:
     void on_stop(const event::Incoming& incoming);
 
     Parts parts_;
-    Inbox inbox_;
     StateFile state_file_;
     Wiring wiring_;
     ParameterRequests parameters_;

@@ -103,7 +103,7 @@ std::vector<InputStatus> StatusReport::inputs() const
     std::vector<InputStatus> rows;
     for (const auto& intake : module_.intakes()) {
         rows.push_back(intake->status());
-        rows.back().queued = mailbox_.count([&](const Event& event) { return event::came_over(event, *intake); });
+        rows.back().queued = mailbox_.count(event::came_over(*intake));
         rows.back().in_hand -= rows.back().queued;
     }
     return rows;

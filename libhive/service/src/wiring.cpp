@@ -1,6 +1,8 @@
 // Answers connect and disconnect.
 #include "wiring.hpp"
 
+#include <hive/event/ticket.hpp>
+
 #include <algorithm>
 
 namespace hive::service {
@@ -74,11 +76,11 @@ void Wiring::on_disconnect(const event::Incoming& incoming)
     std::size_t removed = 0;
     for (const auto& intake : std::vector(module_.intakes()))
         if (meant(intake->spec())) {
-            inbox_.discard(*intake);
+            mailbox_.discard(came_over(*intake));
             module_.remove_intake(intake);
             ++removed;
         }
-    inputs_end_.look();
+    pass_end_on();
     if (removed == 0)
         throw Error(Errc::not_found,
                     module_.self().name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
@@ -142,12 +144,12 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
     const auto changed = [this, own, said = std::make_shared<std::string>()] {
         if (const auto intake = own->lock())
             say(*intake, *said);
-        inputs_end_.look();
+        pass_end_on();
     };
     const auto intake = module_.add_intake(
-        std::move(spec), [this](Event&& event) { inbox_.arrived(std::move(event)); }, changed);
+        std::move(spec), [this](Event&& event) { mailbox_.push(std::move(event)); }, changed);
     *own = intake;
-    inputs_end_.look();  // while this one is not known to have ended, neither have all
+    pass_end_on();  // while this one is not known to have ended, neither have all
     return intake;
 }
 
@@ -190,7 +192,7 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
         const auto self = weak.lock();
         if (std::holds_alternative<Error>(outcome)) {
             module_.remove_intake(self);
-            inputs_end_.look();
+            pass_end_on();
             for (const auto& intake : earlier)
                 intake->let_go_on();
             state_file_.remember();  // it may have been written down while it was tried
@@ -227,10 +229,25 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
         if (!same_ends(other->spec(), intake->spec()))
             continue;
         if (!other->spec().options.group.empty())
-            inbox_.discard(*other);
+            mailbox_.discard(came_over(*other));
         module_.remove_intake(other);
     }
-    inputs_end_.look();
+    pass_end_on();
+}
+
+/// The outputs end when all that the inputs receive has come to its end, and go on when there is something to do again:
+/// a receiver that was told of the end gets what comes of it anyway.
+void Wiring::pass_end_on()
+{
+    const bool before = end_.text().has_value();
+    if (!end_.look(module_.intakes()))
+        return;
+    if (before)
+        for (auto& outlet : module_.outlets())
+            if (outlet.carrier() == protocol::PacketType::event)
+                outlet.go_on();
+    if (const auto text = end_.text())
+        mailbox_.push([this, text = *text] { worker_.inputs_ended(text, [this] { return end_.text().has_value(); }); });
 }
 
 }  // namespace hive::service

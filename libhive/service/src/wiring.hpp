@@ -1,9 +1,8 @@
 // The connections of a drone's inputs: made, replaced, ended, and made again after a crash.
 #pragma once
 
-#include "inbox.hpp"
-#include "inputs_end.hpp"
 #include "state_file.hpp"
+#include "worker.hpp"
 
 #include <hive/protocol/requests.hpp>
 
@@ -12,13 +11,13 @@ namespace hive::service {
 /// The network side.
 class Wiring {
 public:
-    Wiring(const Declaration& declaration, const event::Home& home, event::Module& module, Inbox& inbox,
-           StateFile& state_file, const Reporter& reporter)
+    Wiring(const Declaration& declaration, const event::Home& home, event::Module& module, event::Mailbox& mailbox,
+           Worker& worker, StateFile& state_file, const Reporter& reporter)
         : declaration_(declaration),
           home_(home),
           module_(module),
-          inbox_(inbox),
-          inputs_end_(module, inbox),
+          mailbox_(mailbox),
+          worker_(worker),
           state_file_(state_file),
           reporter_(reporter)
     {
@@ -41,12 +40,14 @@ private:
     [[nodiscard]] std::vector<std::shared_ptr<event::Intake>> earlier_ones(const event::IntakeSpec& spec) const;
     [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
     void replace_earlier(const std::shared_ptr<event::Intake>& intake);
+    void pass_end_on();
 
     const Declaration& declaration_;
     const event::Home& home_;
     event::Module& module_;
-    Inbox& inbox_;
-    InputsEnd inputs_end_;
+    event::Mailbox& mailbox_;
+    Worker& worker_;  ///< for commands alone
+    event::EndOfInputs end_{true};
     StateFile& state_file_;
     const Reporter& reporter_;
 };

@@ -11,7 +11,7 @@
 
 namespace hive::service {
 
-/// Everything here runs on the user thread. The network side reaches it only by commands (inbox.hpp).
+/// Everything here runs on the user thread. The network side reaches it only by commands of the mailbox.
 class Worker {
 public:
     /// What it uses, which outlives it.

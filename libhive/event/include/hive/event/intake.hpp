@@ -12,7 +12,9 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 namespace hive::event {
 
@@ -40,7 +42,7 @@ class Intake : public std::enable_shared_from_this<Intake> {
 public:
     using Sink = std::function<void(Event&&)>;
 
-    /// @param on_end  called when something has changed that end_of() looks at
+    /// @param on_end  called when something has changed that EndOfInputs looks at
     Intake(
         Module& module, IntakeSpec spec, Sink sink, std::function<void()> on_end = [] {});
 
@@ -153,8 +155,23 @@ private:
     std::array<std::int64_t, endings> ended_{};
 };
 
-/// What is said about the end when all of these have come to it; nothing as long as something may come (SPEC.md,
-/// section 5.6). @param worked  only when what came has been worked on, too
-std::optional<std::string> end_of(const std::vector<std::shared_ptr<Intake>>& intakes, bool worked);
+/// Whether all inputs have come to their end (SPEC.md, section 5.6).
+class EndOfInputs {
+public:
+    /// @param worked  only when what came has been worked on, too
+    explicit EndOfInputs(bool worked) : worked_(worked) {}
+
+    /// Network side: a connection has changed. @return  whether the end has changed
+    bool look(const std::vector<std::shared_ptr<Intake>>& intakes);
+    /// What is said about the end; nothing as long as something may come. Any thread.
+    [[nodiscard]] std::optional<std::string> text() const;
+
+private:
+    [[nodiscard]] std::optional<std::string> text_of(const std::vector<std::shared_ptr<Intake>>& intakes) const;
+
+    const bool worked_;
+    mutable std::mutex mutex_;
+    std::optional<std::string> text_;
+};
 
 }  // namespace hive::event

@@ -106,7 +106,7 @@ public:
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
-    /// @param on_end  called when end_of() may have changed
+    /// @param on_end  called when EndOfInputs may find another end
     std::shared_ptr<Intake> add_intake(
         IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end = [] {});
     void remove_intake(

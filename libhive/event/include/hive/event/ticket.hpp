@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -67,8 +68,8 @@ private:
 
 /// Counts how the event ended; without a ticket it does nothing.
 void conclude(const Event& event, Ending ending);
-/// Did it arrive over this connection?
-bool came_over(const Event& event, const Intake& intake);
+/// Says of an event whether it arrived over this connection, which lasts as long.
+std::function<bool(const Event&)> came_over(const Intake& intake);
 /// Did it arrive over a connection to a group, so that another member can have it? Network side.
 bool came_to_member(const Event& event);
 /// For what is made of a set: no event of it is acknowledged sooner.
