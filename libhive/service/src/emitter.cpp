@@ -73,7 +73,7 @@ bool Emitter::received(std::size_t output) const
 bool Emitter::asked(std::size_t output) const
 {
     const Slot& slot = *outputs_[output];
-    return slot.outlet && slot.handover.empty() && slot.outlet->asked();
+    return slot.outlet && slot.handed_over == 0 && slot.outlet->asked();
 }
 
 Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const
@@ -91,7 +91,7 @@ Identity Emitter::fresh_identity(std::size_t output, std::int64_t captured_us, b
 bool Emitter::backlogged(std::size_t output) const
 {
     const Slot& slot = *outputs_[output];
-    return slot.outlet && (!slot.handover.empty() || slot.outlet->backlogged());
+    return slot.outlet && (slot.handed_over > 0 || slot.outlet->backlogged());
 }
 
 /// What is emitted for the present set has the identity of its first event, and the tickets of lossless ones.
@@ -181,15 +181,24 @@ void Emitter::end_all(const std::string& text, const std::function<bool()>& stil
         });
 }
 
+/// User code that emits faster than the network side takes does the work of that side meanwhile.
+void Emitter::await_room(Slot& slot)
+{
+    constexpr int most = 64;
+    if (slot.handed_over >= most)
+        module_->loop().wait(Clock::time_point::max(), [&] { return slot.handed_over < most; });
+}
+
 /// On the network side, behind all that was emitted before.
 void Emitter::perform(Slot& slot, std::function<void(event::Outlet&)> task)
 {
     if (!module_)
         return;  // nobody receives yet
-    slot.handover.enter();
+    await_room(slot);
+    ++slot.handed_over;
     module_->loop().perform([&slot, task = std::move(task)] {
         task(*slot.outlet);
-        slot.handover.leave();
+        --slot.handed_over;
     });
 }
 
@@ -211,10 +220,11 @@ void Emitter::send(std::size_t output, Event event, bool complete)
                     .part = event.identity.part,
                     .each = slot.outlet->fans_out()};
     auto emission = std::make_shared<const event::Emission>(std::move(event), complete, std::move(own));
-    slot.handover.enter();
+    await_room(slot);
+    ++slot.handed_over;
     module_->loop().perform([this, &slot, emission = std::move(emission)] {
         module_->emit(*slot.outlet, emission);
-        slot.handover.leave();
+        --slot.handed_over;
         mailbox_.nudge();  // main may wait for asked() or for the end of backlogged()
     });
 }

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "declaration.hpp"
-#include "handover.hpp"
 
 #include <hive/event/mailbox.hpp>
 #include <hive/event/module.hpp>
 
+#include <atomic>
 #include <list>
 #include <optional>
 
@@ -69,16 +69,17 @@ private:
     struct Slot {         ///< one output
         Encoder encoder;  ///< until the outlet has it
         event::Outlet* outlet = nullptr;
-        std::int64_t epoch = 0;     ///< of the source
-        std::int64_t sequence = 0;  ///< of the last identity that was begun
-        std::int64_t given = 0;     ///< turns of lossless events
-        int part = 0;               ///< events emitted for the present set
-        Handover handover;
+        std::int64_t epoch = 0;            ///< of the source
+        std::int64_t sequence = 0;         ///< of the last identity that was begun
+        std::int64_t given = 0;            ///< turns of lossless events
+        int part = 0;                      ///< events emitted for the present set
+        std::atomic<int> handed_over = 0;  ///< tasks that the network side has not done yet
     };
     void inherit(Event& event, Slot& slot) const;
     [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
     void send(std::size_t output, Event event, bool complete);
     void perform(Slot& slot, std::function<void(event::Outlet&)> task);
+    void await_room(Slot& slot);
 
     const protocol::Hello& self_;
     Interface& interface_;

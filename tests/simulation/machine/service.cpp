@@ -2,21 +2,9 @@
 #include "world.hpp"
 
 #include "command_line.hpp"
-#include "handover.hpp"
 #include "last_grace.hpp"
 
 namespace hive::service {
-
-using namespace std::chrono_literals;
-
-void Handover::enter()
-{
-    while (count_ >= most)
-        simulation::world().sleep(100us);
-    ++count_;
-}
-
-void Handover::leave() { --count_; }
 
 /// Its code always returns.
 void LastGrace::begin(const std::filesystem::path&, std::chrono::seconds) {}
