@@ -11,7 +11,6 @@
 
 namespace hive {
 
-using service::Halting;
 using service::Requests;
 using service::Worker;
 
@@ -37,7 +36,6 @@ struct DroneCore::Running {
     service::ListenWish wish;
     event::Module module;
     service::Listening listening;
-    Halting halting;
     Worker worker;
     Requests requests;
 };
@@ -52,12 +50,10 @@ DroneCore::Running::Running(DroneCore& core)
               .log = [&reporter = core.reporter_](LogLevel level,
                                                   const std::string& text) { reporter.log(level, text); }}),
       listening(module, home, core.reporter_),
-      halting(core.board_, core.mailbox_, module),
       worker({.declaration = core.declaration_,
               .board = core.board_,
               .reporter = core.reporter_,
               .emitter = core.emitter_,
-              .halting = halting,
               .mailbox = core.mailbox_,
               .module = module}),
       requests({.declaration = core.declaration_,
@@ -67,7 +63,6 @@ DroneCore::Running::Running(DroneCore& core)
                 .listening = listening,
                 .mailbox = core.mailbox_,
                 .module = module,
-                .halting = halting,
                 .worker = worker,
                 .end = [&core] { core.end(); },
                 .hand_over = [&core] { core.hand_over(); },
@@ -200,7 +195,7 @@ void DroneCore::begin_work()
     const bool was_halted = settings_.take_over && take_over();
     board_.idle();
     if (settings_.order.halted || was_halted)
-        running_->halting.halt();
+        running_->worker.halt();
     reporter_.log(LogLevel::info, "started");
     serve();
 }

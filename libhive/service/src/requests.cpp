@@ -126,7 +126,7 @@ void Requests::on_halt(const Incoming& incoming)
 {
     if (set_policy(incoming))
         return;
-    parts_.halting.halt();
+    parts_.worker.halt();
     incoming.answer(Json::object());
 }
 

@@ -21,8 +21,7 @@ public:
         const Listening& listening;
         event::Mailbox& mailbox;
         event::Module& module;
-        Halting& halting;
-        Worker& worker;                   ///< for commands alone
+        Worker& worker;                   ///< for commands, and to halt it
         std::function<void()> end;        ///< ends the drone
         std::function<void()> hand_over;  ///< ends it in favour of a successor
         const DroneOrder& order;          ///< what the drone was started with

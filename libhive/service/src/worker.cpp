@@ -81,6 +81,22 @@ void Worker::step()
     parts_.board.end_work();
 }
 
+void Worker::halt()
+{
+    parts_.board.halt();
+    parts_.module.halt(true);
+    parts_.mailbox.discard(event::came_to_member);  // others may do it meanwhile
+    parts_.mailbox.nudge();
+}
+
+void Worker::resume()
+{
+    parts_.mailbox.discard([](const Event& event) { return !event.identity.lossless; });
+    parts_.board.resume();
+    parts_.module.halt(false);
+    parts_.mailbox.nudge();  // what was asked for meanwhile has not woken main
+}
+
 void Worker::inputs_ended(const std::string& text, const std::function<bool()>& still)
 {
     for (auto& matching : parts_.declaration.matchings)
@@ -190,7 +206,7 @@ void Worker::failed(const Set& set, const Error& error, const Event* lost)
         next_step_ = Clock::now() + pause_after_failure;
     conclude_all(set, event::Ending::abandoned);
     if (parts_.board.policy() == ExceptionPolicy::halt)
-        parts_.halting.halt();
+        halt();
 }
 
 void Worker::require_type(const Event& event) const

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "emitter.hpp"
-#include "halting.hpp"
 #include "reporter.hpp"
+#include "status_board.hpp"
 
 #include <hive/event/answer_filter.hpp>
 
@@ -11,7 +11,7 @@
 
 namespace hive::service {
 
-/// Everything here runs on the user thread. The network side reaches it only by commands of the mailbox.
+/// Everything here but halt() runs on the user thread. The network side reaches it only by commands of the mailbox.
 class Worker {
 public:
     /// What it uses, which outlives it.
@@ -20,7 +20,6 @@ public:
         StatusBoard& board;
         Reporter& reporter;
         Emitter& emitter;
-        Halting& halting;
         event::Mailbox& mailbox;
         event::Module& module;
     };
@@ -38,7 +37,11 @@ public:
     void keep(const Json& values) { parts_.declaration.parameters.read_back(values); }
     /// The values from before are back, and on_change is called again.
     void put_back();
-    void resume() { parts_.halting.resume(); }
+    /// Any thread. What is being worked on comes to its end; nothing more is begun or asked for, and shared work goes
+    /// back to its group.
+    void halt();
+    /// Live events that waited are discarded, so that the drone continues with the newest.
+    void resume();
     /// Nothing more comes to the inputs: the author's code is told, then the outputs end.
     /// @param still  network side: is it so when the outputs are to end?
     void inputs_ended(const std::string& text, const std::function<bool()>& still);
