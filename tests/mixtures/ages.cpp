@@ -3,7 +3,7 @@
 
 namespace hive::mixtures {
 
-Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age)
+Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age, bool set)
 {
     Problems problems;
     const auto within = [&](std::int64_t time, std::int64_t limit, const std::string& what) {
@@ -15,7 +15,7 @@ Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age
         within(status.uptime_us, age.count(), "the uptime of " + name);
         within(status.busy_us, status.uptime_us, "the time that " + name + " was busy");
         within(status.busy_for_us, status.busy_us, "the time of the present callback of " + name);
-        for (const auto& input : status.inputs)
+        for (const auto& input : set ? std::vector<InputStatus>{} : status.inputs)
             within(input.last_age_us, age.count(), "the age of the last event of " + input.from + " -> " + name);
     }
     return problems;

@@ -31,6 +31,9 @@ public:
     /// A source on demand produces so soon when all have asked.
     [[nodiscard]] virtual std::chrono::milliseconds pace() const { return stillness(); }
 
+    /// Do all drones hear at once what others send?
+    [[nodiscard]] virtual bool all_hear() const { return true; }
+
     virtual void connect(const Edge& edge) = 0;
     /// All steps but the sets. Throws what a drone answers.
     virtual void perform(const Step& step) = 0;

@@ -24,6 +24,7 @@ private:
 
 /// ages: nothing is older than the history, and no time is negative.
 /// @param age  of the history, whose drones have one clock
-Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age);
+/// @param set  the time of day was: events may have been captured before
+Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age, bool set = false);
 
 }  // namespace hive::mixtures

@@ -90,7 +90,18 @@ void Model::before(const Step& step)
         alone_.insert({step.sender, step.drone});
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
-            left(edge.sender, edge.receiver);
+            left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
+    if (step.verb == Verb::forget)
+        left(step.sender, step.drone, has_another(step.sender, step.drone, true));
+}
+
+/// @param running  only what runs counts
+bool Model::has_another(const std::string& sender, const std::string& receiver, bool running) const
+{
+    return std::ranges::any_of(topology_.edges(), [&](const Edge& edge) {
+        return edge.sender == sender && edge.receiver != receiver && edge.receiver != watcher
+               && condition_.connected(sender, edge.receiver) && (!running || condition_.runs(edge.receiver));
+    });
 }
 
 void Model::began_anew(const std::string& drone)
@@ -104,16 +115,14 @@ void Model::began_anew(const std::string& drone)
         excuse(stage.shared() ? "" : drone);
 }
 
-void Model::left(const std::string& sender, const std::string& receiver)
+void Model::left(const std::string& sender, const std::string& receiver, bool another)
 {
     if (receiver == watcher)
         return;
     const auto& stage = topology_.stages.at(topology_.stage_of(receiver));
     if (!stage.shared() || alone_.contains({sender, receiver}))
         return excuse(stage.shared() ? "" : receiver);
-    const bool last =
-        std::ranges::none_of(stage.drones, [&](auto& drone) { return condition_.connected(sender, drone); });
-    if (last && sender != source)
+    if (!another && sender != source)
         excuse(topology_.stages.at(topology_.stage_of(sender)).shared() ? "" : sender);
 }
 

@@ -62,7 +62,9 @@ private:
     void excuse(const std::string& drone);
     void excuse_receivers_of(const std::string& drone);
     void began_anew(const std::string& drone);
-    void left(const std::string& sender, const std::string& receiver);
+    /// Nobody works for the sender any more what this receiver has not answered, or `another` does.
+    void left(const std::string& sender, const std::string& receiver, bool another);
+    [[nodiscard]] bool has_another(const std::string& sender, const std::string& receiver, bool running) const;
 
     Topology topology_;
     Condition condition_;

@@ -11,7 +11,13 @@ namespace {
 /// Words that mend are likelier than words that break, and no more than two drones are broken at once.
 class Planner {
 public:
-    Planner(const Topology& topology, Random& random) : topology_(topology), random_(random), condition_(topology) {}
+    Planner(const Plan& plan, Random& random)
+        : topology_(plan.topology),
+          random_(random),
+          forgets_(plan.faults.contains(fault::forget)),
+          condition_(topology_)
+    {
+    }
 
     std::vector<Step> steps(int wanted)
     {
@@ -83,9 +89,12 @@ private:
 
     void about(const Edge& edge, std::vector<Step>& choices) const
     {
+        const bool connected = condition_.connected(edge.sender, edge.receiver);
+        if (forgets_ && connected && condition_.runs(edge.sender) && condition_.life(edge.receiver) == Life::killed)
+            for (int i = 0; i < 10; ++i)
+                choices.push_back({.verb = Verb::forget, .drone = edge.receiver, .sender = edge.sender});
         if (!condition_.runs(edge.sender) || !condition_.runs(edge.receiver))
             return;
-        const bool connected = condition_.connected(edge.sender, edge.receiver);
         for (int i = 0; i < 2 && connected && edge.receiver != watcher; ++i)
             choices.push_back({.verb = Verb::change, .drone = edge.receiver, .sender = edge.sender});
         for (int i = 0; i < (connected ? 2 : 15); ++i)
@@ -165,6 +174,7 @@ private:
 
     const Topology& topology_;
     Random& random_;
+    const bool forgets_;
     Condition condition_;
     std::map<std::string, int> frozen_ms_;
     std::vector<Step> steps_;
@@ -172,11 +182,11 @@ private:
 
 }  // namespace
 
-Plan make_plan(std::uint64_t seed, int steps)
+Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& faults)
 {
     Random random(seed);
-    Plan plan{.seed = seed, .topology = make_topology(random), .steps = {}};
-    plan.steps = Planner(plan.topology, random).steps(steps);
+    Plan plan{.seed = seed, .topology = make_topology(random), .steps = {}, .faults = faults};
+    plan.steps = Planner(plan, random).steps(steps);
     return plan;
 }
 

@@ -5,6 +5,7 @@
 #include <hive/transfer.hpp>
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,7 @@ enum class Verb {
     set_twice,     ///< two of these at once
     set_and_kill,  ///< one of these, while `drone` is killed
     rest,          ///< nothing: only wait and check
+    forget,        ///< `sender` waits no longer for `drone`, which was killed; it comes back by itself when it starts
 };
 std::string_view token(Verb verb) noexcept;
 
@@ -72,14 +74,23 @@ struct Step {
     bool settle = false;         ///< afterwards wait until nothing changes any more, and check
 };
 
+/// Faults that the simulated world adds to the steps when they are asked for.
+namespace fault {
+inline const std::string crash_point = "crash-point";  ///< a killed drone dies between two writes of a handler
+inline const std::string clock_step = "clock-step";    ///< the time of day is set, back as well
+inline const std::string forget = "forget";            ///< steps of that name
+inline const std::string silence = "silence";          ///< for a time, one drone does not hear another
+}  // namespace fault
+
 struct Plan {
     std::uint64_t seed = 0;
     Topology topology;
     std::vector<Step> steps;
+    std::set<std::string> faults = {};
 };
 
 /// A round of about `steps` steps, and those that mend at the end whatever is broken.
-Plan make_plan(std::uint64_t seed, int steps);
+Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& faults = {});
 std::string to_text(const Topology& topology);
 std::string to_text(const Step& step);
 

@@ -16,6 +16,7 @@ struct Options {
     int steps = 14, rounds = 0, seconds = 60;
     bool go_on = false, plan_only = false;
     std::string until;
+    std::set<std::string> faults;
 };
 
 bool has(const Problems& problems, const std::string& text)
@@ -43,7 +44,7 @@ int play_rounds(const Options& options, const std::string& program, const Play& 
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(options.seconds);
     std::size_t seeds = 0, steps = 0, failed = 0;
     for (int i = 0; i < rounds && (options.rounds > 0 || options.seed || std::chrono::steady_clock::now() < end); ++i) {
-        const auto plan = make_plan(first + static_cast<std::uint64_t>(i), options.steps);
+        const auto plan = make_plan(first + static_cast<std::uint64_t>(i), options.steps, options.faults);
         const auto played = options.plan_only ? Played{plan.steps.size(), {}, {}} : play(plan);
         ++seeds;
         steps += played.steps;
@@ -53,7 +54,10 @@ int play_rounds(const Options& options, const std::string& program, const Play& 
             continue;
         ++failed;
         std::cout << played.picture << "\n  to play it again: " << program << " --seed " << plan.seed << " --steps "
-                  << options.steps << std::endl;
+                  << options.steps;
+        for (const auto& fault : options.faults)
+            std::cout << " --with " << fault;
+        std::cout << std::endl;
         if (!options.go_on && has(played.problems, options.until))
             break;
     }
@@ -63,7 +67,7 @@ int play_rounds(const Options& options, const std::string& program, const Play& 
 
 }  // namespace
 
-int play_rounds(CLI::App& app, int argc, char** argv, const Play& play)
+int play_rounds(CLI::App& app, int argc, char** argv, const Play& play, const std::set<std::string>& faults)
 {
     Options options;
     app.add_option("--seed", options.seed, "play this round, instead of others for --seconds");
@@ -74,6 +78,8 @@ int play_rounds(CLI::App& app, int argc, char** argv, const Play& play)
     app.add_flag("--go-on", options.go_on, "also after a round that failed");
     app.add_option("--until", options.until, "go on after a round that failed, but for one with this in a problem");
     app.add_flag("--plan", options.plan_only, "print the rounds and play none");
+    if (!faults.empty())
+        app.add_option("--with", options.faults, "further faults, or one of them")->check(CLI::IsMember(faults));
     CLI11_PARSE(app, argc, argv);
     return play_rounds(options, app.get_name(), play);
 }

@@ -79,10 +79,12 @@ Problems Round::watch(const Statuses& statuses)
     add(window_.look(statuses));
     add(sizes_.look(statuses));
     add(waits_.look(statuses));
-    add(lease_.look(statuses, ground_.now()));
-    add(idle_.look(statuses, ground_.now()));
+    const Statuses unknown;
+    const auto& heard = ground_.all_hear() ? statuses : unknown;
+    add(lease_.look(heard, ground_.now()));
+    add(idle_.look(heard, ground_.now()));
     add(wrongly_connected(statuses, model_.wanted()));
-    add(impossible_ages(statuses, ground_.age()));
+    add(impossible_ages(statuses, ground_.age(), plan_.faults.contains(fault::clock_step)));
     if (plan_.topology.demand)
         add(pace_.look(statuses, ground_.fed(), ground_.now()));
     add(ground_.complaints());
@@ -91,6 +93,8 @@ Problems Round::watch(const Statuses& statuses)
 
 Problems Round::settle(bool last)
 {
+    while (!ground_.all_hear())
+        ground_.sleep(20ms);
     Stillness all(ground_), source_alone(ground_);
     const auto most_time = ground_.longest_settling();
     for (const auto end = ground_.now() + most_time; ground_.now() < end; ground_.sleep(20ms)) {

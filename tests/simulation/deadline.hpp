@@ -3,6 +3,8 @@
 
 #include "world.hpp"
 
+#include <utility>
+
 namespace hive::simulation {
 
 /// deadline: no call takes longer than the application's timeout, and a margin for what it does around that.

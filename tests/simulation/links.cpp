@@ -51,7 +51,7 @@ void Links::thawed(const std::string& name, Time now)
     freeze.until = now;
     for (auto& fault : faults_)
         if ((fault.one == name || fault.other == name) && fault.until >= freeze.since && fault.until != Time::max())
-            fault.until = now + notice;
+            fault.until = std::max(fault.until, now + notice);
     mended(name, now);
 }
 

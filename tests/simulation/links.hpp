@@ -4,6 +4,7 @@
 #include "world.hpp"
 
 #include <set>
+#include <utility>
 
 namespace hive::simulation {
 
@@ -21,6 +22,11 @@ public:
     void cut(const std::string& one, const std::string& other, Time now)
     {
         faults_.push_back({one, other, now, now + notice});
+    }
+
+    void silent(const std::string& one, const std::string& other, Time now, Time until)
+    {
+        faults_.push_back({one, other, now, until + notice});
     }
 
     /// It may lose its links when it says nothing for too long.

@@ -6,6 +6,8 @@
 #include <iomanip>
 #include <iostream>
 
+namespace fault = hive::mixtures::fault;
+
 int main(int argc, char** argv)
 {
     using Seconds = std::chrono::duration<double>;
@@ -17,7 +19,7 @@ int main(int argc, char** argv)
     const auto begin = std::chrono::steady_clock::now();
     std::uint64_t histories = 0, handlers = 0;
     Seconds simulated{};
-    const int code = hive::mixtures::play_rounds(app, argc, argv, [&](const hive::mixtures::Plan& plan) {
+    const auto play = [&](const hive::mixtures::Plan& plan) {
         auto played = hive::simulation::play(plan, trace);
         ++histories;
         handlers += played.handlers;
@@ -25,7 +27,9 @@ int main(int argc, char** argv)
         if (trace)
             std::cout << "digest " << std::hex << played.digest << std::dec << "\n";
         return played;
-    });
+    };
+    const int code = hive::mixtures::play_rounds(
+        app, argc, argv, play, {fault::crash_point, fault::clock_step, fault::forget, fault::silence});
     const Seconds took = std::chrono::steady_clock::now() - begin;
     std::cout << std::fixed << std::setprecision(0) << "a second: " << static_cast<double>(histories) / took.count()
               << " histories, " << simulated / took << " simulated seconds, "

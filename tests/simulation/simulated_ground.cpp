@@ -56,11 +56,12 @@ void Trace::line(const std::string& who, const std::string& what) const
                   << who << ": " << what << "\n";
 }
 
-SimulatedGround::SimulatedGround(World& world, const Topology& topology, const Trace& trace)
+SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const Trace& trace)
     : world_(world),
-      topology_(topology),
+      topology_(plan.topology),
+      faults_(plan.faults),
       trace_(trace),
-      links_(peers(topology)),
+      links_(peers(topology_)),
       calls_(Application::Options().timeout),
       waits_(2 * turn_time),
       impatient_calls_(short_timeout)
@@ -101,7 +102,8 @@ void SimulatedGround::at_once(const std::function<void()>& one, const std::funct
     until([&] { return beside.dead; });
 }
 
-void SimulatedGround::start(const std::string& drone, bool remembers)
+/// @param writes  after which it dies
+void SimulatedGround::start(const std::string& drone, bool remembers, std::optional<int> writes)
 {
     if (drone == mixtures::source && !remembers)
         fed_ = 1;
@@ -118,6 +120,7 @@ void SimulatedGround::start(const std::string& drone, bool remembers)
     };
     Running& running = running_[drone] = {};
     running.process = &world_.spawn(drone, [this, drone, options] { live(drone, options); });
+    running.process->writes_left = writes;
     until([&] { return running.ready || running.process->dead; });
     links_.mended(drone, world_.now());
 }

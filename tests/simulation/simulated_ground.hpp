@@ -35,7 +35,7 @@ Application::Options application_named(const std::string& name,
 /// Made and used by a thread of the world.
 class SimulatedGround final : public mixtures::Ground {
 public:
-    SimulatedGround(World& world, const mixtures::Topology& topology, const Trace& trace);
+    SimulatedGround(World& world, const mixtures::Plan& plan, const Trace& trace);
     ~SimulatedGround() override;
 
     [[nodiscard]] Clock::time_point now() const override { return world_.now(); }
@@ -46,6 +46,10 @@ public:
     [[nodiscard]] std::chrono::microseconds age() const override
     {
         return std::chrono::duration_cast<std::chrono::microseconds>(world_.age());
+    }
+    [[nodiscard]] bool all_hear() const override
+    {
+        return world_.now() > silent_until_ + std::chrono::milliseconds(50);
     }
     [[nodiscard]] std::chrono::milliseconds pace() const override { return std::chrono::milliseconds(50); }
     void connect(const mixtures::Edge& edge) override;
@@ -76,21 +80,31 @@ private:
         bool begun = false, ending = false;
     };
 
-    void start(const std::string& drone, bool remembers);
+    void start(const std::string& drone, bool remembers, std::optional<int> writes = {});
+    void restart(const std::string& drone);
+    void forget(const mixtures::Step& step);
+    void kill(const std::string& drone);
+    void die_while_writing(Process& process);
+    [[nodiscard]] bool has(const std::string& fault) const { return faults_.contains(fault); }
     void live(const std::string& drone, EmbeddedOptions options);
     void collect();
     void take(const Event& event, bool failed);
+    void perform_now(const mixtures::Step& step);
     void feed(int events);
     void stop(const std::string& drone);
     void freeze(const std::string& drone);
     void ask_impatiently(const std::string& drone);
     void thaw(const std::string& drone, std::chrono::milliseconds least);
     void cut_sometimes();
+    void set_clock_sometimes();
+    void silence_sometimes();
+    void wait_until_heard();
     /// Sleeps until then.
     void until(const std::function<bool()>& condition);
 
     World& world_;
     const mixtures::Topology topology_;
+    const std::set<std::string> faults_;
     const Trace& trace_;
     std::map<std::string, Running> running_;
     std::map<std::string, Time> frozen_;
@@ -100,6 +114,7 @@ private:
     std::int64_t fed_ = 1;
     Collected collected_;
     Links links_;
+    Time silent_until_{};
     Deadline calls_, waits_, impatient_calls_;
     std::optional<Application> application_, impatient_;  ///< the latter asks drones that cannot answer
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);

@@ -35,25 +35,30 @@ void SimulatedGround::connect(const Edge& edge)
     }
 }
 
+/// What is told to a drone by way of another one may take as long as these do not hear each other.
 void SimulatedGround::perform(const Step& step)
 {
     trace_.line("step", to_text(step));
     cut_sometimes();
-    const auto found = running_.find(step.drone);
-    Process* const process = found == running_.end() ? nullptr : found->second.process;
+    set_clock_sometimes();
+    if (step.verb == Verb::connect || step.verb == Verb::change || step.verb == Verb::disconnect)
+        wait_until_heard();
+    else
+        silence_sometimes();
+    perform_now(step);
+}
+
+void SimulatedGround::perform_now(const Step& step)
+{
     switch (step.verb) {
     case Verb::feed: return feed(step.number);
     case Verb::connect:
     case Verb::change: return connect(topology_.edge_of(step));
     case Verb::disconnect:
         return calls_.keep("disconnect", [&] { application_->disconnect({step.sender, ""}, {step.drone, ""}); });
-    case Verb::kill:
-        links_.broken(step.drone, world_.now());
-        world_.kill(*process);
-        killed_.insert(step.drone);
-        frozen_.erase(step.drone);
-        return;
-    case Verb::start: return start(step.drone, killed_.erase(step.drone) > 0);
+    case Verb::forget: return forget(step);
+    case Verb::kill: return kill(step.drone);
+    case Verb::start: return killed_.contains(step.drone) ? restart(step.drone) : start(step.drone, false);
     case Verb::freeze: return freeze(step.drone);
     case Verb::thaw: return thaw(step.drone, std::chrono::milliseconds(step.number));
     case Verb::halt: return calls_.keep("halt", [&] { application_->halt(step.drone); });
@@ -61,6 +66,46 @@ void SimulatedGround::perform(const Step& step)
     case Verb::stop: return stop(step.drone);
     default: return;
     }
+}
+
+/// A sender that was started again may not know the receiver.
+void SimulatedGround::forget(const Step& step)
+try {
+    calls_.keep("disconnect", [&] { application_->disconnect({step.sender, ""}, {step.drone, ""}); });
+} catch (const Error& error) {
+    if (error.code() != Errc::unreachable && error.code() != Errc::not_found)
+        throw;
+}
+
+void SimulatedGround::kill(const std::string& drone)
+{
+    links_.broken(drone, world_.now());
+    Process& process = *running_.at(drone).process;
+    if (has(mixtures::fault::crash_point) && !process.writes_left)
+        process.writes_left = static_cast<int>(world_.chance_of(12));
+    if (process.writes_left)
+        die_while_writing(process);
+    world_.kill(process);
+    killed_.insert(drone);
+    frozen_.erase(drone);
+}
+
+/// Or a while later, if it does not write.
+void SimulatedGround::die_while_writing(Process& process)
+{
+    for (const auto last = world_.now() + 100ms; !process.dead && world_.now() < last;)
+        world_.sleep(1ms);
+}
+
+/// It may die once more before it is back.
+void SimulatedGround::restart(const std::string& drone)
+{
+    if (has(mixtures::fault::crash_point) && world_.chance(40)) {
+        start(drone, true, static_cast<int>(world_.chance_of(30)));
+        kill(drone);
+    }
+    killed_.erase(drone);
+    start(drone, true);
 }
 
 void SimulatedGround::stop(const std::string& drone)
@@ -120,6 +165,41 @@ void SimulatedGround::cut_sometimes()
         trace_.line("network", "cut " + name + " - " + peer);
         links_.cut(name, peer, world_.now());
     });
+}
+
+void SimulatedGround::set_clock_sometimes()
+{
+    if (!has(mixtures::fault::clock_step) || !world_.chance(25))
+        return;
+    const auto step = world_.between(-1h, 1h);
+    trace_.line("clock",
+                "set by " + std::to_string(std::chrono::duration_cast<std::chrono::seconds>(step).count()) + " s");
+    world_.set_time_of_day(world_.time_of_day() + step);
+}
+
+/// Long enough to be taken for dead, or not. One at a time.
+void SimulatedGround::silence_sometimes()
+{
+    if (!has(mixtures::fault::silence) || !all_hear() || !world_.chance(25))
+        return;
+    const auto names = answering();
+    if (names.empty())
+        return;
+    const auto drones = topology_.drones();
+    const auto until = world_.now() + world_.between(50ms, 3500ms);
+    auto& process = *running_.at(names[world_.chance_of(names.size())]).process;
+    const auto peer = silence_one_connection(
+        process, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; }, until);
+    if (peer.empty())
+        return;
+    silent_until_ = until;
+    trace_.line("network", "between " + process.name + " and " + peer + " one does not hear the other");
+    links_.silent(process.name, peer, world_.now(), until);
+}
+
+void SimulatedGround::wait_until_heard()
+{
+    until([this] { return all_hear(); });
 }
 
 void SimulatedGround::feed(int events)

@@ -60,7 +60,7 @@ Played play(const mixtures::Plan& plan, bool trace)
     World world(plan.seed);
     world.spawn("operator", [&] {
         try {
-            SimulatedGround ground(world, plan.topology, printed);
+            SimulatedGround ground(world, plan, printed);
             static_cast<mixtures::Played&>(played) = mixtures::Round(plan, ground).play();
         } catch (const std::exception& error) {
             played.problems = {std::string("the round did not begin or end: ") + error.what()};

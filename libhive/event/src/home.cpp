@@ -2,6 +2,7 @@
 #include <hive/error.hpp>
 #include <hive/event/home.hpp>
 #include <hive/name.hpp>
+#include <hive/platform/files.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/protocol/defended.hpp>
 
@@ -131,17 +132,9 @@ void Home::forget_state(const std::string& name) const noexcept
 void replace_file(const fs::path& file, const std::string& text)
 {
     const fs::path fresh = file.string() + ".new";
-    {
-        std::ofstream stream(fresh, std::ios::trunc);
-        std::error_code ignored;  // the folder is for its owner alone as well
-        fs::permissions(fresh, fs::perms::owner_read | fs::perms::owner_write, ignored);
-        stream << text;
-        if (!stream.flush())
-            fail(Errc::io, "cannot write " + fresh.string());
-    }
-    std::error_code problem;
-    fs::rename(fresh, file, problem);
-    if (problem)
+    if (!platform::write_private(fresh, text))
+        fail(Errc::io, "cannot write " + fresh.string());
+    if (const auto problem = platform::rename(fresh, file))
         throw Error(Errc::io, "cannot replace " + file.string() + ": " + problem.message());
 }
 

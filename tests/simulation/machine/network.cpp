@@ -122,22 +122,34 @@ void note(Process& process, int end, const std::shared_ptr<Pipe>& pipe, Process&
     process.connections.push_back({end, pipe, &peer});
 }
 
+/// When the two hear each other.
+simulation::Time heard_at(const Process& one, const Process& other)
+{
+    const auto way = [](const Process& from, const Process& to) {
+        const auto found = from.unheard.find(to.pid);
+        return found == from.unheard.end() ? simulation::Time() : found->second;
+    };
+    return std::max(way(one, other), way(other, one));
+}
+
 class Dial final : public DialAttempt {
 public:
     using DialAttempt::DialAttempt;
 
 private:
-    void begin() override
+    void begin() override { arrive_at(world().now() + world().between(20us, 200us)); }
+    void cancel() noexcept override {}
+
+    void arrive_at(simulation::Time time)
     {
         const std::weak_ptr operation =
             NetworkSide::of(context_).begin([self = std::static_pointer_cast<Dial>(shared_from_this())](
                                                 std::error_code, std::size_t) { self->arrive(); });
-        world().at(world().now() + world().between(20us, 200us), [operation] {
+        world().at(time, [operation] {
             if (const auto still = operation.lock())
                 still->finish({});
         });
     }
-    void cancel() noexcept override {}
 
     void arrive()
     {
@@ -146,11 +158,13 @@ private:
         const auto door = door_at(address_);
         if (!door)
             return fail(Errc::unreachable, "connection refused");
+        Process& here = NetworkSide::of(context_).process;
+        if (const auto heard = heard_at(here, door->process()); heard > world().now())
+            return arrive_at(heard);
         const bool local = address_.scheme != Address::Scheme::tcp;
         constexpr std::size_t room = 208 * 1024;
         const auto pipe =
             std::make_shared<Pipe>(local ? Pipe::Nature{50us, 100us, room} : Pipe::Nature{2ms, 3ms, room});
-        Process& here = NetworkSide::of(context_).process;
         note(here, 0, pipe, door->process());
         note(door->process(), 1, pipe, here);
         door->knock(simulation::make_stream(door->context(), pipe, 1, here.pid, local));
@@ -221,15 +235,41 @@ void close_connections_of(Process& process)
             pipe->close(connection.end);
 }
 
-std::string cut_one_connection(Process& process, const std::function<bool(const Process&)>& with)
+namespace {
+
+std::optional<Process::Connection> one_connection(const Process& process,
+                                                  const std::function<bool(const Process&)>& with)
 {
     auto candidates = process.connections;
     std::erase_if(candidates, [&](const auto& each) { return each.pipe.expired() || !with(*each.peer); });
     if (candidates.empty())
         return {};
-    const auto& connection = candidates[world().chance_of(candidates.size())];
-    connection.pipe.lock()->cut();
-    return connection.peer->name;
+    return candidates[world().chance_of(candidates.size())];
+}
+
+}  // namespace
+
+std::string cut_one_connection(Process& process, const std::function<bool(const Process&)>& with)
+{
+    const auto connection = one_connection(process, with);
+    if (!connection)
+        return {};
+    connection->pipe.lock()->cut();
+    return connection->peer->name;
+}
+
+std::string silence_one_connection(Process& process, const std::function<bool(const Process&)>& with, Time until)
+{
+    const auto connection = one_connection(process, with);
+    if (!connection)
+        return {};
+    const bool here = world().chance(50);
+    Process &from = here ? process : *connection->peer, &to = here ? *connection->peer : process;
+    from.unheard[to.pid] = until;
+    for (const auto& each : from.connections)
+        if (const auto pipe = each.pipe.lock(); pipe && each.peer == &to)
+            pipe->hold(each.end, until);
+    return connection->peer->name;
 }
 
 }  // namespace hive::simulation

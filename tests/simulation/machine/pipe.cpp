@@ -28,10 +28,15 @@ public:
     {
         pipe_->read(end_, into, side_.begin(std::move(handler)));
     }
-    std::size_t write_now(std::span<const asio::const_buffer> from) override { return pipe_->write_now(end_, from); }
+    std::size_t write_now(std::span<const asio::const_buffer> from) override
+    {
+        return world().may_write(side_.process) ? pipe_->write_now(end_, from) : 0;
+    }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
-        pipe_->write(end_, from, side_.begin(std::move(handler)));
+        auto operation = side_.begin(std::move(handler));  // which holds what writes
+        if (world().may_write(side_.process))
+            pipe_->write(end_, from, std::move(operation));
     }
     void close() noexcept override { pipe_->close(end_); }
     [[nodiscard]] std::string peer() const override { return "pid " + std::to_string(peer_); }

@@ -25,6 +25,8 @@ public:
     void write(int end, std::span<const asio::const_buffer> from, std::shared_ptr<Operation> operation);
     /// The other end gets what is under way, and then the end of the stream.
     void close(int end);
+    /// What this end sends arrives after that time.
+    void hold(int end, Time until) { ways_[end].last = std::max(ways_[end].last, until); }
     /// Both ends lose it now, with all that is under way.
     void cut();
 

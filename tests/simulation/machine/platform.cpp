@@ -1,12 +1,15 @@
 // hive/platform in the simulated world.
 #include "world.hpp"
 
+#include <hive/platform/files.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/platform/signals.hpp>
 #include <hive/platform/timer.hpp>
 
 #include <asio/error.hpp>
 
+#include <filesystem>
+#include <fstream>
 #include <utility>
 #include <vector>
 
@@ -21,7 +24,7 @@ SteadyClock::time_point SteadyClock::now() noexcept { return world().now(); }
 WallClock::time_point WallClock::now() noexcept
 {
     constexpr std::chrono::seconds when_it_began(1'700'000'000);
-    return time_point(std::chrono::duration_cast<duration>(when_it_began + world().age()));
+    return time_point(std::chrono::duration_cast<duration>(when_it_began + world().time_of_day() + world().age()));
 }
 
 std::int64_t own_pid() noexcept { return world().current() ? world().current()->pid : 1; }
@@ -29,6 +32,21 @@ bool process_ends(std::int64_t pid) { return world().ends(pid); }
 void kill_process(std::int64_t pid) { world().kill(pid); }
 void sleep_for(std::chrono::nanoseconds time) { world().sleep(time); }
 std::uint64_t entropy() { return world().entropy(); }
+
+bool write_private(const std::filesystem::path& file, const std::string& text)
+{
+    if (world().current() && !world().may_write(*world().current()))
+        return true;
+    return !std::ofstream(file, std::ios::trunc).write(text.data(), std::ssize(text)).flush().fail();
+}
+
+std::error_code rename(const std::filesystem::path& from, const std::filesystem::path& to)
+{
+    std::error_code problem;
+    if (!world().current() || world().may_write(*world().current()))
+        std::filesystem::rename(from, to, problem);
+    return problem;
+}
 
 struct Timer::Real {
     asio::io_context& context;

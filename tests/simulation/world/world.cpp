@@ -127,6 +127,22 @@ void World::kill(Process& process)
         }
 }
 
+bool World::may_write(Process& process)
+{
+    if (process.dead)
+        return false;
+    if (!process.writes_left || *process.writes_left > 0) {
+        if (process.writes_left)
+            --*process.writes_left;
+        return true;
+    }
+    if (!std::exchange(process.frozen, true)) {
+        close_connections_of(process);
+        kill(process.pid);
+    }
+    return false;
+}
+
 bool World::ends(std::int64_t pid) const
 {
     const auto found = std::ranges::find(processes_, pid, [](const auto& process) { return process->pid; });

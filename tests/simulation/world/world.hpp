@@ -92,6 +92,7 @@ public:
     const std::int64_t pid;
     std::string failure;  ///< what its code threw
     bool dead = false, frozen = false;
+    std::optional<int> writes_left;  ///< to streams and files; with the next one it dies
     std::optional<Time> busy_since;  ///< a callback takes time; the network side has a thread after 1 ms of that
     std::vector<std::unique_ptr<Thread>> threads;
     struct Connection {
@@ -100,6 +101,7 @@ public:
         Process* peer;
     };
     std::vector<Connection> connections;
+    std::map<std::int64_t, Time> unheard;  ///< by the pid of a process that gets nothing from here until then
 };
 
 class World {
@@ -112,6 +114,9 @@ public:
     // --- time and chance ---
     [[nodiscard]] Time now() const { return now_; }
     [[nodiscard]] Duration age() const { return now_ - begin_; }
+    /// Between the time of day and the age of this world.
+    [[nodiscard]] Duration time_of_day() const { return time_of_day_; }
+    void set_time_of_day(Duration since_begin) { time_of_day_ = since_begin; }
     std::uint64_t chance_of(std::uint64_t several) { return random_() % several; }
     bool chance(int percent) { return chance_of(100) < static_cast<std::uint64_t>(percent); }
     Duration between(Duration least, Duration most);
@@ -129,6 +134,8 @@ public:
     void kill(Process& process);
     /// The same, as soon as what runs now has to wait.
     void kill(std::int64_t pid);
+    /// Asked before each write. @return false when it dies before this one: nothing that it does is seen any more
+    bool may_write(Process& process);
     [[nodiscard]] bool ends(std::int64_t pid) const;
     /// What is running; null outside of all processes.
     [[nodiscard]] Process* current() const { return current_; }
@@ -166,6 +173,7 @@ private:
 
     static constexpr Time begin_{std::chrono::seconds(1'000'000)};
     Time now_ = begin_;
+    Duration time_of_day_{};
     std::mt19937_64 random_;
     std::vector<Due> due_;
     std::uint64_t due_number_ = 0, handlers_ = 0, digest_ = 14'695'981'039'346'656'037U;

@@ -1,0 +1,90 @@
+// What a process writes after its crash point is not seen, and what is silenced arrives late.
+#include "../drones.hpp"
+#include "network.hpp"
+#include "world.hpp"
+
+#include <simulation.hpp>
+
+#include <hive/embedded_drone.hpp>
+#include <hive/platform/files.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace hive;
+using namespace std::chrono_literals;
+using simulation::World;
+
+namespace {
+
+void run(World& world, std::chrono::milliseconds time)
+{
+    for (const auto limit = world.now() + time; world.step(limit);) {
+    }
+}
+
+/// Which of three writes are seen of a process that dies at the last but `left`.
+std::vector<std::string> files_after(int left)
+{
+    simulation::enter_empty_home();
+    World world(1);
+    const std::filesystem::path home = "home";
+    std::filesystem::create_directory(home);
+    bool went_on = false;
+    auto& process = world.spawn("writer", [&] {
+        CHECK(platform::write_private(home / "one.new", "1"));
+        CHECK(!platform::rename(home / "one.new", home / "one"));
+        CHECK(platform::write_private(home / "two", "2"));
+        world.sleep(1ms);
+        went_on = true;
+    });
+    process.writes_left = left;
+    run(world, 1s);
+    CHECK(process.dead);
+    CHECK(went_on == (left == 3));
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(home))
+        names.push_back(entry.path().filename());
+    std::ranges::sort(names);
+    return names;
+}
+
+}  // namespace
+
+TEST_CASE("crash point: nothing is seen of what a process does from the write on at which it dies")
+{
+    CHECK(files_after(0).empty());
+    CHECK(files_after(1) == std::vector<std::string>{"one.new"});
+    CHECK(files_after(2) == std::vector<std::string>{"one"});
+    CHECK(files_after(3) == std::vector<std::string>{"one", "two"});
+}
+
+TEST_CASE("silence: no event arrives while one of two drones does not hear the other, and all go on afterwards")
+{
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        simulation::enter_empty_home();
+        World world(seed);
+        Drone* receiver = nullptr;
+        auto& sender = world.spawn("sender", [&] {
+            EmbeddedDrone embedded({"sender", "of a test"}, {.name = "sender", .parameters = {{"count", 1'000'000}}});
+            simulation::source(embedded.drone());
+            embedded.run();
+        });
+        world.spawn("receiver", [&] {
+            EmbeddedDrone embedded({"receiver", "of a test"}, {.name = "receiver", .connect = {"image=sender.tick"}});
+            simulation::worker(embedded.drone());
+            embedded.drone().on_start([&] { receiver = &embedded.drone(); });
+            embedded.run();
+        });
+        const auto received = [&] { return receiver->status().inputs.at(0).received; };
+        run(world, 2s);
+        REQUIRE(received() > 10);
+        const auto other = [](const simulation::Process&) { return true; };
+        CHECK(simulation::silence_one_connection(sender, other, world.now() + 1s) == "receiver");
+        run(world, 100ms);
+        const auto before = received();
+        run(world, 800ms);
+        CHECK(received() == before);
+        run(world, 1s);
+        CHECK(received() > before + 10);
+    }
+}
