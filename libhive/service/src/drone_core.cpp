@@ -28,7 +28,7 @@ struct DroneCore::Running {
     void end();
 
     /// Claims the name, unless it is to be taken over, and then reads what was told to a drone of this name.
-    Json first_state(const DroneCore& core);
+    Json first_state(DroneCore& core);
 
     event::Home home{event::default_home()};
     std::optional<event::NameClaim> claim;  ///< until the end, which this object may outlive for long
@@ -70,11 +70,14 @@ DroneCore::Running::Running(DroneCore& core)
 {
 }
 
-Json DroneCore::Running::first_state(const DroneCore& core)
+/// Peers tell the next run of a drone by its larger epoch, and the clock may have been set back since the last one.
+Json DroneCore::Running::first_state(DroneCore& core)
 {
     if (!core.settings_.take_over)
         claim.emplace(home, core.self_.name);
-    return core.left_state(home);
+    auto state = core.left_state(home);
+    core.self_.epoch = std::max(core.self_.epoch, state.value("epoch", std::int64_t{0}) + 1);
+    return state;
 }
 
 void DroneCore::Running::end()

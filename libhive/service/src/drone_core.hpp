@@ -80,7 +80,7 @@ private:
 
     service::LastGrace last_grace_;
     DroneSettings settings_;
-    const protocol::Hello self_;
+    protocol::Hello self_;  ///< its epoch is final when the module is made
     service::StatusBoard board_;
     service::Declaration declaration_;
     service::Reporter reporter_;

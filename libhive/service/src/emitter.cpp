@@ -22,16 +22,17 @@ std::size_t Emitter::add_output(Port port, Encoder encoder)
     interface_.outputs.push_back(std::move(port));
     outputs_.push_back(&slots_.emplace_back());
     outputs_.back()->encoder = std::move(encoder);
-    outputs_.back()->epoch = self_.epoch;
     return outputs_.size() - 1;
 }
 
 void Emitter::attach(event::Module& module)
 {
     module_ = &module;
-    for (std::size_t i = 0; i < outputs_.size(); ++i)
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        outputs_[i]->epoch = self_.epoch;
         outputs_[i]->outlet =
             &module.add_outlet(interface_.outputs[i], protocol::PacketType::event, std::move(outputs_[i]->encoder));
+    }
 }
 
 void Emitter::begin(const Set& set)

@@ -119,6 +119,7 @@ Json StateFile::state() const
             connections.push_back(connection_json(intake->spec()));
     Json state = listening_.saved();
     state.update({{"kind", declaration_.interface.kind},
+                  {"epoch", module_.self().epoch},
                   {"parameters", declaration_.parameters.changed()},
                   {"connections", connections},
                   {"subscribers", subscribers},

@@ -88,3 +88,24 @@ TEST_CASE("silence: no event arrives while one of two drones does not hear the o
         CHECK(received() > before + 10);
     }
 }
+
+TEST_CASE("clock step: a drone that comes back after a crash has a larger epoch, though the clock was set back")
+{
+    simulation::enter_empty_home();
+    World world(1);
+    Drone* drone = nullptr;
+    const auto live = [&] {
+        EmbeddedDrone embedded({"drone", "of a test"}, {.name = "drone"});
+        simulation::source(embedded.drone());
+        embedded.drone().on_start([&] { drone = &embedded.drone(); });
+        embedded.run();
+    };
+    auto& first_run = world.spawn("drone", live);
+    run(world, 1s);
+    const auto epoch = drone->status().epoch;
+    world.kill(first_run);
+    world.set_time_of_day(-1h);
+    world.spawn("drone", live);
+    run(world, 1s);
+    CHECK(drone->status().epoch > epoch);
+}
