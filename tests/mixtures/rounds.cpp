@@ -1,5 +1,6 @@
 // Plays rounds, each from a seed of its own, until the time is over or one fails; a seed plays its round again.
 #include "rounds.hpp"
+#include "shrink.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -14,7 +15,7 @@ namespace {
 struct Options {
     std::optional<std::uint64_t> seed, from;
     int steps = 14, rounds = 0, seconds = 60;
-    bool go_on = false, plan_only = false;
+    bool go_on = false, plan_only = false, shrink = false;
     std::string until;
     std::set<std::string> faults;
 };
@@ -35,6 +36,24 @@ void print(const Plan& plan, const Played& played)
         std::cout << "  FAILED: " << played.problems[i] << "\n";
     if (played.problems.size() > most)
         std::cout << "  ... and " << played.problems.size() - most << " more\n";
+}
+
+/// What has found it: the word before the colon.
+std::string finder_of(const Played& played)
+{
+    return played.problems.front().substr(0, played.problems.front().find(':'));
+}
+
+void print_shrunk(const Plan& plan, const Played& played, const Play& play)
+{
+    int plays = 0;
+    const auto shorter = shrunk(plan, [&](const Plan& tried) {
+        ++plays;
+        const auto again = play(tried);
+        return !again.problems.empty() && finder_of(again) == finder_of(played);
+    });
+    std::cout << "after " << plays << " plays of shorter rounds:\n";
+    print(shorter, play(shorter));
 }
 
 int play_rounds(const Options& options, const std::string& program, const Play& play)
@@ -58,6 +77,8 @@ int play_rounds(const Options& options, const std::string& program, const Play& 
         for (const auto& fault : options.faults)
             std::cout << " --with " << fault;
         std::cout << std::endl;
+        if (options.shrink)
+            print_shrunk(plan, played, play);
         if (!options.go_on && has(played.problems, options.until))
             break;
     }
@@ -78,6 +99,7 @@ int play_rounds(CLI::App& app, int argc, char** argv, const Play& play, const st
     app.add_flag("--go-on", options.go_on, "also after a round that failed");
     app.add_option("--until", options.until, "go on after a round that failed, but for one with this in a problem");
     app.add_flag("--plan", options.plan_only, "print the rounds and play none");
+    app.add_flag("--shrink", options.shrink, "leave out steps of a round that failed while it fails in the same way");
     if (!faults.empty())
         app.add_option("--with", options.faults, "further faults, or one of them")->check(CLI::IsMember(faults));
     CLI11_PARSE(app, argc, argv);
