@@ -1,6 +1,9 @@
 # How everything in Hive is compiled: language level, warnings, sanitizers, and the functions that add a layer or a drone.
 include(CTest)
 include(GNUInstallDirs)
+if(CMAKE_INSTALL_LIBDIR STREQUAL lib AND CMAKE_LIBRARY_ARCHITECTURE)  # Debian's folders of libraries, below any prefix
+  set(CMAKE_INSTALL_LIBDIR lib/${CMAKE_LIBRARY_ARCHITECTURE})
+endif()
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -99,9 +102,11 @@ endfunction()
 # What a user runs: hivectl and every drone; the tests are not among it.
 add_custom_target(programs)
 
-# Installs a program as part of the package `component`; it finds the library beside its folder wherever it is installed.
+# Installs a program and its man page as part of the package `component`; it finds the library beside its folder wherever it is installed.
 function(hive_program target component)
   install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${component})
+  install(FILES ${CMAKE_BINARY_DIR}/share/man/man1/${target}.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${component})
+  set_property(GLOBAL APPEND PROPERTY HIVE_PROGRAMS ${target})
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 endfunction()
 
@@ -131,13 +136,10 @@ endfunction()
 
 # A drone: its algorithm as a library without Hive (so that it can be tested alone) and an executable hive-NAME, made of
 # main.cpp and, where the wiring is longer than one file, WIRING. LIBRARIES are the algorithm's, or without one the executable's.
-# PACKAGE is the Debian package that it belongs to, if that is not `hive`. If this machine lacks one of the libraries, building the drone
-# fails; the others can be built.
+# It is a Debian package of its own, so that a machine installs the libraries of the drones that it runs. If this machine lacks one of
+# the libraries, building the drone fails; the others can be built.
 function(hive_drone name)
-  cmake_parse_arguments(PARSE_ARGV 1 drone "" "PACKAGE" "ALGORITHM;LIBRARIES;WIRING")
-  if(NOT drone_PACKAGE)
-    set(drone_PACKAGE hive)
-  endif()
+  cmake_parse_arguments(PARSE_ARGV 1 drone "" "" "ALGORITHM;LIBRARIES;WIRING")
   hive_find_absent(drone_LIBRARIES absent ${drone_LIBRARIES})
   if(drone_ALGORITHM)
     add_library(${name}_algorithm STATIC ${drone_ALGORITHM})
@@ -162,7 +164,7 @@ function(hive_drone name)
   endif()
   set_property(GLOBAL APPEND PROPERTY HIVE_DRONES ${name})
   add_dependencies(programs hive-${name})
-  hive_program(hive-${name} ${drone_PACKAGE})
+  hive_program(hive-${name} hive-${name})
 endfunction()
 
 # A drone in Python: NAME.py (hyphens written as underscores) in its folder. What a build has in bin/ runs it from there, with the package

@@ -20,46 +20,60 @@ fail() {
 
 (cd "$place" && "$cpack" --config "$build/CPackConfig.cmake" -G DEB -B "$place/made" -D CPACK_OUTPUT_FILE_PREFIX="$place/debs") \
     > "$place/log" 2>&1 || { tail -n 10 "$place/log" >&2; fail "cpack failed"; }
-for package in libhive0 libhive-dev hive hive-view python3-hive; do
-    file=$(echo "$place/debs/${package}"_*.deb)
-    [ -f "$file" ] || fail "there is no package $package"
+packages=()
+for file in "$place"/debs/*.deb; do
+    package=$(dpkg-deb -f "$file" Package)
+    packages+=("$package")
     dpkg-deb --contents "$file" | awk '$1 !~ /^d/ { print $6 }' >> "$place/files"
-    [ "$package" = hive-view ] || dpkg-deb -x "$file" "$root"  # added at the end
+    [[ $package = hive-* ]] || dpkg-deb -x "$file" "$root"  # drones are added when hivectl has asked for them
     dpkg-deb -f "$file" Depends > "$place/$package.depends"
+    [ "$package" = libhive0 ] || grep -q 'libhive0 (= ' "$place/$package.depends" || fail "$package does not depend on its libhive0"
 done
+mapfile -t drones < <(cd "$source/drones" && ls ./*/main.cpp | sed 's#./\(.*\)/main.cpp#hive-\1#')
+[ "$(printf '%s\n' "${packages[@]}" | sort)" = "$(printf '%s\n' libhive0 libhive-dev hivectl hive python3-hive "${drones[@]}" | sort)" ] \
+    || fail "the packages are ${packages[*]}"
 [ -z "$(sort "$place/files" | uniq -d)" ] || fail "in two packages: $(sort "$place/files" | uniq -d)"
-for file in libhive.so.0 libhive-c.so.0 libhive.so cmake/hive/hive-config.cmake pkgconfig/hive-c.pc \
+architecture=$("$python" -c 'import sys; print(sys.implementation._multiarch)')
+for file in "$architecture"/{libhive.so.0,libhive-c.so.0,libhive.so,cmake/hive/hive-config.cmake,pkgconfig/hive-c.pc} \
     python3/dist-packages/hive/__init__.py; do
     [ -e "$root/usr/lib/$file" ] || fail "no package has lib/$file"
 done
+[ -z "$(grep -E 'bin/(hive-)?(ticker|sleeper|counter|crasher|fork|join)$' "$place/files")" ] || fail "drones of the tests are in a package"
 for word in libspdlog libssl libstdc++ elfutils; do
     grep -q "$word" "$place/libhive0.depends" || fail "libhive0 does not depend on $word: $(cat "$place/libhive0.depends")"
 done
 dpkg-deb -f "$place/debs"/libhive0_*.deb Recommends > "$place/recommended"
 grep -q libavahi-client3 "$place/recommended" || fail "libhive0 does not recommend libavahi-client3"
-for package in libhive-dev hive hive-view python3-hive; do
-    grep -q 'libhive0 (= ' "$place/$package.depends" || fail "$package does not depend on its libhive0"
+for package in libhive0 hivectl; do
+    ! grep -Eq 'opencv|libav|curl' "$place/$package.depends" || fail "$package depends on what drones need: $(cat "$place/$package.depends")"
 done
-grep -q libopencv-core "$place/hive.depends" || fail "hive does not depend on OpenCV"
-! grep -q libopencv "$place/libhive0.depends" || fail "libhive0 depends on OpenCV"
+[ "$(grep -lE 'highgui|[Qq]t5|libx11|microhttpd|hive-view' "$place"/*.depends)" = "$place/hive-view.depends" ] \
+    || fail "these depend on what hive-view needs: $(grep -lE 'highgui|[Qq]t5|libx11|microhttpd|hive-view' "$place"/*.depends)"
+for drone in annotate record replay track zones; do
+    ! grep -Eq 'opencv-(dnn|video|imgcodecs|highgui)|libav' "$place/hive-$drone.depends" || fail "hive-$drone depends on more than it needs"
+done
 grep -q libopencv-highgui "$place/hive-view.depends" || fail "hive-view does not depend on highgui"
 ! grep -q imgcodecs "$place/hive-view.depends" || fail "hive-view depends on imgcodecs, which brings GDAL"
-! grep -Eq 'highgui|[Qq]t5|libx11|microhttpd|hive-view' "$place/hive.depends" \
-    || fail "hive depends on what only hive-view needs: $(cat "$place/hive.depends")"
+for drone in "${drones[@]}"; do
+    [ "$drone" = hive-view ] || grep -q "$drone (= " "$place/hive.depends" || fail "hive does not bring $drone"
+done
 dpkg-deb -f "$place/debs"/hive_*.deb Suggests | grep -q hive-view || fail "hive does not suggest hive-view"
 
 export PATH=$root/usr/bin:/usr/bin:/bin HIVE_PYTHON=$python PYTHONPATH=$root/usr/lib/python3/dist-packages
 unset LD_LIBRARY_PATH HIVE_DRONE_PATH HIVE_LIBRARY
+# Each drone alone: refused with the name of its package, then installed.
+for drone in "${drones[@]}"; do
+    ! hivectl start "${drone#hive-}" > "$place/out" 2>&1 || fail "$drone starts without its package"
+    grep -q "apt install $drone" "$place/out" || fail "hivectl start does not name the package $drone: $(cat "$place/out")"
+    dpkg-deb -x "$place/debs/${drone}"_*.deb "$root"
+    "$drone" --describe > "$place/out" || fail "$drone does not run"
+    [ -s "$root/usr/share/man/man1/$drone.1.gz" ] || fail "$drone has no man page"
+done
 hivectl start camera width=320 height=240 > "$place/out"
 hivectl start edges > "$place/out"
 hivectl connect camera edges > "$place/out"
 hivectl results edges.edges -n 2 --json --timeout 30 > "$place/out" || fail "no results of edges"
 [ "$(grep -c '"share"' "$place/out")" -eq 2 ] || fail "the results of edges are: $(cat "$place/out")"
-! DISPLAY=:0 hivectl view camera > "$place/out" 2>&1 || fail "hivectl view works without its package"
-grep -q 'apt install hive-view' "$place/out" || fail "hivectl view does not name its package: $(cat "$place/out")"
-dpkg-deb -x "$place/debs"/hive-view_*.deb "$root"
-hive-view --describe > "$place/out" || fail "hive-view does not run"
-[ -s "$root/usr/share/man/man1/hive-view.1" ] || fail "hive-view has no man page"
 hivectl stop --all > "$place/out"
 
 # The wheel, without the packages.

@@ -22,26 +22,27 @@ fail() {
 
 # Whole, and without a trace of where it was built.
 for file in bin/hivectl bin/hive-camera bin/hive-edges include/hive.h include/hive_swarm.h include/hive/drone.hpp include/hive/embedded_drone.hpp \
-    include/hive/application.hpp include/hive/vision/image.hpp share/man/man1/hivectl.1 share/man/man1/hivectl-connect.1 \
-    share/man/man1/hive-camera.1 share/bash-completion/completions/hivectl lib/python3/dist-packages/hive/drone.py; do
+    include/hive/application.hpp include/hive/vision/image.hpp share/man/man1/hivectl.1.gz share/man/man1/hivectl-connect.1.gz \
+    share/man/man1/hive-camera.1.gz share/bash-completion/completions/hivectl lib/python3/dist-packages/hive/drone.py; do
     [ -s "$prefix/$file" ] || fail "there is no $file"
 done
 [ ! -e "$prefix/include/hive/event/module.hpp" ] && [ ! -e "$prefix/include/hive/protocol" ] || fail "private headers are installed"
 if grep -rlIF -e "$source/" -e "$build/" "$prefix"; then
     fail "these name the place of the build"
 fi
-for binary in "$prefix"/bin/* "$prefix"/lib*/*.so; do
+for binary in "$prefix"/bin/* "$prefix"/lib*/*.so "$prefix"/lib/*/*.so; do
     if readelf -d "$binary" 2> "$place/ignored" | grep -E 'RPATH|RUNPATH' | grep -F -e "$build" -e "$source"; then
         fail "$binary looks for libraries in the build"
     fi
 done
-[ "$(find "$prefix/share/man/man1" -name 'hivectl-*.1' | wc -l)" -ge 15 ] || fail "there are verbs without a man page"
+[ "$(find "$prefix/share/man/man1" -name 'hivectl-*.1.gz' | wc -l)" -ge 15 ] || fail "there are verbs without a man page"
 bash -n "$prefix/share/bash-completion/completions/hivectl"
 
 # The drones of the page, in folders of their own.
 # shellcheck source=page.sh
 source "$source/tests/install/page.sh"
-export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+libraries=$(dirname "$(find "$prefix" -name libhive.so)")
+export PKG_CONFIG_PATH=$libraries/pkgconfig
 write_drones "$source" "$place"
 for drone in cpp blur; do
     {
@@ -53,7 +54,7 @@ modules=$(ldd "$place/blur/build/hive-blur" | grep -o 'libopencv_[a-z0-9]*' | so
 [ "$modules" = "libopencv_core libopencv_imgproc" ] || fail "hive-blur loads these modules of OpenCV: $modules"
 # shellcheck disable=SC2046
 "$cc" -std=c11 -Wall -Werror "$place/c/main.c" -o "$place/c/hive-brightness" $(pkg-config --cflags --libs hive-c) \
-    -Wl,-rpath,"$prefix/lib" -Wl,-rpath-link,"$prefix/lib" || fail "a drone in C does not build by pkg-config"
+    -Wl,-rpath,"$libraries" -Wl,-rpath-link,"$libraries" || fail "a drone in C does not build by pkg-config"
 
 # A swarm of what is installed and what was built.
 export HIVE_HOME=$place/home PATH=$prefix/bin:/usr/bin:/bin HIVE_PYTHON=$python

@@ -6,6 +6,8 @@
 #include <hive/name.hpp>
 #include <hive/process.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <set>
@@ -18,6 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view program_prefix = "hive-";
+
+/// Each is a Debian package of its own, hive-KIND; tests/install/packages.sh compares them.
+constexpr std::array<std::string_view, 13> packaged{"annotate", "axis",    "background", "camera", "detect",
+                                                    "face",     "gesture", "record",     "replay", "track",
+                                                    "view",     "write",   "zones"};
 
 /// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running
 /// what is merely called hive-something would be rash.
@@ -78,12 +85,11 @@ DroneCommand bare_command_of(const std::string& kind)
     std::string list;
     for (const auto& one : known)
         list += (list.empty() ? "" : ", ") + one;
-    const bool apart = kind == "view";  // a Debian package of its own, because it brings Qt
     throw no_such("there is no drone hive-" + kind + " beside " + program_invocation_short_name
                       + ", in $HIVE_DRONE_PATH or in $PATH; kinds found: " + (list.empty() ? "none" : list),
                   kind, known,
-                  apart ? "install its package: apt install hive-view"
-                        : "see what can be started: hivectl start --help");
+                  std::ranges::count(packaged, kind) ? "install its package: apt install hive-" + kind
+                                                     : "see what can be started: hivectl start --help");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@ import atexit
 import ctypes
 import json
 import os
+import sys
 import threading
 import weakref
 from typing import Any, Generator, Optional
@@ -20,7 +21,8 @@ def _load() -> ctypes.CDLL:
     """$HIVE_LIBRARY; beside this package (a wheel), in the lib folder of a build, or of the prefix into which both were
     installed; or where the system has libraries."""
     here = os.path.dirname(os.path.abspath(__file__))
-    folders: tuple[list[str], ...] = ([], ["..", "..", "lib"], ["..", "..", ".."])
+    architecture = getattr(sys.implementation, "_multiarch", "")  # Debian's lib/x86_64-linux-gnu
+    folders: tuple[list[str], ...] = ([], ["..", "..", "lib"], ["..", "..", "..", architecture])
     places = [os.path.normpath(os.path.join(here, *folder, SONAME)) for folder in folders]
     told = os.environ.get("HIVE_LIBRARY")
     found = [told] if told else [place for place in places if os.path.exists(place)]
