@@ -80,6 +80,8 @@ hivectl stop --all > "$place/out"
 wheel=$("$source/scripts/make-wheel" "$build" "$place")
 "$python" -m venv "$place/venv"
 "$place/venv/bin/pip" install --quiet --no-index --no-deps --disable-pip-version-check "$wheel"
+"$place/venv/bin/pip" show --disable-pip-version-check hive > "$place/out"
+grep -q '^Summary: .*without hivectl' "$place/out" || fail "the wheel does not say that hivectl is not in it"
 unset PYTHONPATH
 cat > "$place/try.py" << 'END_OF_PYTHON'
 import threading
