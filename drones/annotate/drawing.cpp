@@ -15,7 +15,7 @@
 namespace annotate {
 namespace {
 
-const cv::Scalar green(60, 220, 60), white(235, 235, 235), yellow(0, 220, 255);
+const cv::Scalar green(60, 220, 60), white(235, 235, 235), yellow(0, 220, 255), black(0, 0, 0);
 
 /// A coordinate that OpenCV's own arithmetic takes: it is far outside of every picture anyway.
 int pixel(double value) { return static_cast<int>(std::lround(std::clamp(value, -32000.0, 32000.0))); }
@@ -23,6 +23,27 @@ int pixel(double value) { return static_cast<int>(std::lround(std::clamp(value, 
 cv::Point pixel(const cv::Point2d& point) { return {pixel(point.x), pixel(point.y)}; }
 
 cv::Rect pixels(const cv::Rect2d& box) { return {pixel(box.tl()), pixel(box.br())}; }
+
+std::vector<cv::Point> pixels(const Region& region, cv::Size picture)
+{
+    std::vector<cv::Point> points;
+    for (const auto& point : region.points)
+        points.push_back(pixel({point.x * (picture.width - 1), point.y * (picture.height - 1)}));
+    return points;
+}
+
+const cv::Scalar& region_colour(const Region& region) { return region.closed ? white : yellow; }
+
+/// After all lines, which would cross them.
+void write_labels(cv::Mat& picture, const std::vector<Region>& regions, const std::vector<Mark>& marks)
+{
+    std::vector<cv::Rect> taken;
+    for (const Region& region : regions)
+        write_label(picture, region.label, cv::boundingRect(pixels(region, picture.size())), region_colour(region),
+                    taken);
+    for (const Mark& mark : marks)
+        write_label(picture, mark.label, pixels(mark.box), Drawing::colour_of(mark.id), taken);
+}
 
 /// The mark in a picture of another size.
 Mark scaled(Mark mark, double across, double down)
@@ -75,35 +96,40 @@ void Drawing::draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) 
     const bool other_size = !marks.seen.empty() && marks.seen != cv::Size2d(picture.size());
     for (const Region& region : marks.regions)
         draw(result, region);
+    std::vector<Mark> shown;
     for (const Mark& mark : marks.all)
-        draw(result,
-             other_size ? scaled(mark, picture.cols / marks.seen.width, picture.rows / marks.seen.height) : mark);
+        if (!mark.uncertain || uncertain != Uncertain::hidden)
+            shown.push_back(other_size ? scaled(mark, picture.cols / marks.seen.width, picture.rows / marks.seen.height)
+                                       : mark);
+    for (const Mark& mark : shown)
+        draw(result, mark);
+    if (labels)
+        write_labels(result, marks.regions, shown);
 }
 
-/// 2 px up to 480 rows: a thinner line is hard to see, and in an image of 2160 rows 9 px.
+/// 2 px up to 480 px of the shorter side: a thinner line is hard to see, and in an image of 2160 px 9 px.
 int Drawing::width_for(const cv::Mat& picture) const
 {
-    return thickness > 0 ? thickness : std::clamp(static_cast<int>(std::lround(picture.rows / 240.0)), 2, 20);
+    const int side = std::min(picture.rows, picture.cols);
+    return thickness > 0 ? thickness : std::clamp(static_cast<int>(std::lround(side / 240.0)), 2, 20);
 }
 
 void Drawing::draw(cv::Mat& picture, const Mark& mark) const
 {
-    if (mark.uncertain && uncertain == Uncertain::hidden)
-        return;
     const auto colour = colour_of(mark.id);
     for (const Shape& shape : mark.shapes)
-        draw(picture, shape, colour);
+        draw(picture, shape, mark);
     if (mark.framed && mark.uncertain && uncertain == Uncertain::dashed)
         dashed_box(picture, pixels(mark.box), colour, width_for(picture));
     else if (mark.framed)
         cv::rectangle(picture, pixels(mark.box), colour, width_for(picture), cv::LINE_AA);
-    if (labels && !mark.label.empty())
-        write_label(picture, mark.label, pixels(mark.box), colour);
 }
 
-void Drawing::draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colour) const
+/// Dots are small in a small box, where they would hide what they mark.
+void Drawing::draw(cv::Mat& picture, const Shape& shape, const Mark& mark) const
 {
-    const int width = width_for(picture);
+    const auto colour = colour_of(mark.id);
+    const int width = width_for(picture), dot = std::clamp(pixel(mark.box.height / 30), (width + 1) / 2, 2 * width);
     std::vector<cv::Point> points;
     for (const auto& point : shape.points)
         points.push_back(pixel(point));
@@ -112,22 +138,18 @@ void Drawing::draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colou
     if (shape.form != Shape::Form::dots)
         return cv::polylines(picture, points, shape.form != Shape::Form::line, colour, width, cv::LINE_AA);
     for (const auto& point : points)
-        cv::circle(picture, point, 2 * width, colour, cv::FILLED, cv::LINE_AA);
+        cv::circle(picture, point, dot, colour, cv::FILLED, cv::LINE_AA);
 }
 
 void Drawing::draw(cv::Mat& picture, const Region& region) const
 {
-    std::vector<cv::Point> points;
-    for (const auto& point : region.points)
-        points.push_back(pixel({point.x * (picture.cols - 1), point.y * (picture.rows - 1)}));
+    const auto points = pixels(region, picture.size());
     const int width = width_for(picture);
-    const auto colour = region.closed ? white : yellow;
-    cv::polylines(picture, points, region.closed, colour, width, cv::LINE_AA);
-    if (!region.closed)
-        arrow_to_the_right(picture, points[0], points[1], colour, width);
-    if (labels && !region.label.empty())
-        write_label(picture, region.label,
-                    region.closed ? cv::boundingRect(points) : cv::Rect(points[0], picture.size()), colour);
+    for (const auto& [colour, wide] : {std::pair(black, width + 2), {region_colour(region), width}}) {
+        cv::polylines(picture, points, region.closed, colour, wide, cv::LINE_AA);
+        if (!region.closed)
+            arrow_to_the_right(picture, points[0], points[1], colour, 12 * width, wide);
+    }
 }
 
 }  // namespace annotate

@@ -23,7 +23,7 @@ public:
 private:
     [[nodiscard]] int width_for(const cv::Mat& picture) const;
     void draw(cv::Mat& picture, const Mark& mark) const;
-    void draw(cv::Mat& picture, const Shape& shape, const cv::Scalar& colour) const;
+    void draw(cv::Mat& picture, const Shape& shape, const Mark& mark) const;
     void draw(cv::Mat& picture, const Region& region) const;
 };
 

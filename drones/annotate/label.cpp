@@ -11,7 +11,7 @@ namespace annotate {
 namespace {
 
 constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
-/// Size of letters: 1 in images of 960 rows; smaller ones than the minimum cannot be read.
+/// Size of letters: 1 in images whose shorter side has 960 px; smaller ones than the minimum cannot be read.
 constexpr double smallest_letters = 0.35, usual_letters = 0.4, largest_letters = 4;
 /// A label is at most this share of the picture's width, and this one of its height.
 constexpr double widest = 0.5, highest = 0.12;
@@ -43,8 +43,9 @@ std::optional<Lettering> lettering_for(std::string text, cv::Size picture)
     const auto fits = [&](const Lettering& one) {
         return one.plate.width <= widest * picture.width && one.plate.height <= highest * picture.height;
     };
+    const double usual = std::clamp(std::min(picture.width, picture.height) / 960.0, usual_letters, largest_letters);
     for (;;) {
-        for (const double size : {std::clamp(picture.height / 960.0, usual_letters, largest_letters), smallest_letters})
+        for (const double size : {usual, smallest_letters})
             if (auto found = lettering(text, size); fits(found))
                 return found;
         const auto last = text.rfind(' ');
@@ -54,24 +55,49 @@ std::optional<Lettering> lettering_for(std::string text, cv::Size picture)
     }
 }
 
+/// Above the box, inside it unless that hides more than half of it, or below it; where no place is free, the first one.
+std::optional<cv::Rect> place_for(cv::Size plate, const cv::Rect& box, cv::Size picture,
+                                  const std::vector<cv::Rect>& taken)
+{
+    const int x = std::clamp(box.x, 0, std::max(0, picture.width - plate.width));
+    std::vector<cv::Rect> places{{{x, box.y - plate.height}, plate}};
+    if (box.height >= 2 * plate.height)
+        places.push_back({{x, std::max(box.y, 0)}, plate});
+    places.push_back({{x, box.br().y}, plate});
+    std::erase_if(places, [&](const cv::Rect& place) { return place.y < 0 || place.br().y > picture.height; });
+    const auto is_free = [&](const cv::Rect& place) {
+        return std::ranges::none_of(taken, [&](const cv::Rect& other) { return !(other & place).empty(); });
+    };
+    const auto found = std::ranges::find_if(places, is_free);
+    if (found != places.end())
+        return *found;
+    return places.empty() ? std::nullopt : std::optional(places[0]);
+}
+
+/// Black, or white on a dark plate.
+cv::Scalar letters_on(const cv::Scalar& plate)
+{
+    const double brightness = 0.114 * plate[0] + 0.587 * plate[1] + 0.299 * plate[2];
+    return cv::Scalar::all(brightness < 100 ? 255 : 0);
+}
+
 }  // namespace
 
-/// Dark on a plate of the mark's colour, above the box, or inside it where there is no room above. In a small picture
-/// a label gives way: it takes smaller letters, then loses its last words, and where not even the first one fits, or
-/// the plate would hide more than half of its own box from inside, there is none.
-void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour)
+/// In a small picture a label gives way: it takes smaller letters, then loses its last words, and where not even the
+/// first one fits there is none.
+void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
+                 std::vector<cv::Rect>& taken)
 {
+    const cv::Rect seen(box.tl(), cv::Size(std::max(box.width, 1), std::max(box.height, 1)));
     const auto lettering = lettering_for(text, picture.size());
-    if (!lettering)
+    if (text.empty() || !lettering || (seen & cv::Rect({}, picture.size())).empty())
         return;
-    cv::Point corner = box.tl();
-    const bool above = corner.y >= lettering->plate.height;
-    if (!above && box.height < 2 * lettering->plate.height)
+    const auto place = place_for(lettering->plate, box, picture.size(), taken);
+    if (!place)
         return;
-    corner.y = above ? corner.y - lettering->plate.height : std::max(corner.y, 0);
-    corner.x = std::clamp(corner.x, 0, std::max(0, picture.cols - lettering->plate.width));
-    cv::rectangle(picture, {corner, lettering->plate}, colour, cv::FILLED);
-    cv::putText(picture, lettering->text, corner + lettering->start, font, lettering->size, cv::Scalar::all(0),
+    taken.push_back(*place);
+    cv::rectangle(picture, *place, colour, cv::FILLED);
+    cv::putText(picture, lettering->text, place->tl() + lettering->start, font, lettering->size, letters_on(colour),
                 lettering->weight, cv::LINE_AA);
 }
 

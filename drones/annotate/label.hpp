@@ -4,11 +4,16 @@
 #include <opencv2/core/mat.hpp>
 
 #include <string>
+#include <vector>
 
 namespace annotate {
 
-/// @param text  printable ASCII
-/// @param box   px; the label stands above it, or inside where there is no room above
-void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour);
+/// @param text   printable ASCII
+/// @param box    px; outside of the picture it gets no label. The label stands above it, or else inside or below, where
+/// the
+///               picture has room and no other label stands
+/// @param taken  where labels stand already; this one is added
+void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
+                 std::vector<cv::Rect>& taken);
 
 }  // namespace annotate

@@ -43,10 +43,10 @@ void fill(cv::Mat& picture, const std::vector<cv::Point>& outline, const cv::Sca
     cv::addWeighted(filled, share, image, 1 - share, 0, image);
 }
 
-void arrow_to_the_right(cv::Mat& picture, cv::Point a, cv::Point b, const cv::Scalar& colour, int width)
+void arrow_to_the_right(cv::Mat& picture, cv::Point a, cv::Point b, const cv::Scalar& colour, int size, int width)
 {
     const cv::Point2d along = b - a, middle = cv::Point2d(a + b) / 2;
-    const double length = std::hypot(along.x, along.y), size = 12.0 * width;
+    const double length = std::hypot(along.x, along.y);
     if (length < 1)
         return;
     const cv::Point2d right(-along.y / length * size, along.x / length * size);

@@ -11,7 +11,7 @@ namespace annotate {
 void dashed_box(cv::Mat& picture, const cv::Rect& box, const cv::Scalar& colour, int width);
 /// The image shows through the area.
 void fill(cv::Mat& picture, const std::vector<cv::Point>& outline, const cv::Scalar& colour);
-/// From the middle of the line from `a` to `b`, to the right as seen from `a`: where a crossing counts as in.
-void arrow_to_the_right(cv::Mat& picture, cv::Point a, cv::Point b, const cv::Scalar& colour, int width);
+/// `size` px from the middle of the line from `a` to `b`, to the right as seen from `a`: where a crossing counts as in.
+void arrow_to_the_right(cv::Mat& picture, cv::Point a, cv::Point b, const cv::Scalar& colour, int size, int width);
 
 }  // namespace annotate

@@ -120,7 +120,7 @@ TEST_CASE("drawing: in small pictures labels take less and less room, and never 
     CHECK(small.width <= 3 * 320 / 2);  // three channels in a row
     CHECK(smaller.width <= 3 * 160 / 2);
     CHECK(plate({64, 48}, label, {20, 20, 20, 20}).empty());
-    CHECK(plate({640, 480}, label, {200, 2, 60, 20}).empty());  // inside it would hide its box
+    CHECK(plate({640, 480}, label, {200, 2, 60, 20}).y >= 22);  // inside it would hide its box
     CHECK_FALSE(plate({640, 480}, label, {200, 2, 60, 200}).empty());
 }
 
@@ -128,6 +128,59 @@ TEST_CASE("drawing: a label at the right edge is moved into the picture")
 {
     const auto picture = drawn({.all = {{.box = {290, 100, 8, 8}, .label = "somebody"}}});
     CHECK(lit(picture, {230, 80, 40, 18}) > 400);
+}
+
+TEST_CASE(
+    "drawing: labels stand beside each other where their boxes overlap, on top of all lines, and only at boxes in "
+    "the picture")
+{
+    const Mark one{.box = {100, 100, 80, 60}, .id = "1", .label = "first"},
+        other{.box = {105, 103, 80, 60}, .id = "2", .label = "other"};
+    const auto colours = [](const cv::Mat& picture, const cv::Rect& part, const std::string& id) {
+        cv::Mat found;
+        const auto colour = Drawing::colour_of(id);
+        cv::inRange(picture(part), colour, colour, found);
+        return cv::countNonZero(found);
+    };
+    const cv::Rect above(95, 75, 110, 25);
+    const auto alone = drawn({.all = {one}}), both = drawn({.all = {one, other}});
+    CHECK(colours(alone, above, "1") > 300);
+    CHECK(colours(both, above, "1") == colours(alone, above, "1"));
+    CHECK(colours(both, above, "2") == 0);
+    CHECK(colours(both, {107, 105, 76, 25}, "2") > 200);  // inside its own box
+    for (const cv::Rect2d outside : {cv::Rect2d(-60, 50, 40, 40), {320, 50, 40, 40}, {50, 205, 40, 40}})
+        CHECK(lit(drawn({.all = {{.box = outside, .label = "outside"}}}), {0, 0, 300, 200}) == 0);
+}
+
+TEST_CASE("drawing: letters are white on a dark colour")
+{
+    const auto whitest = [](const char* id) {
+        const auto picture = drawn({.all = {{.box = {100, 100, 80, 60}, .id = id, .label = "MMMM"}}});
+        cv::Mat found;
+        cv::inRange(picture(cv::Rect(100, 75, 80, 25)), cv::Scalar::all(200), cv::Scalar::all(255), found);
+        return cv::countNonZero(found);
+    };
+    CHECK(whitest("7") > 10);  // blue
+    CHECK(whitest("6") == 0);  // green
+}
+
+TEST_CASE("drawing: dots are small in a small box")
+{
+    const auto dot = [](double height) {
+        const Mark mark{.box = {200, 20, 10, height}, .shapes = {{Shape::Form::dots, {{50, 50}}}}};
+        return lit(drawn({.all = {mark}}), {40, 40, 20, 20});
+    };
+    CHECK(dot(20) < dot(120) / 2);
+}
+
+TEST_CASE("drawing: a line of a zone is seen in a white image, too")
+{
+    const cv::Mat white(200, 300, CV_8UC3, cv::Scalar::all(255));
+    const auto picture = drawn({.regions = {{{{0.1, 0.5}, {0.4, 0.5}, {0.4, 0.9}}, "", true}}}, {}, white);
+    int darkest = 255;
+    for (int y = 95; y < 105; ++y)
+        darkest = std::min<int>(darkest, at(picture, 75, y)[1]);
+    CHECK(darkest < 100);
 }
 
 TEST_CASE("drawing: a trail is an open line, a hull a closed one, fingers are dots")
@@ -188,6 +241,7 @@ TEST_CASE("drawing: lines are wider in larger images")
     const Marks marks{.all = {{.box = {100, 50, 80, 60}}}};
     CHECK(at(drawn(marks), 103, 80) == black);
     CHECK(at(drawn(marks, {}, cv::Mat(2160, 3840, CV_8UC3, cv::Scalar::all(0))), 103, 80) == green);
+    CHECK(at(drawn(marks, {}, cv::Mat(1920, 300, CV_8UC3, cv::Scalar::all(0))), 103, 80) == black);  // upright
 }
 
 TEST_CASE("drawing: letters are larger in larger images, up to 4K")
