@@ -19,7 +19,8 @@ using Background = Layout::Background;
 // Sources. YOLOv5 and v7: export.py of their repositories. YOLOv8 to YOLO26: ultralytics/nn/modules/head.py (Detect,
 // Segment, Pose, OBB: forward and postprocess; RTDETRDecoder) and NMSModel in ultralytics/engine/exporter.py. SSD: the
 // layer DetectionOutput of Caffe, and the ONNX model zoo. YOLO-NAS: super-gradients' convert_to_onnx. DETR and RT-DETR:
-// the outputs logits and pred_boxes of Hugging Face's transformers.
+// the outputs logits and pred_boxes of Hugging Face's transformers. Lists: export_onnx.py of RT-DETR and D-FINE, and
+// the detection models of torchvision.
 constexpr std::array known_layouts{
     Layout{.name = "ssd",
            .outputs = "1x1xNx7",
@@ -73,6 +74,12 @@ constexpr std::array known_layouts{
            .scores_at = 5,
            .extra = Extra::mask},
     Layout{.name = "yolov10", .outputs = "1xNx6", .min_sides = 2, .score_at = 4, .class_at = 5},
+    Layout{.name = "lists",
+           .outputs = "1xNx4, 1xN and 1xN",
+           .table = Table::lists,
+           .min_sides = 2,
+           .score_at = 0,
+           .class_at = 0},
     Layout{.name = "ssd-apart",
            .outputs = "1xNx4 and 1xNxclasses",
            .table = Table::apart,
@@ -126,6 +133,11 @@ bool is_table(const Shape& shape)
     return shape.size() >= 2 && std::all_of(shape.begin(), shape.end() - 2, [](int side) { return side == 1; });
 }
 
+bool is_list(const Shape& shape, int length)
+{
+    return is_table(shape) && std::min(rows_of(shape), shape.back()) <= 1 && rows_of(shape) * shape.back() == length;
+}
+
 /// The number of places at which YOLOv5 and v7 look: three at every 8th, 16th, 32nd (and 64th) pixel; tiny ones not
 /// at every 8th.
 bool is_grid(int rows, cv::Size input)
@@ -156,7 +168,9 @@ public:
         if (!told_ && !suits_the_task())
             return std::nullopt;
         for (std::size_t i = 0; i < shapes_.size(); ++i)
-            if (const auto found = layout_.table == Table::apart ? in_two(i) : in_one(i))
+            if (const auto found = layout_.table == Table::apart   ? in_two(i)
+                                   : layout_.table == Table::lists ? in_three(i)
+                                                                   : in_one(i))
                 return found;
         return std::nullopt;
     }
@@ -182,7 +196,7 @@ private:
         const Shape& shape = shapes_[index];
         if (!has_sides(shape))
             return std::nullopt;
-        Place place{.layout = &layout_, .boxes = index, .scores = index};
+        Place place{.layout = &layout_, .boxes = index, .scores = index, .class_numbers = index};
         if (layout_.table == Table::single)
             return of_scores(place);
         const bool columns_are_rows = layout_.table == Table::columns;
@@ -264,6 +278,21 @@ private:
         return std::nullopt;
     }
 
+    /// A number for each box, twice: all known networks give the classes before the scores.
+    std::optional<Place> in_three(std::size_t boxes) const
+    {
+        const Shape& place = shapes_[boxes];
+        if (!has_sides(place) || place.back() != 4)
+            return std::nullopt;
+        std::vector<std::size_t> lists;
+        for (std::size_t i = 0; i < shapes_.size(); ++i)
+            if (i != boxes && is_list(shapes_[i], rows_of(place)))
+                lists.push_back(i);
+        return lists.size() == 2 ? std::optional(
+                   Place{.layout = &layout_, .boxes = boxes, .scores = lists[1], .class_numbers = lists[0]})
+                                 : std::nullopt;
+    }
+
     /// Logits are of either DETR, and only the number of the names tells which.
     bool fits_classes(int across) const
     {
@@ -316,7 +345,8 @@ std::optional<std::string> objection(const std::vector<cv::Mat>& outputs, const 
         std::snprintf(text, sizeof text, " %s of %g, %s", what, number, expected);
         return "as " + std::string(layout.name) + " it gives" + text;
     };
-    const cv::Mat numbers = table_of(outputs[place.scores], layout.table),
+    const cv::Mat numbers = list_of(outputs[place.scores], layout.table),
+                  classes = list_of(outputs[place.class_numbers], layout.table),
                   boxes = table_of(outputs[place.boxes], layout.table);
     const bool each = layout.scores_at >= 0;
     if (layout.scores == Scores::plain)
@@ -324,8 +354,8 @@ std::optional<std::string> objection(const std::vector<cv::Mat>& outputs, const 
                                       1 - max_score, max_score))
             return wrong("a score", *score, "which is not between 0 and 1");
     if (layout.class_at >= 0)
-        for (int row = 0; row < numbers.rows; ++row)
-            if (const float number = numbers.at<float>(row, layout.class_at); number != std::floor(number))
+        for (int row = 0; row < classes.rows; ++row)
+            if (const float number = classes.at<float>(row, layout.class_at); number != std::floor(number))
                 return wrong("a class", number, "which is not a whole number");
     if (layout.shares)
         if (const auto corner = beyond(boxes, layout.box_at, 4, -max_share, max_share))
@@ -339,6 +369,13 @@ cv::Mat table_of(const cv::Mat& output, Layout::Table table)
         return cv::Mat(0, output.size[output.dims - 1], CV_32F);
     const cv::Mat rows = output.reshape(1, {output.size[output.dims - 2], output.size[output.dims - 1]});
     return table == Table::columns ? cv::Mat(rows.t()) : rows;
+}
+
+cv::Mat list_of(const cv::Mat& output, Layout::Table table)
+{
+    if (table != Table::lists)
+        return table_of(output, table);
+    return output.total() == 0 ? cv::Mat(0, 1, CV_32F) : output.reshape(1, {static_cast<int>(output.total()), 1});
 }
 
 std::string shape_text(const std::vector<int>& shape)

@@ -17,8 +17,9 @@ struct Layout {
         rows,
         columns,
         apart,
+        lists,
         single
-    };  ///< apart: boxes and scores in two; single: scores without boxes
+    };  ///< apart: boxes and scores in two; lists: boxes, classes and scores in three; single: scores without boxes
     enum class Box { centre, corners };
     enum class Extra { none, mask, keypoints, angle };  ///< at the end of the row
     enum class Scores { plain, sigmoid, softmax };      ///< what makes the numbers scores from 0 to 1
@@ -54,7 +55,8 @@ struct Knowledge {
 /// A layout, and the outputs in which it is.
 struct Place {
     const Layout* layout = nullptr;
-    std::size_t boxes = 0, scores = 0;  ///< places in the list of outputs; the same one but for Table::apart
+    std::size_t boxes = 0, scores = 0;  ///< places in the list of outputs; the same one but for Table::apart and lists
+    std::size_t class_numbers = 0;      ///< where Layout::class_at is; the same one as scores but for Table::lists
     std::size_t prototypes = 0;         ///< of masks
     int classes = 0;                    ///< scores of a row
     int numbers = 3;                    ///< of a keypoint
@@ -71,6 +73,8 @@ std::optional<std::string> objection(const std::vector<cv::Mat>& outputs, const 
 
 /// The output without the sides of 1 at its front, an object a row; without copying, except Table::columns.
 cv::Mat table_of(const cv::Mat& output, Layout::Table table);
+/// The output that has the scores, or the numbers of the classes, an object a row.
+cv::Mat list_of(const cv::Mat& output, Layout::Table table);
 /// "1x84x8400"
 std::string shape_text(const std::vector<int>& shape);
 

@@ -28,11 +28,11 @@ double score_from(const float* numbers, int classes, int index, Layout::Scores k
     return 1 / sum;
 }
 
-Best best_of(const float* row, const Place& place)
+Best best_of(const float* row, const float* class_numbers, const Place& place)
 {
     const Layout& layout = *place.layout;
     if (layout.class_at >= 0)
-        return {class_from(row[layout.class_at]), row[layout.score_at]};
+        return {class_from(class_numbers[layout.class_at]), row[layout.score_at]};
     const float* scores = row + layout.scores_at;
     const int first = layout.background == Layout::Background::first ? 1 : 0,
               end = place.classes - (layout.background == Layout::Background::last ? 1 : 0);
@@ -87,11 +87,14 @@ std::vector<Candidate> rows_of(const std::vector<cv::Mat>& outputs, const Place&
 {
     const Layout& layout = *place.layout;
     const cv::Mat boxes = table_of(outputs[place.boxes], layout.table),
-                  scores = place.scores == place.boxes ? boxes : table_of(outputs[place.scores], layout.table);
+                  scores = place.scores == place.boxes ? boxes : list_of(outputs[place.scores], layout.table),
+                  class_numbers = place.class_numbers == place.scores
+                                      ? scores
+                                      : list_of(outputs[place.class_numbers], layout.table);
     std::vector<Candidate> found;
     for (int row = 0; row < boxes.rows; ++row) {
         const float* numbers = boxes.ptr<float>(row);
-        const Best best = best_of(scores.ptr<float>(row), place);
+        const Best best = best_of(scores.ptr<float>(row), class_numbers.ptr<float>(row), place);
         if (best.score < min_score || (layout.image_at >= 0 && numbers[layout.image_at] < 0))
             continue;  // SSD fills up its table with an image of -1
         Candidate candidate{

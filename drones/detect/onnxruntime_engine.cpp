@@ -4,8 +4,9 @@
 
 #include <dlfcn.h>
 
-#include <cstdint>
 #include <algorithm>
+#include <array>
+#include <cstdint>
 
 namespace detect {
 namespace {
@@ -42,6 +43,8 @@ enum Function : std::size_t {
 };
 
 enum ElementType : int { type_float = 1, type_int32 = 6, type_int64 = 7 };
+/// Of RT-DETR and D-FINE: the size of the image, by which they multiply their boxes; here that of the input.
+constexpr const char* size_input = "orig_target_sizes";
 constexpr int log_fatal = 4, device_allocator = 0, default_memory = 0;
 
 /// The functions of the library.
@@ -121,6 +124,7 @@ public:
             api_.call(threads, options.get(), 1);  // one drone, one core
         api_.call(create_session, env_.get(), model.c_str(), options.get(), session_.place());
         inputs_ = names(get_input_count, get_input_name);
+        wants_size_ = std::erase(inputs_, size_input) > 0;
         if (inputs_.size() != 1)
             throw EngineError("has " + std::to_string(inputs_.size()) + " inputs; its only input has to be the image");
         outputs_ = names(get_output_count, get_output_name);
@@ -130,21 +134,30 @@ public:
     std::vector<cv::Mat> run(const cv::Mat& input) override
     {
         const std::vector<std::int64_t> sides(input.size.p, input.size.p + input.dims);
-        Handle tensor(api_, release_value);
-        api_.call(create_tensor_with_data, memory_.get(), static_cast<void*>(input.data),
-                  input.total() * input.elemSize(), sides.data(), sides.size(), int{type_float}, tensor.place());
-        const char* const input_name = inputs_[0].c_str();
-        void* const value = tensor.get();
+        std::array<std::int64_t, 2> size{sides[3], sides[2]};
+        Handle image(api_, release_value), image_size(api_, release_value);
+        make_tensor(image, input.data, input.total() * input.elemSize(), sides, type_float);
+        make_tensor(image_size, size.data(), sizeof size, {1, 2}, type_int64);
+        const std::array<const char*, 2> input_names{inputs_[0].c_str(), size_input};
+        const std::array<void*, 2> tensors{image.get(), image_size.get()};
         std::vector<const char*> output_names;
         for (const std::string& name : outputs_)
             output_names.push_back(name.c_str());
         std::vector<void*> values(outputs_.size(), nullptr);
-        api_.call(run_session, session_.get(), static_cast<void*>(nullptr), &input_name, &value, std::size_t{1},
-                  output_names.data(), output_names.size(), values.data());
+        api_.call(run_session, session_.get(), static_cast<void*>(nullptr), input_names.data(), tensors.data(),
+                  std::size_t{wants_size_ ? 2U : 1U}, output_names.data(), output_names.size(), values.data());
         return copies(values);
     }
 
 private:
+    /// Of these bytes, which are not copied.
+    void make_tensor(Handle& tensor, void* data, std::size_t bytes, const std::vector<std::int64_t>& sides,
+                     int type) const
+    {
+        api_.call(create_tensor_with_data, memory_.get(), data, bytes, sides.data(), sides.size(), type,
+                  tensor.place());
+    }
+
     std::vector<std::string> names(Function count, Function name) const
     {
         std::size_t number = 0;
@@ -211,6 +224,7 @@ private:
     Api api_;
     Handle env_{api_, release_env}, memory_{api_, release_memory_info}, session_{api_, release_session};
     std::vector<std::string> inputs_, outputs_;
+    bool wants_size_ = false;
 };
 
 }  // namespace

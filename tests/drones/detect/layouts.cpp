@@ -109,6 +109,22 @@ TEST_CASE("layouts: boxes and scores may be apart, in any order, with as many ro
     CHECK(place({{1, 3000, 4}, {1, 200, 3}}, 0).empty());
 }
 
+TEST_CASE("layouts: three outputs of as many rows are boxes, classes and scores; classes are whole numbers")
+{
+    const cv::Mat boxes = table({1, 2, 4}, {10, 10, 20, 30, 0, 0, 5, 5}), labels = table({1, 2}, {3, 17}),
+                  scores = table({1, 2}, {0.9F, 0.1F});
+    for (const std::size_t classes : {0, 1, 20})
+        CHECK(choice({labels, boxes, scores}, classes).second == "lists");
+    CHECK(choice({table({4, 4}, std::vector<float>(16)), table({4, 1}, {1, 2, 3, 4}), table({1, 4}, {0, 0, 0, 1})}, 0)
+              .second
+          == "lists");
+    CHECK(choice({scores, boxes, labels}, 0)
+          == std::pair(std::string("as lists it gives a score of 3, which is not between 0 and 1"),
+                       std::string_view("none")));
+    CHECK(layout_of({{1, 0, 4}, {1, 0}, {1, 0}}, {.input = usual_input}) == "lists");  // nothing is seen
+    CHECK(layout_of({{1, 2, 4}, {1, 2}, {1, 3}}, {.input = usual_input}) == "none");
+}
+
 TEST_CASE("layouts: of logits apart, the number of names tells whether the last class is no object")
 {
     const std::vector<cv::Mat> outputs{table({1, 1, 3}, {-4, 2, 7}), table({1, 1, 4}, {0.5F, 0.5F, 0.2F, 0.2F})};

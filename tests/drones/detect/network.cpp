@@ -257,6 +257,47 @@ TEST_CASE("network: each engine gives the same objects, and ONNX Runtime runs wh
     CHECK(refusal(with(garbage, "onnxruntime")).find("cannot be run by ONNX Runtime: ") != std::string::npos);
 }
 
+TEST_CASE("network: boxes, whole class numbers and scores in three lists, as torchvision's detectors give them")
+{
+    onnx::Model model = constant({2, 4}, {2, 2, 4, 6, 0, 0, 1, 1});
+    model.more = {{"labels", {2}, {1, 0}, true}, {"scores", {2}, {0.9F, 0.1F}}};
+    model.metadata = {{"names", "{0: 'cup', 1: 'spoon'}"}};
+    const onnx::File file(".onnx", onnx::bytes_of(model));
+    Network network(settings(file));
+    CHECK(network.layout() == "lists");
+    const auto objects = network.find(grey_picture({80, 80}));
+    REQUIRE(objects.size() == 1);
+    CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
+    CHECK(objects[0].name == "spoon");
+    CHECK(objects[0].score == doctest::Approx(0.9));
+}
+
+TEST_CASE(
+    "network: RT-DETR's own export has labels of 64 bits, and asks for the size of the image (needs ONNX Runtime)")
+{
+    onnx::Model model = constant({1, 2, 4}, {0.125F, 0.25F, 0.25F, 0.75F, 0, 0, 0.1F, 0.1F});
+    model.width = 16;
+    model.sized = true;
+    model.more = {{"labels", {1, 2}, {1, 0}, true}, {"scores", {1, 2}, {0.9F, 0.1F}}};
+    model.metadata = {{"names", "{0: 'cup', 1: 'spoon'}"}};
+    const onnx::File file(".onnx", onnx::bytes_of(model));
+    NetworkSettings wanted = settings(file);
+    wanted.input = {};
+    wanted.engine = "onnxruntime";
+    if (!hive::test::possible(refusal(wanted) == "accepted" ? "" : "ONNX Runtime: libonnxruntime.so.1"))
+        return;
+    for (const char* engine : {"onnxruntime", "auto"}) {
+        wanted.engine = engine;
+        Network network(wanted);
+        CHECK(network.layout() == "lists");
+        const auto objects = network.find(grey_picture({160, 80}));
+        REQUIRE(objects.size() == 1);
+        CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
+        CHECK(objects[0].name == "spoon");
+        CHECK(objects[0].score == doctest::Approx(0.9));
+    }
+}
+
 TEST_CASE("network: a layout that is told is the only one that is considered")
 {
     const onnx::File file(".onnx", onnx::bytes_of(constant({1, 7, 6}, std::vector<float>(42))));

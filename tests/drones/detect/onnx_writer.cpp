@@ -48,12 +48,13 @@ std::string tensor(const std::string& name, int type, const std::vector<std::uin
 
 constexpr int type_float = 1, type_int64 = 7;
 
-std::string value_info(const std::string& name, const std::vector<std::uint64_t>& sides)
+std::string value_info(const std::string& name, const std::vector<std::uint64_t>& sides,
+                       std::uint64_t type = type_float)
 {
     std::string shape;
     for (const auto side : sides)
         shape += part(1, number(1, side));
-    return part(1, name) + part(2, part(1, number(1, type_float) + part(2, shape)));
+    return part(1, name) + part(2, part(1, number(1, type) + part(2, shape)));
 }
 
 std::string node(const std::string& operation, const std::vector<std::string>& inputs, const std::string& output)
@@ -81,7 +82,7 @@ std::vector<std::uint64_t> sides_of(const std::vector<Number>& shape)
     return {shape.begin(), shape.end()};
 }
 
-/// The nodes and weights that make one output of a row of numbers.
+/// The nodes and weights that make `shape` of a row of numbers.
 std::string output(const std::string& row, const std::string& name, const std::vector<int>& shape,
                    const std::vector<float>& constants, const std::vector<float>& weights)
 {
@@ -93,8 +94,20 @@ std::string output(const std::string& row, const std::string& name, const std::v
            + part(5,
                   tensor(own_weights, type_float, {constants.size(), weights.size() / constants.size()}, raw(weights)))
            + part(5, tensor(own_constants, type_float, {constants.size()}, raw(constants)))
-           + part(5, tensor(own_shape, type_int64, {sides.size()}, raw(sides)))
-           + part(12, value_info(name, sides_of(shape)));
+           + part(5, tensor(own_shape, type_int64, {sides.size()}, raw(sides)));
+}
+
+std::string cast(const std::string& input, const std::string& result, std::uint64_t type)
+{
+    return part(1, node("Cast", {input}, result) + attribute("to", type));
+}
+
+/// Multiplies rows x, y, x, y by the second input.
+std::string multiplied(const std::string& shares, const std::string& name)
+{
+    return part(11, value_info("orig_target_sizes", {1, 2}, type_int64)) + cast("orig_target_sizes", "size", type_float)
+           + part(1, node("Concat", {"size", "size"}, "corners") + attribute("axis", 1))
+           + part(1, node("Mul", {shares, "corners"}, name));
 }
 
 }  // namespace
@@ -108,16 +121,19 @@ std::string bytes_of(const Model& model)
     const std::vector<std::uint64_t> input_sides{1, 3, static_cast<std::uint64_t>(model.height),
                                                  static_cast<std::uint64_t>(model.width)};
     const std::string row = model.operation.empty() ? "row" : "changed";
-    std::string graph = part(1, node("Flatten", {"image"}, "row")) + part(2, "tiny")
-                        + part(11, value_info("image", input_sides))
-                        + output(row, "objects", model.shape, model.constants, weights);
+    std::string graph =
+        part(1, node("Flatten", {"image"}, "row")) + part(2, "tiny") + part(11, value_info("image", input_sides))
+        + output(row, model.sized ? "shares" : "objects", model.shape, model.constants, weights)
+        + (model.sized ? multiplied("shares", "objects") : "") + part(12, value_info("objects", sides_of(model.shape)));
     if (!model.operation.empty())
         graph += part(1, node(model.operation, {"row"}, row));
     if (!model.more.empty())  // from the three means of the input: that needs few weights
         graph += part(1, node("GlobalAveragePool", {"image"}, "mean")) + part(1, node("Flatten", {"mean"}, "means"));
     for (const Model::Output& other : model.more)
-        graph += output("means", other.name, other.shape, other.constants,
-                        std::vector<float>(3 * other.constants.size(), 0.0F));
+        graph += output("means", other.integers ? other.name + "_floats" : other.name, other.shape, other.constants,
+                        std::vector<float>(3 * other.constants.size(), 0.0F))
+                 + (other.integers ? cast(other.name + "_floats", other.name, type_int64) : "")
+                 + part(12, value_info(other.name, sides_of(other.shape), other.integers ? type_int64 : type_float));
     std::string metadata;
     for (const auto& [key, value] : model.metadata)
         metadata += part(14, part(1, key) + part(2, value));

@@ -26,10 +26,14 @@ struct Model {
         std::string name;
         std::vector<int> shape;
         std::vector<float> constants;
+        bool integers = false;  ///< of 64 bits
     };
     std::vector<Output> more = {};
     std::vector<std::pair<std::string, std::string>> metadata = {};
     std::string operation = {};  ///< of a node of one input and output in between; empty: there is none
+    /// There is a second input, orig_target_sizes (width, height), by which the rows x, y, x, y of `shape` are
+    /// multiplied.
+    bool sized = false;
 };
 
 /// The bytes of the model in the format of ONNX (protocol buffers).
