@@ -197,6 +197,14 @@ TEST_CASE("command line: a time and a size may have a unit")
           == 0);
 }
 
+TEST_CASE("completion: drones of the tests are not offered, though they can be started")
+{
+    const Swarm swarm;
+    CHECK(swarm.hivectl_done({"complete", "--", "start", "cam"}) == "camera\n");
+    for (const char* kind : {"ticker", "sleeper", "counter", "crasher", "fork", "join"})
+        CHECK(swarm.hivectl_done({"complete", "--", "start", kind}).empty());
+}
+
 TEST_CASE("completion: it knows the values of options, arguments and parameters")
 {
     const Swarm swarm;

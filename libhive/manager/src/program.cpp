@@ -10,6 +10,8 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <unistd.h>
@@ -29,6 +31,13 @@ constexpr std::array<std::string_view, 13> packaged{"annotate", "axis",    "back
 /// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running
 /// what is merely called hive-something would be rash.
 bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
+
+/// Kinds of a directory that can be started, but are not offered: drones that tests use, beside those of users.
+std::set<std::string> unlisted(const fs::path& directory)
+{
+    std::ifstream names(directory / ".hive-unlisted");
+    return {std::istream_iterator<std::string>(names), {}};
+}
 
 std::vector<fs::path> directories()
 {
@@ -62,11 +71,14 @@ std::vector<std::string> kinds()
 {
     std::set<std::string> found;
     std::error_code ignored;
-    for (const auto& directory : directories())
+    for (const auto& directory : directories()) {
+        const auto hidden = unlisted(directory);
         for (const auto& entry : fs::directory_iterator(directory, ignored))
             if (const auto name = entry.path().filename().string();
                 name.starts_with(program_prefix) && !is_emulator(name) && is_program(entry.path()))
-                found.insert(name.substr(program_prefix.size()));
+                if (const auto kind = name.substr(program_prefix.size()); !hidden.contains(kind))
+                    found.insert(kind);
+    }
     return {found.begin(), found.end()};
 }
 

@@ -23,6 +23,16 @@ TEST_CASE("programs: what is called hive-KIND is a drone's, but for emulators of
     CHECK_FALSE(hive::program_of("toys"));
 }
 
+TEST_CASE("programs: a directory may name kinds that can be started and are not offered")
+{
+    const Programs programs({"hive-toy", "hive-trial"});
+    std::ofstream(std::filesystem::path(std::getenv("HIVE_DRONE_PATH")) / ".hive-unlisted") << "trial\nother\n";
+    const auto kinds = hive::kinds();
+    CHECK(std::ranges::count(kinds, "toy") == 1);
+    CHECK(std::ranges::count(kinds, "trial") == 0);
+    CHECK(hive::program_of("trial"));
+}
+
 TEST_CASE("programs: the connection of ssh is kept in the home, as ssh's own syntax writes it, where it fits")
 {
     const auto path_in = [](const char* home) {

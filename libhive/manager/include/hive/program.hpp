@@ -14,7 +14,7 @@ namespace hive {
 
 /// The program of a kind, absolute.
 std::optional<std::filesystem::path> program_of(const std::string& kind);
-/// All kinds that can be started, sorted.
+/// All kinds that can be started, sorted; without those that the file .hive-unlisted beside them names, one a line.
 std::vector<std::string> kinds();
 
 /// Is what the user calls a kind a file of Python: "edges.py", "drones/edges.py"?
