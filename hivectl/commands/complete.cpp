@@ -38,12 +38,20 @@ Words values(const hive::ParameterInfo& parameter)
     return parameter.type == hive::ParameterType::flag ? Words{"true", "false"} : parameter.choices;
 }
 
+std::vector<hive::Interface> interfaces_of(hive::Application& application, const std::string& drones)
+{
+    std::vector<hive::Interface> found;
+    for (const auto& drone : application.find(drones))
+        found.push_back(application.describe(drone));
+    return found;
+}
+
 /// "key", or "key=" as long as that is being typed, and then "key=value".
-Words parameters(hive::Application& application, const std::string& drone, const std::string& current, bool settings)
+Words parameters(const std::vector<hive::Interface>& interfaces, const std::string& current, bool settings)
 {
     Words words;
-    for (const auto& name : application.find(drone))
-        for (const auto& parameter : application.describe(name).parameters) {
+    for (const auto& interface : interfaces)
+        for (const auto& parameter : interface.parameters) {
             const auto key = parameter.name + (settings ? "=" : "");
             if (!settings || !current.starts_with(key))
                 add_new(words, {key});
@@ -61,8 +69,9 @@ Words operands(Operand operand, const std::string& first, const std::string& cur
     case Operand::drone: return session.application(300ms).drones();
     case Operand::sender: return ends(session.application(300ms), current, true);
     case Operand::receiver: return ends(session.application(300ms), current, false);
-    case Operand::parameter: return parameters(session.application(300ms), first, current, false);
-    case Operand::setting: return parameters(session.application(300ms), first, current, true);
+    case Operand::parameter: return parameters(interfaces_of(session.application(300ms), first), current, false);
+    case Operand::setting: return parameters(interfaces_of(session.application(300ms), first), current, true);
+    case Operand::setting_of_kind: return parameters({hive::interface_of(first, 3s)}, current, true);
     case Operand::file:
     case Operand::other: break;
     }

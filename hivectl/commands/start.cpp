@@ -135,7 +135,7 @@ Verb verb()
             .examples = "hivectl start camera\n"
                         "hivectl start face --as face-2 scale=1.05 min_size=40",
             .timeout = "end it if it does not answer within this long (default 10)",
-            .operands = {Operand::kind, Operand::other},
+            .operands = {Operand::kind, Operand::setting_of_kind},
             .declare = declare};
 }
 

@@ -220,6 +220,9 @@ TEST_CASE("completion: it knows the values of options, arguments and parameters"
     CHECK(offered({"set", "camera", "pa"}) == "padding=\npace=\n");
     CHECK(offered({"set", "camera", "pace="}) == "pace=live\npace=demand\n");
     CHECK(offered({"set", "camera", "ends=t"}) == "ends=true\n");
+    CHECK(offered({"start", "ticker", "pa"}) == "padding=\npace=\n");
+    CHECK(offered({"start", "ticker", "--as", "other", "count=3", "pace=d"}) == "pace=demand\n");
+    CHECK(offered({"start", "nothing", "pa"}).empty());
     CHECK(offered({"connections", "--w"}) == "--wide\n");
     const std::string bash =
         "source <(hivectl completion bash); COMP_WORDS=(hivectl set camera pace = d); COMP_CWORD=5; "
