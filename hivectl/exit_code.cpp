@@ -6,6 +6,7 @@
 #include <hive/program.hpp>
 
 #include <array>
+#include <sstream>
 
 namespace hivectl {
 namespace {
@@ -87,6 +88,27 @@ std::string explained(const hive::Error& error, std::string_view subject)
 {
     const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
     return printable(error.what() + (advice.empty() ? "" : "; " + advice));
+}
+
+std::string with_advice(const hive::Error& error)
+{
+    const std::string text = error.what();
+    const auto* const between = text.find('\n') == std::string::npos ? "; " : "\n";
+    return error.advice().empty() ? text : text + between + error.advice();
+}
+
+void complain_in_lines(std::string_view verb, const std::string& text)
+{
+    std::istringstream lines(text);
+    std::string indent;
+    for (std::string line; std::getline(lines, line); indent = "  ")
+        complain(verb, indent + printable(line));
+}
+
+void complain_about(std::string_view verb, const hive::Error& error)
+{
+    const bool one_line = std::string_view(error.what()).find('\n') == std::string_view::npos;
+    one_line ? complain(verb, explained(error)) : complain_in_lines(verb, with_advice(error));
 }
 
 void Outcome::failed(std::string_view subject, const hive::Error& error)

@@ -32,6 +32,13 @@ std::string advice_for_missing(const std::string& drone);
 /// @param subject  the drone or port that it is about, if that is known
 std::string explained(const hive::Error& error, std::string_view subject = {});
 
+/// The error's text and its own advice. The last lines of a log may be among it.
+std::string with_advice(const hive::Error& error);
+/// One line on stderr for each line of the text.
+void complain_in_lines(std::string_view verb, const std::string& text);
+/// Says on stderr what failed and what to do about it.
+void complain_about(std::string_view verb, const hive::Error& error);
+
 /// How something asked of several drones went, drone by drone. Failures go to stderr as they come.
 class Outcome {
 public:

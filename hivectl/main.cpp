@@ -86,7 +86,9 @@ int main(int argc, char** argv)
     try {
         return hivectl::dispatch(argc, argv);
     } catch (const hive::Error& error) {
-        hivectl::complain(argc > 1 ? argv[1] : "", hivectl::explained(error));
+        hivectl::complain_about(argc > 1 ? argv[1] : "", error);
+        if (error.code() == hive::Errc::stopped && hivectl::interrupt::requested())
+            return hivectl::interrupt::exit_code();
         return hivectl::exit_code_of(error.code());
     } catch (const std::exception& error) {
         hivectl::complain(argc > 1 ? argv[1] : "", hivectl::printable(error.what()));

@@ -5,23 +5,12 @@
 #include "output.hpp"
 #include "table.hpp"
 
-#include <sstream>
-
 namespace hivectl {
 namespace {
 
-/// A log may be among it, so each line is one.
-void complain_in_lines(std::string_view verb, const std::string& subject, const std::string& text)
+void complain_about(std::string_view verb, const hive::SwarmFailure& failure, const std::string& text)
 {
-    std::istringstream lines(text);
-    bool first = true;
-    for (std::string line; std::getline(lines, line); first = false)
-        complain(verb, (first && !line.starts_with(subject) ? subject + ": " : first ? "" : "  ") + printable(line));
-}
-
-std::string with_advice(const hive::Error& error)
-{
-    return error.advice().empty() ? error.what() : std::string(error.what()) + "; " + error.advice();
+    complain_in_lines(verb, (text.starts_with(failure.drone) ? "" : failure.drone + ": ") + text);
 }
 
 }  // namespace
@@ -45,10 +34,10 @@ void SwarmWork::show() { waiting_.now_for(drones_ + progress_); }
 int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {
     for (const auto& failure : outcome.failures)
-        complain_in_lines(verb, failure.drone, with_advice(failure.error));
+        complain_about(verb, failure, with_advice(failure.error));
     const std::string remains = outcome.failures.empty() ? "could not be ended: " : "not undone: ";
     for (const auto& failure : outcome.remains)
-        complain_in_lines(verb, failure.drone, remains + with_advice(failure.error));
+        complain_about(verb, failure, remains + with_advice(failure.error));
     if (interrupt::requested())
         return interrupt::exit_code();
     if (!outcome.failures.empty())

@@ -4,7 +4,7 @@
 #include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../places.hpp"
-#include "../remote_start.hpp"
+#include "../remote_verb.hpp"
 #include "../session.hpp"
 #include "../status_line.hpp"
 #include "../table.hpp"

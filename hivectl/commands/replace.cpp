@@ -3,7 +3,7 @@
 #include "../exit_code.hpp"
 #include "../output.hpp"
 #include "../places.hpp"
-#include "../remote_start.hpp"
+#include "../remote_verb.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
 #include "../status_line.hpp"

@@ -83,19 +83,18 @@ void print_text(const std::string& file, const hive::recording::Reader& reader, 
                   + (loss.events > 0 ? count_text(loss.events, "event") + ", " : "") + printable(loss.reason) + "\n");
 }
 
-std::vector<std::string> settings(const Options& options)
+hive::DroneOrder order_of(const Options& options)
 {
-    std::vector<std::string> words{"--set", "file=" + std::filesystem::absolute(options.file).string()};
+    hive::DroneOrder order{.name = options.name, .kind = "replay", .halted = options.halted};
+    order.set["file"] = std::filesystem::absolute(options.file).string();
     for (const auto& [key, value] : {std::pair{"pace", options.pace},
                                      {"speed", options.speed},
                                      {"from", options.from},
                                      {"to", options.to},
                                      {"loop", std::string(options.loop ? "on" : "")}})
         if (!value.empty())
-            words.insert(words.end(), {"--set", std::string(key) + "=" + value});
-    if (options.halted)
-        words.emplace_back("--halted");
-    return words;
+            order.set[key] = value;
+    return order;
 }
 
 int run(const Options& options, Session& session)
@@ -108,7 +107,7 @@ int run(const Options& options, Session& session)
         session.json ? print_json(options.file, reader) : print_text(options.file, reader, page_of(session.form()));
         return reader.problem().empty() ? exit_code::done : exit_code::partly_done;
     }
-    return start_in_background(session, {"replay", "replay", options.name, settings(options)});
+    return start_in_background(session, start_options(session, "replay", order_of(options)));
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <sys/wait.h>
 
 namespace hivectl::save_verb {
 namespace {
@@ -42,14 +41,15 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
 /// An absolute path, but one that means a folder still does.
 std::string path_of(const std::string& file) { return std::filesystem::absolute(file).string(); }
 
-LaunchPlan plan_of(const Options& options, const std::string& name)
+hive::DroneOrder order_of(const Options& options)
 {
-    LaunchPlan plan{"save", "write", name, {}, hive::BackgroundProcess::Life::tied};
-    for (const auto& setting : {"file=" + path_of(options.file), "quality=" + std::to_string(options.quality),
-                                "fps=" + std::to_string(options.fps), "count=" + std::to_string(options.count),
-                                std::string("overwrite=") + (options.overwrite ? "on" : "off")})
-        plan.arguments.insert(plan.arguments.end(), {"--set", setting});
-    return plan;
+    return {.name = "writer",
+            .kind = "write",
+            .set = {{"file", path_of(options.file)},
+                    {"quality", options.quality},
+                    {"fps", options.fps},
+                    {"count", options.count},
+                    {"overwrite", options.overwrite ? "on" : "off"}}};
 }
 
 /// How many pictures the writer has taken, and of which source the last one of the sender was.
@@ -80,7 +80,7 @@ std::string source_of(hive::Application& application, std::string drone)
 }
 
 /// What the writer says when the file is complete: after the end of the source, enough pictures, or Ctrl-C.
-std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::Application& application,
+std::optional<hive::Event> await(hive::TiedDrone& writer, hive::Collector& files, hive::Application& application,
                                  const hive::Endpoint& output, std::chrono::milliseconds limit)
 {
     Progress progress(application, false);
@@ -91,10 +91,10 @@ std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::A
     for (auto since = Clock::now(); Clock::now() < until;) {
         if (auto event = files.next(100ms))
             return event;
-        if (launch.process().ended())
+        if (writer.exited())
             return std::nullopt;
         if (!ending)
-            note_progress(progress, application, launch.name(), source);
+            note_progress(progress, application, writer.name(), source);
         if (!told && Clock::now() - since > 3s) {
             told = true;
             if (const auto stall = stall_behind(application, {output}); !stall.text.empty())
@@ -103,7 +103,7 @@ std::optional<hive::Event> await(Launch& launch, hive::Collector& files, hive::A
         if (interrupt::requested() && !std::exchange(ending, true)) {
             application.timeout(limit);
             waiting.emplace("the file to be completed");
-            application.set(launch.name(), {{"file", ""}});
+            application.set(writer.name(), {{"file", ""}});
             until = Clock::now() + limit;
         }
     }
@@ -141,35 +141,24 @@ int report(const hive::Json& header, const Options& options, bool json)
     return problem.empty() ? exit_code::done : exit_code::partly_done;
 }
 
-/// Throws Errc::name_taken when another drone has the name of the plan.
-int save(const Options& options, const hive::Endpoint& output, const LaunchPlan& plan, Session& session)
+int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    Launch launch(session, plan);
-    const Removal removal(launch, application);
-    if (const auto failure = launch.await(session.timeout(10s)))
-        return *failure;
-    application.timeout(session.timeout());
-    const auto files = application.collect({{plan.name, "files"}});
+    const auto output = output_of(application, options.from);
+    const interrupt::Deferred deferred;
+    auto writer = start_for_verb(session, "save", order_of(options));
+    const auto files = application.collect({{writer.name(), "files"}});
     hive::ConnectionOptions connection;
     connection.window = 4;
     connection.encoding = "";
-    application.connect(output, {plan.name, "image"}, connection);
-    const auto event = await(launch, *files, application, output, session.timeout(10s));
+    application.connect(output, {writer.name(), "image"}, connection);
+    const auto event = await(writer, *files, application, output, session.timeout(10s));
     if (event)
         return report(event->header, options, session.json);
-    if (const auto status = launch.process().ended())
-        return launch.died(*status);
+    if (const auto how = writer.exited())
+        throw *how;
     complain("save", "the file was not completed in time; it holds what came before");
     return exit_code::timed_out;
-}
-
-int run(const Options& options, Session& session)
-{
-    const auto output = output_of(session.application(), options.from);
-    const interrupt::Deferred deferred;
-    return as_first_free(
-        "writer", [&](const std::string& name) { return save(options, output, plan_of(options, name), session); });
 }
 
 Run declare(CommandLine& line, Session& session)

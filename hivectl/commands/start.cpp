@@ -1,12 +1,10 @@
 // hivectl start: runs a drone in the background and returns when it answers.
 #include "../command_line.hpp"
 #include "../launch.hpp"
-#include "../remote_start.hpp"
 #include "../session.hpp"
 #include "../settings.hpp"
 #include "../verbs.hpp"
 
-#include <hive/drone_order.hpp>
 #include <hive/program.hpp>
 
 namespace hivectl::start_verb {
@@ -15,50 +13,19 @@ namespace {
 struct Options {
     hive::DroneOrder order;
     std::string on;
-    std::vector<std::string> settings, connections;
+    std::vector<std::string> settings;
     bool if_missing = false;
 };
 
-/// The options that are handed on; to a drone here as to a hivectl elsewhere.
-std::vector<std::string> handed_on(const Options& options)
-{
-    auto words = hive::option_words(options.order);
-    if (!options.order.swarm.empty())
-        words.insert(words.end(), {"--swarm", options.order.swarm});
-    for (const auto& connection : options.connections)
-        words.insert(words.end(), {"--connect", connection});
-    for (const auto& receiver : options.order.expected)
-        words.insert(words.end(), {"--expect", receiver});
-    return words;
-}
-
-/// For the drone's program.
-std::vector<std::string> arguments(const Options& options)
-{
-    auto words = handed_on(options);
-    for (const auto& setting : options.settings)
-        words.insert(words.end(), {"--set", setting});
-    return words;
-}
-
-/// For the hivectl there: as here, but that the drone is met from other machines.
-std::vector<std::string> words_for_other_machine(Options options)
-{
-    if (options.order.listen.empty())
-        options.order.listen = "tcp://0.0.0.0";
-    auto words = handed_on(options);
-    words.insert(words.end(), options.settings.begin(), options.settings.end());
-    return words;
-}
-
 int run(const Options& options, Session& session)
 {
-    parse_settings(options.settings);  // mistakes are found before anything is started
-    const auto &name = options.order.name, &kind = options.order.kind;
-    if (options.on.empty())
-        return start_in_background(session, {"start", kind, name, arguments(options)}, options.if_missing);
-    return start_remotely(session,
-                          {.ssh = options.on, .kind = kind, .name = name, .words = words_for_other_machine(options)});
+    auto order = options.order;
+    order.set = parse_settings(options.settings);
+    if (order.name.empty())
+        order.name = hive::usual_name(order.kind);
+    auto wanted = start_options(session, "start", std::move(order), options.on);
+    wanted.if_missing = options.if_missing;
+    return start_in_background(session, wanted);
 }
 
 void declare(CommandLine& line, hive::DroneOrder& order, const hive::OrderField& field)
@@ -84,14 +51,14 @@ Run declare(CommandLine& line, Session& session)
     line.option("key=value", options->settings, "parameters to begin with");
     line.option("--as", options->order.name, "its name in the swarm (default: KIND, or FILE without .py)")
         .type_name("NAME");
-    const auto on = line.option("--on", options->on,
-                                "start it on that machine, through ssh: HOST, USER@HOST, or a name of ssh's own; it "
-                                "then listens at tcp://0.0.0.0 unless --listen says otherwise")
-                        .type_name("HOST");
-    line.flag("--if-missing", options->if_missing,
-              "a drone of this name and kind that runs here already is left as it is, and printed as if it was started")
-        .excludes(on);
-    line.option("--connect", options->connections,
+    line.option("--on", options->on,
+                "start it on that machine, through ssh: HOST, USER@HOST, or a name of ssh's own; it then listens at "
+                "tcp://0.0.0.0 unless --listen says otherwise")
+        .type_name("HOST");
+    line.flag(
+        "--if-missing", options->if_missing,
+        "a drone of this name and kind that runs there already is left as it is, and printed as if it was started");
+    line.option("--connect", options->order.connections,
                 "receive from there as soon as the sender is there; may be repeated, and INPUT be left out where there "
                 "is only one. OPTIONs: at=tcp://HOST:PORT, stream, notify, window=N, first_frame, share, group=NAME, "
                 "lease=SECONDS, encoding=NAME")
@@ -108,12 +75,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("--swarm", options->order.swarm,
                 "the swarm that it belongs to, whose hivectl down ends it (default: none)")
         .type_name("NAME");
-    return [options, &session] {
-        auto& order = options->order;
-        if (order.name.empty())
-            order.name = hive::usual_name(order.kind);
-        return run(*options, session);
-    };
+    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include <array>
 #include <cstdlib>
 #include <sys/random.h>
-#include <sys/wait.h>
 
 namespace hivectl::view_verb {
 namespace {
@@ -40,16 +39,6 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
     if (output.port.empty())
         output.port = usual_output(application.describe(output.drone), output.drone, "image/");
     return output;
-}
-
-LaunchPlan plan_of(const Options& options, const std::string& name)
-{
-    LaunchPlan plan{"view", "view", name, {}, hive::BackgroundProcess::Life::tied};
-    if (options.port == 0)
-        plan.arguments = {"--set", "window=on"};
-    else
-        plan.arguments = {"--set", "window=off"};
-    return plan;
 }
 
 /// 128 bits of chance, as text.
@@ -98,47 +87,39 @@ bool all_shown(hive::Application& application, const std::string& viewer)
 }
 
 /// Until Ctrl-C, or until the drone ends because its window was closed, or until everything has been shown.
-int look(const Options& options, Launch& launch, hive::Application& application, const std::string& viewer)
+int look(const Options& options, hive::TiedDrone& viewer, hive::Application& application)
 {
     constexpr auto between_asking = 500ms;
     auto next = std::chrono::steady_clock::now() + between_asking;
     while (interrupt::sleep(100ms)) {
-        if (const auto status = launch.process().ended())
-            return WIFEXITED(*status) && WEXITSTATUS(*status) == 0 ? exit_code::done : launch.died(*status);
+        if (const auto how = viewer.exited(); how && how->code() == hive::Errc::stopped)
+            return exit_code::done;
+        else if (how)
+            throw *how;
         if (options.stay || std::chrono::steady_clock::now() < next)
             continue;
-        if (all_shown(application, viewer))
+        if (all_shown(application, viewer.name()))
             return exit_code::done;
         next = std::chrono::steady_clock::now() + between_asking;
     }
     return interrupt::exit_code();
 }
 
-/// Throws Errc::name_taken when another drone has the name of the plan.
-int show(const Options& options, const hive::Endpoint& output, const LaunchPlan& plan, Session& session)
-{
-    auto& application = session.application();
-    Launch launch(session, plan);
-    const Removal removal(launch, application);
-    if (const auto failure = launch.await(session.timeout(10s)))
-        return *failure;
-    application.timeout(session.timeout());
-    const auto url = serve(options, application, plan.name);
-    hive::ConnectionOptions connection;
-    connection.first_frame = true;
-    connection.encoding = options.encoding;
-    application.connect(output, {plan.name, "image"}, connection);
-    report(url, output, plan.name, session.json);
-    return look(options, launch, application, plan.name);
-}
-
 int run(const Options& options, Session& session)
 {
     require_somewhere(options);
-    const auto output = output_of(session.application(), options.from);
+    auto& application = session.application();
+    const auto output = output_of(application, options.from);
     const interrupt::Deferred deferred;
-    return as_first_free(
-        "viewer", [&](const std::string& name) { return show(options, output, plan_of(options, name), session); });
+    auto viewer = start_for_verb(
+        session, "view", {.name = "viewer", .kind = "view", .set = {{"window", options.port == 0 ? "on" : "off"}}});
+    const auto url = serve(options, application, viewer.name());
+    hive::ConnectionOptions connection;
+    connection.first_frame = true;
+    connection.encoding = options.encoding;
+    application.connect(output, {viewer.name(), "image"}, connection);
+    report(url, output, viewer.name(), session.json);
+    return look(options, viewer, application);
 }
 
 Run declare(CommandLine& line, Session& session)

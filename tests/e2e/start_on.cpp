@@ -33,7 +33,13 @@ TEST_CASE("start --on: the drone runs there, is in the list of places until it i
     CHECK(ssh.hivectl({"stop", "worker"}).out == "worker\n");
     const auto again = ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "--insecure"});
     CHECK(again.exit_code != 0);
-    CHECK(has(again.err, "gpu1"));
+    CHECK(has(again.err, "t-1 is running already, at tcp://127.0.0.1:"));
+    CHECK(ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "--if-missing"}).out == "t-1\n");
+    here.hivectl_done({"place", "remove", "t-1"});
+    const auto unknown_here = ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "--insecure"});
+    CHECK(unknown_here.exit_code != 0);
+    CHECK(has(unknown_here.err, "t-1 is running already on gpu1"));
+    CHECK(ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "--if-missing"}).out == "t-1\n");
     CHECK(ssh.hivectl({"stop", "t-1"}).out == "t-1\n");
     CHECK(there.application().drones().empty());
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");

@@ -2,133 +2,47 @@
 #include "engines/engine.hpp"
 #include "inquiry.hpp"
 
+#include <hive/event/home.hpp>
 #include <hive/name.hpp>
 #include <hive/program.hpp>
+#include <hive/remote.hpp>
 #include <hive/start.hpp>
 
 #include <algorithm>
+
+#include <sys/wait.h>
 
 namespace hive {
 namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+using Life = BackgroundProcess::Life;
 
-/// Where a drone of this name runs. A place on another machine that does not answer is out of date.
-std::optional<Place> running(Application& application, const std::string& name)
+constexpr std::size_t lines_shown = 15;
+
+/// One on another machine that does not answer may have been switched off for good.
+void require_free(Application& application, const StartOptions& options)
 {
+    const auto& name = options.drone.name;
     if (!std::ranges::binary_search(application.drones(), name))
-        return std::nullopt;
+        return;
     const auto place = application.place(name);
-    if (place.host != Place::here && application.status(std::vector{name}).at(0).error)
-        return std::nullopt;
-    return place;
+    const auto where = place.host == Place::here ? "" : ", at " + place.address;
+    if (!where.empty() && application.status(std::vector{name}).at(0).error) {
+        const bool listed = application.forget_place(place);
+        if (options.told)
+            options.told(name + where + ", does not answer; "
+                         + (listed ? "that place is forgotten" : "it is taken to be gone"));
+        return;
+    }
+    throw Error(Errc::name_taken, name + " is running already" + where,
+                "stop it: hivectl stop " + name + "; start another under another name, such as " + name
+                    + "-2; or keep it: if_missing (hivectl start --if-missing)");
 }
 
-void require_time(const StartOptions& options, Clock::time_point end, const std::string& late)
-{
-    if (options.cancelled && options.cancelled())
-        throw Error(Errc::stopped, "cancelled while " + options.drone.name + " was starting");
-    if (Clock::now() >= end)
-        throw Error(Errc::timeout, options.drone.name + " was not ready in time" + late, "allow more time");
-}
-
-/// Waits until the drone that runs is ready. Is it of the kind? That of a Python file is what the file says.
-bool is_meant(Application& application, const StartOptions& options)
-{
-    Inquiry inquiry(application);
-    for (const auto end = Clock::now() + options.limit;; inquiry.wait(std::min(end, Clock::now() + 10ms), {})) {
-        const auto answer = application.status(std::vector{options.drone.name}).at(0);
-        if (!answer.error && answer.status.state != State::starting)
-            return is_python_file(options.drone.kind) || answer.status.kind == options.drone.kind;
-        require_time(options, end, "");
-    }
-}
-
-/// Drops the drone again unless it is ready in the end.
-class Start {
-public:
-    Start(Application& application, const StartOptions& options)
-        : application_(application),
-          options_(options),
-          inquiry_(application),
-          engine_(engine_for(application, options)),
-          end_(Clock::now() + options.limit)
-    {
-        engine_->begin({options.drone}, end_);
-    }
-    ~Start()
-    {
-        if (!ready_)
-            try {
-                engine_->stop({options_.drone.name}, std::max(end_, Clock::now()) + 2s);
-            } catch (const Error&) {
-                // The error that brought us here is thrown.
-            }
-    }
-    Start(const Start&) = delete;
-    Start& operator=(const Start&) = delete;
-
-    Place await();
-
-private:
-    static std::unique_ptr<Engine> engine_for(Application& application, const StartOptions& options)
-    {
-        return options.ssh.empty() ? make_local_engine(application.home())
-                                   : make_ssh_engine(Json(options.ssh), application.home());
-    }
-    void poll_engine();
-    [[nodiscard]] bool answers();
-
-    Application& application_;
-    const StartOptions& options_;
-    Inquiry inquiry_;
-    std::unique_ptr<Engine> engine_;
-    Clock::time_point end_;
-    std::optional<Place> place_;
-    bool ready_ = false;
-};
-
-void Start::poll_engine()
-{
-    for (auto& report : engine_->poll()) {
-        if (report.error)
-            throw *report.error;
-        if (report.place.host != Place::here)
-            application_.replace_places({report.place});
-        place_ = report.place;
-    }
-}
-
-bool Start::answers()
-{
-    const auto reference = options_.drone.name + "@" + place_->host;
-    inquiry_.ask({reference}, 2s);
-    for (const auto& answer : inquiry_.take()) {
-        if (!answer.error)
-            return answer.status.state != State::starting;
-        if (answer.error->code() == Errc::not_permitted)
-            throw *answer.error;  // another key does not become this one
-        engine_->look_again(options_.drone.name, *answer.error);
-    }
-    return false;
-}
-
-Place Start::await()
-{
-    for (;;) {
-        poll_engine();
-        ready_ = place_ && answers();
-        if (ready_)
-            return *place_;
-        require_time(options_, end_, " and was stopped");
-        inquiry_.wait(std::min(end_, Clock::now() + 10ms), engine_->descriptors());
-    }
-}
-
-}  // namespace
-
-Place start(Application& application, StartOptions options)
+/// With what is usual filled in.
+StartOptions completed(StartOptions options)
 {
     auto& drone = options.drone;
     if (drone.name.empty())
@@ -136,13 +50,208 @@ Place start(Application& application, StartOptions options)
     require_name(drone.name, "drone");
     if (!is_python_file(drone.kind))
         require_name(drone.kind, "kind");
-    if (const auto place = running(application, drone.name)) {
-        if (options.if_missing && is_meant(application, options))
-            return *place;
-        throw Error(Errc::name_taken, drone.name + " is running already",
-                    "stop it, choose another name (" + drone.name + "-2), or keep it by the option if_missing");
-    }
-    return Start(application, options).await();
+    return options;
 }
+
+/// "face@gpu1": the drone of this name on the machine that is meant.
+std::string reference_of(const Application& application, const StartOptions& options)
+{
+    const auto host = options.ssh.empty() ? Place::here : Remote(options.ssh, application.home()).host();
+    return options.drone.name + "@" + host;
+}
+
+/// The place of a drone of this name and kind that runs there already, once it is ready.
+std::optional<Place> found_ready(Application& application, const StartOptions& options)
+{
+    Inquiry inquiry(application);
+    for (const auto end = Clock::now() + options.limit; Clock::now() < end;
+         inquiry.wait(std::min(end, Clock::now() + 10ms), {})) {
+        const auto answer = application.status(std::vector{reference_of(application, options)}).at(0);
+        if (answer.error && answer.error->code() == Errc::not_found)
+            break;
+        if (!answer.error && answer.status.state != State::starting)
+            return is_of_kind(answer.status, options.drone.kind) ? std::optional(answer.place) : std::nullopt;
+        if (options.cancelled && options.cancelled())
+            throw Error(Errc::stopped, "cancelled while " + options.drone.name + " was starting");
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+class Start {
+public:
+    Start(Application& application, StartOptions options, Life life)
+        : application_(application),
+          options_(std::move(options)),
+          inquiry_(application),
+          engine_(options_.ssh.empty() ? make_local_engine(application.home(), life)
+                                       : make_ssh_engine(Json(options_.ssh), application.home())),
+          end_(Clock::now() + options_.limit)
+    {
+    }
+
+    [[nodiscard]] const std::string& name() const { return options_.drone.name; }
+    BackgroundProcess* process() { return engine_->process(name()); }
+    /// Returns when the drone is ready. Whatever goes wrong, it is stopped again.
+    Started await();
+    /// What of it could not be stopped.
+    std::vector<SwarmFailure> stop();
+
+private:
+    Started until_ready();
+    void poll_engine();
+    [[nodiscard]] bool answers();
+    void require_time();
+
+    Application& application_;
+    StartOptions options_;
+    Inquiry inquiry_;
+    std::unique_ptr<Engine> engine_;
+    Clock::time_point end_;
+    std::optional<Started> started_;
+};
+
+Started Start::await()
+try {
+    require_free(application_, options_);
+    engine_->begin({options_.drone}, end_);
+    return until_ready();
+} catch (const Error& error) {
+    std::string text = error.what();
+    for (const auto& failure : stop())
+        text += "; " + std::string(failure.error.what());
+    throw error.reworded(text);
+}
+
+Started Start::until_ready()
+{
+    for (;;) {
+        poll_engine();
+        if (started_ && answers())
+            return *started_;
+        require_time();
+        inquiry_.wait(std::min(end_, Clock::now() + 10ms), engine_->descriptors());
+    }
+}
+
+void Start::poll_engine()
+{
+    for (auto& report : engine_->poll()) {
+        if (report.error)
+            throw *report.error;
+        if (report.found && !options_.if_missing)
+            throw Error(Errc::name_taken, name() + " is running already on " + report.place.host,
+                        "choose another name, or keep it: if_missing (hivectl start --if-missing)");
+        if (report.place.host != Place::here)
+            application_.replace_places({report.place});
+        started_ = {.place = report.place, .log = report.log, .found = report.found};
+    }
+}
+
+bool Start::answers()
+{
+    inquiry_.ask({name() + "@" + started_->place.host}, 2s);
+    for (const auto& answer : inquiry_.take()) {
+        if (!answer.error)
+            return answer.status.state != State::starting;
+        if (answer.error->code() == Errc::not_permitted)
+            throw *answer.error;  // another key does not become this one
+        engine_->look_again(name(), *answer.error);
+    }
+    return false;
+}
+
+void Start::require_time()
+{
+    if (options_.cancelled && options_.cancelled())
+        throw Error(Errc::stopped, "cancelled while " + name() + " was starting");
+    if (Clock::now() < end_)
+        return;
+    const auto* const here = process();
+    throw Error(Errc::timeout,
+                name() + " was not ready in time and was stopped"
+                    + (here ? "; " + log_text(here->last_words(lines_shown)) : ""),
+                "allow more time: --timeout SECONDS");
+}
+
+std::vector<SwarmFailure> Start::stop()
+{
+    if (started_ && !started_->found && started_->place.host != Place::here)
+        application_.forget_place(started_->place);
+    return engine_->stop({name()}, std::max(end_, Clock::now()) + 2s);
+}
+
+Started start(Application& application, StartOptions options)
+{
+    options = completed(std::move(options));
+    try {
+        return Start(application, options, Life::own).await();
+    } catch (const Error& error) {
+        if (error.code() != Errc::name_taken || !options.if_missing)
+            throw;
+        if (const auto place = found_ready(application, options)) {
+            const auto log =
+                place->host == Place::here ? event::Home(application.home()).path(place->drone, ".log").string() : "";
+            return {.place = *place, .log = log, .found = true};
+        }
+        throw;
+    }
+}
+
+class TiedDrone::Parts {
+public:
+    Parts(Application& application, const StartOptions& options)
+        : home_(application.home()), start_(application, options, Life::tied)
+    {
+    }
+    ~Parts()
+    {
+        static_cast<void>(start_.stop());
+        std::error_code ignored;
+        if (!home_.alive(name()))
+            std::filesystem::remove(home_.path(name(), ".log"), ignored);
+    }
+    Parts(const Parts&) = delete;
+    Parts& operator=(const Parts&) = delete;
+
+    void start() { start_.await(); }
+    [[nodiscard]] const std::string& name() const { return start_.name(); }
+    std::optional<Error> exited()
+    {
+        const auto status = start_.process()->ended();
+        if (!status)
+            return std::nullopt;
+        const auto code = *status == 0         ? Errc::stopped
+                          : WIFEXITED(*status) ? errc_of_exit(WEXITSTATUS(*status))
+                                               : Errc::failed;
+        return Error(code,
+                     name() + " " + how_it_ended(*status) + "; " + log_text(start_.process()->last_words(lines_shown)));
+    }
+
+private:
+    event::Home home_;
+    Start start_;
+};
+
+TiedDrone::TiedDrone(Application& application, const StartOptions& options)
+{
+    auto next = completed(options);
+    const auto name = next.drone.name;
+    for (int number = 2; !parts_; ++number)
+        try {
+            auto parts = std::make_unique<Parts>(application, next);
+            parts->start();
+            parts_ = std::move(parts);
+        } catch (const Error& error) {
+            if (error.code() != Errc::name_taken)
+                throw;
+            next.drone.name = name + "-" + std::to_string(number);
+        }
+}
+
+TiedDrone::~TiedDrone() = default;
+const std::string& TiedDrone::name() const { return parts_->name(); }
+std::optional<Error> TiedDrone::exited() { return parts_->exited(); }
 
 }  // namespace hive

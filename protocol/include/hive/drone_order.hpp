@@ -23,8 +23,10 @@ struct DroneOrder {
     // Empty or false: the default, which the table below has.
     std::string on_exception{}, listen{}, advertise{}, key{}, log_level{};
     bool halted = false, insecure = false, remote_operator = false;
-    std::vector<std::string> expected{};  ///< receivers, for --expect; only where the drone is started
-    std::string swarm{};                  ///< that it will belong to; only where it is started
+    // Only where the drone is started:
+    std::vector<std::string> expected{};     ///< receivers, for --expect
+    std::vector<std::string> connections{};  ///< of its inputs, for --connect
+    std::string swarm{};                     ///< that it will belong to
     bool no_announce = false;
     bool change_if_shared = false;  ///< parameters and connections hold even if another swarm brought it up
 
@@ -59,7 +61,7 @@ struct OrderField {
     void set(DroneOrder& order, const Json& value) const;
 };
 
-/// All fields but `name`, `host`, `set`, `expected` and `swarm`, in the order in which files have them.
+/// All fields but `name`, `host`, `set` and those for a start alone, in the order in which files have them.
 std::span<const OrderField> order_fields();
 
 /// "--on-exception", "halt", "--halted" ...: what the order says otherwise than the default.

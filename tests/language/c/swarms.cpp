@@ -252,7 +252,7 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     CHECK(lab.get("source", "pace") == "demand");
     CHECK(start("ticker", {{"name", "source"}}) == HIVE_NAME_TAKEN);
     CHECK(start("no-such-kind", Json::object()) == HIVE_NOT_FOUND);
-    CHECK(start("sleeper", {{"parameters", {{"work_ms", -1}}}}) == HIVE_FAILED);
+    CHECK(start("sleeper", {{"parameters", {{"work_ms", -1}}}}) == HIVE_REFUSED);
     CHECK_MESSAGE(error().find("work_ms") != std::string::npos, error());
     CHECK(start("sleeper", {{"knid", "x"}}) == HIVE_INVALID_ARGUMENT);
     REQUIRE(start("sleeper", {{"name", "worker"}, {"ready_ms", ready_ms}}) == HIVE_OK);

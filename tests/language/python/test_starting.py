@@ -45,7 +45,7 @@ class Starting(World):
     def test_what_does_not_start_leaves_nothing_and_says_why(self):
         self.refused("not_found", self.swarm.start, "no-such-kind")
         self.refused("invalid_argument", self.swarm.start, "sleeper", "../x")
-        self.assertIn("work_ms", str(self.refused("failed", self.swarm.start, "sleeper", work_ms=-1)))
+        self.assertIn("work_ms", str(self.refused("refused", self.swarm.start, "sleeper", work_ms=-1)))
         broken = os.path.join(self.home, "broken.py")
         with open(broken, "w", encoding="utf-8") as file:
             file.write("import nothing_of_this_name")

@@ -385,10 +385,10 @@ HIVE_API hive_code hive_application_put(hive_application* application, const cha
 /* Starts a drone in the background and returns when it is ready; it keeps running when this program exits. `kind`: the
    program hive-KIND in $HIVE_DRONE_PATH or $PATH, or a Python file. Options: "name" (default: the kind), "ssh" (another
    machine, as ssh knows it), "parameters" {name: value}, "ready_ms" (default 10000), "if_missing" (a drone of this name
-   and kind that runs already is left as it is, and counts as started), and as in a swarm file "on_exception", "halted",
-   "listen", "advertise", "key", "insecure", "no_announce", "remote_operator", "log_level". *place, if not null: as of
-   hive_application_place(). HIVE_NAME_TAKEN when a drone has the name; HIVE_FAILED with the last lines of its log when
-   it exits instead. */
+   and kind that runs there already is left as it is, and counts as started), and as in a swarm file "on_exception",
+   "halted", "listen", "advertise", "key", "insecure", "no_announce", "remote_operator", "log_level". *place, if not
+   null: as of hive_application_place(). HIVE_NAME_TAKEN when a drone has the name; when it exits instead, the code that
+   has its exit code, or HIVE_FAILED, with the last lines of its log. */
 HIVE_API hive_code hive_application_start(hive_application* application, const char* kind, const char* options,
                                           char** place);
 /* Why nothing comes from ["face.faces", ...]: {"text": what their drones report, and the drones that these receive

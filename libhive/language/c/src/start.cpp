@@ -59,7 +59,7 @@ hive_code hive_application_start(hive_application* application, const char* kind
     return with_application(application, [&](Application& open) {
         const auto started = start(open, start_options(kind, options));
         if (place)
-            give_json(place_json(started), place);
+            give_json(place_json(started.place), place);
     });
 }
 

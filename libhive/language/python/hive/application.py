@@ -139,16 +139,15 @@ class Application(Finding):
 
         :param kind: the program hive-KIND in $HIVE_DRONE_PATH or $PATH, or a Python file, "edges.py"
         :param name: in the swarm; "": the kind
-        :param on: another machine, as ssh knows it, with Hive installed; "": this one.  A drone of this name and kind
-            that runs there already, and is not known here, is left as it is
+        :param on: another machine, as ssh knows it, with Hive installed; "": this one
         :param parameters: initial parameters, as ``values``; for those that are called as an argument is
         :param listen: address where other machines reach it, "tcp://HOST:PORT"; with ``on`` the default is any
-        :param if_missing: a drone of this name and kind that runs already is left as it is and counts as started: for
-            the cell of a notebook that is run again
+        :param if_missing: a drone of this name and kind that runs there already is left as it is and counts as
+            started: for the cell of a notebook that is run again
         :param advertise: where other machines find it, if that is not where it listens
         :param ready: how long it may take to be ready; then it is stopped again
-        :raises hive.Error: "name_taken", "not_found" when there is no such program, "failed" with the last lines of its
-            log when it exits instead, "timeout"
+        :raises hive.Error: "name_taken", "not_found" when there is no such program, "timeout"; when it exits instead,
+            the code that has its exit code, or "failed", with the last lines of its log
         """
         options = {
             "name": name,

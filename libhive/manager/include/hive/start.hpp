@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
 namespace hive {
@@ -12,17 +14,44 @@ namespace hive {
 struct StartOptions {
     SwarmDrone drone{};                       ///< an empty name: the usual one of its kind; `host` is not used
     std::string ssh{};                        ///< the machine as ssh knows it; empty: this one
-    bool if_missing = false;                  ///< one of this name and kind that runs already counts as started
+    bool if_missing = false;                  ///< one of this name and kind that runs there already counts as started
     std::chrono::milliseconds limit{10'000};  ///< for the drone to be ready
     std::function<bool()> cancelled{};        ///< asked while it waits; true: Errc::stopped
+    std::function<void(const std::string& text)> told{};  ///< gets what an operator should know meanwhile
 };
 
-/// Starts a drone in the background and returns its place when it is ready. The drone keeps running when the caller
-/// exits; whatever goes wrong, it is stopped again. On another machine, a drone of this name and kind that runs there
-/// already, and that this home does not know, is left as it is and counts as started.
+struct Started {
+    Place place{};
+    std::string log{};   ///< on its machine; empty: not known
+    bool found = false;  ///< it ran already
+};
+
+/// Starts a drone in the background and returns when it is ready. The drone keeps running when the caller exits;
+/// whatever goes wrong, it is stopped again. A listed place of this name that does not answer is forgotten.
 ///
-/// Throws Errc::name_taken when a drone has the name, Errc::not_found when there is no such program, Errc::failed with
-/// the last lines of its log when it exits instead, Errc::timeout, and for other machines what Remote throws.
-Place start(Application& application, StartOptions options);
+/// Throws Errc::name_taken when a drone has the name, Errc::not_found when there is no such program, the error of the
+/// drone's exit code with the last lines of its log when it exits instead, Errc::timeout, and for other machines what
+/// Remote throws.
+Started start(Application& application, StartOptions options);
+
+/// A drone of this machine that runs for as long as the object lives. It is stopped, however this process exits.
+class TiedDrone {
+public:
+    /// Starts it under the first of NAME, NAME-2, NAME-3 ... that is free. Throws as start() does. For the main thread:
+    /// the drone is stopped when the thread exits that has started it.
+    TiedDrone(Application& application, const StartOptions& options);
+    /// Stops it and removes its log.
+    ~TiedDrone();
+    TiedDrone(const TiedDrone&) = delete;
+    TiedDrone& operator=(const TiedDrone&) = delete;
+
+    [[nodiscard]] const std::string& name() const;
+    /// Once it has exited, how, with the last lines of its log; Errc::stopped: with exit code 0.
+    [[nodiscard]] std::optional<Error> exited();
+
+private:
+    class Parts;
+    std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace hive

@@ -1,13 +1,14 @@
 // Which engine has which name, and what all of them say to a drone.
 #include "engine.hpp"
 
-#include <hive/process.hpp>
 #include <hive/program.hpp>
 #include <hive/protocol/connect_text.hpp>
 
 #include <algorithm>
 #include <future>
 #include <iterator>
+
+#include <sys/wait.h>
 
 namespace hive {
 
@@ -56,11 +57,25 @@ std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string
     throw Error(Errc::unsupported, "there is no engine " + engine.name + " for " + host);
 }
 
-Error not_ready(const std::string& drone, int status, const std::string& last_words)
+Errc errc_of_exit(int code)
+{
+    for (const auto error : {Errc::invalid_argument, Errc::not_found, Errc::unreachable, Errc::refused,
+                             Errc::type_mismatch, Errc::halted, Errc::timeout})
+        if (info(error).exit_code == code)
+            return error;
+    return Errc::failed;
+}
+
+std::string log_text(const std::string& last_words)
 {
     const auto end = last_words.find_last_not_of('\n') + 1;
-    return {Errc::failed, drone + " " + how_its_start_ended(status) + "; its log says:\n"
-                              + (end == 0 ? "(nothing)" : last_words.substr(0, end))};
+    return "its log says:\n" + (end == 0 ? "(nothing)" : last_words.substr(0, end));
+}
+
+Error not_ready(const std::string& drone, int status, const std::string& last_words)
+{
+    return {WIFEXITED(status) ? errc_of_exit(WEXITSTATUS(status)) : Errc::failed,
+            drone + " " + how_its_start_ended(status) + "; " + log_text(last_words)};
 }
 
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)
@@ -82,6 +97,8 @@ std::vector<std::string> arguments_of(const SwarmDrone& drone)
     std::ranges::move(option_words(drone), std::back_inserter(words));
     if (!drone.swarm.empty())
         words.insert(words.end(), {"--swarm", drone.swarm});
+    for (const auto& connection : drone.connections)
+        words.insert(words.end(), {"--connect", connection});
     for (const auto& receiver : drone.expected)
         words.insert(words.end(), {"--expect", receiver});
     return words;

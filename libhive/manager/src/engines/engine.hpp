@@ -1,6 +1,7 @@
 // Starts and ends the processes of drones on one machine: one file for each way that people have to do that.
 #pragma once
 
+#include <hive/process.hpp>
 #include <hive/swarm.hpp>
 
 #include <chrono>
@@ -24,6 +25,7 @@ public:
         Place place{};                 ///< where it is met; whether it is ready yet, it says itself
         std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name does already
         bool found = false;            ///< it ran before it was begun
+        std::string log{};             ///< on its machine; empty: not known
     };
 
     virtual ~Engine() = default;
@@ -35,6 +37,8 @@ public:
     [[nodiscard]] virtual std::vector<int> descriptors() const { return {}; }
     /// A drone that was met does not answer: poll() is to report once more what has become of it.
     virtual void look_again(const std::string& drone, const Error& why) = 0;
+    /// The process of this machine that runs a drone which was begun; null where there is none.
+    [[nodiscard]] virtual BackgroundProcess* process(const std::string&) { return nullptr; }
     /// Counts these as begun, by an earlier process, so that stop() ends them. Drones of this machine need no engine
     /// for that: Application::stop() ends them, whatever they do.
     virtual void adopt(const std::vector<std::string>&) {}
@@ -59,10 +63,15 @@ SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
 /// The command line of the drone's program, but for its name.
 std::vector<std::string> arguments_of(const SwarmDrone& drone);
 
+/// The error that has this exit code, as far as a drone can have met it before it was ready.
+Errc errc_of_exit(int code);
+/// "its log says:" and the last lines that a process wrote.
+std::string log_text(const std::string& last_words);
 /// Why a drone will not run whose process has ended so, as of waitpid.
 Error not_ready(const std::string& drone, int status, const std::string& last_words);
 
-std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home);
+std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home,
+                                          BackgroundProcess::Life life = BackgroundProcess::Life::own);
 /// Units of the user's systemd.
 std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
 /// @param settings  {"options": [further ones of srun]}

@@ -2,7 +2,6 @@
 #include "engine.hpp"
 
 #include <hive/event/home.hpp>
-#include <hive/process.hpp>
 #include <hive/program.hpp>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include <csignal>
+#include <unistd.h>
 
 namespace hive {
 namespace {
@@ -22,7 +22,7 @@ constexpr std::chrono::seconds grace(3);  ///< as BackgroundProcess::end()
 
 class LocalEngine final : public Engine {
 public:
-    explicit LocalEngine(std::filesystem::path home) : home_(std::move(home)) {}
+    LocalEngine(std::filesystem::path home, BackgroundProcess::Life life) : home_(std::move(home)), life_(life) {}
 
     void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
     {
@@ -31,6 +31,7 @@ public:
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() const override;
     void look_again(const std::string& drone, const Error& why) override;
+    BackgroundProcess* process(const std::string& drone) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
@@ -44,6 +45,7 @@ private:
     [[nodiscard]] std::optional<Report> look(Begun& begun) const;
 
     event::Home home_;
+    BackgroundProcess::Life life_;
     std::deque<SwarmDrone> waiting_;
     std::list<Begun> begun_;
     std::size_t not_met_ = 0;
@@ -71,6 +73,12 @@ void LocalEngine::look_again(const std::string& drone, const Error&)
             ++not_met_;
 }
 
+BackgroundProcess* LocalEngine::process(const std::string& drone)
+{
+    const auto found = std::ranges::find(begun_, drone, &Begun::drone);
+    return found == begun_.end() ? nullptr : &found->process;
+}
+
 std::vector<int> LocalEngine::descriptors() const
 {
     std::vector<int> ends;
@@ -86,25 +94,28 @@ try {
     std::ranges::move(arguments_of(drone), std::back_inserter(command.arguments));
     command.environment.push_back("HIVE_HOME=" + home_.directory().string());
     begun_.push_back({drone.name, BackgroundProcess(command.program, command.arguments, command.environment,
-                                                    home_.path(drone.name, ".log"), BackgroundProcess::Life::own)});
+                                                    home_.path(drone.name, ".log"), life_)});
     ++not_met_;
 } catch (const Error& error) {
     reports.push_back({.drone = drone.name, .error = error});
 }
 
+/// A wrapper starts the process that has the name, so that one is in its session.
 std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
 {
     const auto status = begun.process.ended();
     const bool met = home_.alive(begun.drone);
-    if (!status && met)
+    if (!status && met && ::getsid(static_cast<pid_t>(home_.holder(begun.drone))) == begun.process.pid())
         return Report{
             .drone = begun.drone,
-            .place = {.drone = begun.drone, .host = Place::here, .address = to_text(home_.address(begun.drone))}};
+            .place = {.drone = begun.drone, .host = Place::here, .address = to_text(home_.address(begun.drone))},
+            .log = home_.path(begun.drone, ".log").string()};
     if (!status)
         return std::nullopt;
     if (met)
         return Report{.drone = begun.drone,
-                      .error = Error(Errc::name_taken, begun.drone + " was started by somebody else meanwhile")};
+                      .error =
+                          Error(Errc::name_taken, begun.drone + " is running already: another process was faster")};
     return Report{.drone = begun.drone,
                   .error = not_ready(begun.drone, *status, begun.process.last_words(lines_shown))};
 }
@@ -129,9 +140,9 @@ std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& dron
 
 }  // namespace
 
-std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home)
+std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home, BackgroundProcess::Life life)
 {
-    return std::make_unique<LocalEngine>(home);
+    return std::make_unique<LocalEngine>(home, life);
 }
 
 }  // namespace hive

@@ -247,11 +247,15 @@ try {
         const bool found = Fields(started, "what hivectl start printed").flag_or("found", false);
         if (found)
             begun_.erase(drone);  // somebody else's, or that of a hivectl that was killed: not ours to end
-        return {.drone = drone, .place = place_of(drone, started), .found = found};
+        return {.drone = drone,
+                .place = place_of(drone, started),
+                .found = found,
+                .log = Fields(started, "what hivectl start printed").text_or("log", "")};
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has ended it
-    return {.drone = drone, .error = Error(Errc::failed, remote_.host() + ": " + complaint_in(result.err))};
+    return {.drone = drone,
+            .error = Error(errc_of_exit(result.exit_code), remote_.host() + ": " + complaint_in(result.err))};
 } catch (const Error& error) {
     return {.drone = drone, .error = error};
 }

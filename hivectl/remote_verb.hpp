@@ -1,24 +1,15 @@
-// Starting and ending drones on other machines through ssh.
+// Verbs for drones on other machines, through ssh.
 #pragma once
 
 #include <hive/application.hpp>
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace hivectl {
 
 class Session;
 
-/// What is to run, and where.
-struct RemotePlan {
-    std::string ssh, kind, name;
-    std::vector<std::string> words;  ///< for `hivectl start KIND --as NAME` there
-};
-
-/// Starts a drone there, writes its place down, and prints its name when it answers here. Returns the exit code.
-int start_remotely(Session& session, const RemotePlan& plan);
 /// Ends a drone that was started through ssh and does not answer here, or has it forgotten if it crashed. Returns the
 /// exit code of hivectl there.
 int stop_remotely(Session& session, const hive::Place& place);

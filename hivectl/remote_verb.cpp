@@ -1,0 +1,36 @@
+// Has the hivectl of another machine do what this one cannot.
+#include "remote_verb.hpp"
+
+#include "exit_code.hpp"
+#include "output.hpp"
+#include "session.hpp"
+#include "status_line.hpp"
+
+#include <hive/remote.hpp>
+
+#include <sstream>
+
+namespace hivectl {
+
+using namespace std::chrono_literals;
+
+int stop_remotely(Session& session, const hive::Place& place)
+{
+    const hive::Remote remote(place.ssh, session.home());
+    const Waiting waiting(place.drone + " to exit on " + remote.host());
+    const auto result = remote.hivectl({"stop", place.drone}, session.timeout() + 12s);
+    repeat_complaints("stop", remote.host(), result.err);
+    if (result.exit_code == exit_code::done || result.exit_code == exit_code::not_found)
+        session.application().forget_place(place);
+    return result.exit_code;
+}
+
+void repeat_complaints(std::string_view verb, const std::string& host, const std::string& text)
+{
+    const std::string own = "hivectl " + std::string(verb) + ": ";
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        complain(verb, host + ": " + printable(line.starts_with(own) ? line.substr(own.size()) : line));
+}
+
+}  // namespace hivectl
