@@ -209,7 +209,7 @@ TEST_CASE("encoding: the shell asks for it, connections show it, and a wrong wor
     CHECK(Json::parse(swarm.hivectl_done({"results", "one", "-n", "1"})).at("header").at("seq") >= 1);
     const auto unknown = swarm.hivectl({"connect", "camera", "one", "--encoding", "webp"});
     CHECK(unknown.exit_code == 2);
-    CHECK(unknown.err.find("there are raw, png, jpeg") != std::string::npos);
+    CHECK(unknown.err.find("there are jpeg, jpeg:1 to jpeg:100, png, raw") != std::string::npos);
     const auto misspelt = swarm.hivectl({"connect", "camera", "one", "--encoding", "JPEG"});
     CHECK(misspelt.exit_code == 2);
     CHECK(misspelt.err.find("jpeg:80") != std::string::npos);

@@ -74,7 +74,7 @@ TEST_CASE("start: Ctrl-C at any moment leaves no drone behind, here and on anoth
         CHECK_MESSAGE(runs == (done.exit_code == 0), done.err);
         CHECK(here.application().drones().empty() != runs);
         if (runs)
-            ssh.hivectl({"stop", "far"});
+            CHECK(ssh.hivectl({"stop", "far"}).exit_code == 0);
     }
 }
 

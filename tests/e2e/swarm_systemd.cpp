@@ -158,11 +158,11 @@ TEST_CASE("up under systemd: what cannot run is said with the last lines of its 
 {
     const Systemd systemd;
     auto content = work();
-    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", "tcp://127.0.0.1:1"}};  // without a key
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", "tcp://192.0.2.1"}, {"insecure", true}};
     const auto refused = systemd.shell("hivectl up " + systemd.write(content));
     CHECK(refused.exit_code == 5);
     CHECK_MESSAGE(has(refused.err, "zlast ended with exit code"), refused.err);
-    CHECK_MESSAGE(has(refused.err, "key"), refused.err);
+    CHECK_MESSAGE(has(refused.err, "192.0.2.1"), refused.err);
     CHECK(fs::is_empty(systemd.units()));
     CHECK(systemd.swarm.application().drones().empty());
 

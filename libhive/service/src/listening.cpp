@@ -84,13 +84,14 @@ void Listening::begin(const ListenWish& wish, const Json& state)
 {
     const auto before = saved_texts(state, "listen");
     held_ = {{}, {}, wish.insecure, wish.key, wish.no_announce};
-    places_ = {to_text(module_.listen(home_.address(module_.self().name)))};
     for (const auto& text : wish.listen) {
         held_.listen.push_back(to_text(listen(listen_address(text), before)));
         reporter_.log(LogLevel::info, "listening on " + held_.listen.back());
     }
     for (const auto& text : wish.advertise)
         held_.advertise.push_back(advertised(text, held_.listen));
+    // Last, because who meets it in the home takes it for ready.
+    places_ = {to_text(module_.listen(home_.address(module_.self().name)))};
     std::ranges::copy(held_.advertise.empty() ? held_.listen : held_.advertise, std::back_inserter(places_));
     announce();
 }

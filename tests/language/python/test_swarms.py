@@ -119,11 +119,11 @@ class Swarms(World):
 
     def test_when_the_last_drone_does_not_start_nothing_is_left(self):
         content = workers_file(2)
-        content["drones"]["zlast"] = {"kind": "ticker", "listen": "tcp://127.0.0.1:1"}  # without a key
+        content["drones"]["zlast"] = {"kind": "ticker", "listen": "tcp://192.0.2.1", "insecure": True}
         with self.assertRaises(hive.SwarmError) as caught:
             self.swarm.swarm(content).up(LONG)
         self.assertEqual((list(caught.exception.failures), caught.exception.remains), (["zlast"], {}))
-        self.assertIn("key", str(caught.exception))
+        self.assertIn("192.0.2.1", str(caught.exception))
         self.assertEqual(caught.exception.code, caught.exception.failures["zlast"].code)
         self.assert_nothing_is_left()
 
