@@ -63,6 +63,8 @@ void Pipe::read(int end, asio::mutable_buffer into, std::shared_ptr<Operation> o
     way.read = std::move(operation);
     if (cut_)
         return finish(way.read, asio::error::connection_reset);
+    if (ways_[end].closed)  // by the death of a process whose handler still runs
+        return finish(way.read, asio::error::operation_aborted);
     give(way);
     go_on_writing(way, 1 - end);
 }
