@@ -30,10 +30,11 @@ void declare_variables(CommandLine& line, SwarmInput& input)
         .one_each();
 }
 
-hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit)
+hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit, bool to_be_started)
 {
     const auto folder = input.file == "-" ? std::filesystem::path() : std::filesystem::path(input.file).parent_path();
-    hive::SwarmContext context{.folder = folder.empty() ? "." : folder, .variables = {}};
+    hive::SwarmContext context{
+        .folder = folder.empty() ? "." : folder, .variables = {}, .to_be_started = to_be_started};
     const auto settings = parse_settings(input.settings);
     for (const auto& [name, value] : settings.items())
         context.variables[name] = value.get<std::string>();
@@ -58,9 +59,9 @@ std::string size_text(const hive::SwarmPlan& plan)
            + counted(plan.connections.size(), "connection");
 }
 
-std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input)
+std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input, bool to_be_started)
 {
-    auto reading = swarm_reading(input, std::chrono::seconds(10));
+    auto reading = swarm_reading(input, std::chrono::seconds(10), to_be_started);
     for (const auto& mistake : reading.mistakes)
         complain(verb, mistake_text(input.file, mistake));
     if (!reading.mistakes.empty())

@@ -21,13 +21,14 @@ struct SwarmInput {
 /// Declares --set.
 void declare_variables(CommandLine& line, SwarmInput& input);
 
-hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit);
+/// @param to_be_started  also looks for the keys that its drones need here
+hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit, bool to_be_started = false);
 /// "doorway.json:3:14: text; advice", as editors jump to it.
 std::string mistake_text(const std::string& file, const hive::Mistake& mistake);
 /// "7 drones on 3 machines, 6 connections"
 std::string size_text(const hive::SwarmPlan& plan);
 
 /// What the file says; nothing when it has mistakes: they are on stderr then.
-std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input);
+std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input, bool to_be_started = false);
 
 }  // namespace hivectl

@@ -34,7 +34,7 @@ void print_json(const std::string& file, const hive::SwarmReading& reading)
 int run(const SwarmInput& input, Session& session)
 {
     const auto& file = input.file;
-    const auto reading = swarm_reading(input, session.timeout(std::chrono::seconds(10)));
+    const auto reading = swarm_reading(input, session.timeout(std::chrono::seconds(10)), true);
     session.json ? print_json(file, reading) : print(file, reading);
     for (const auto& note : reading.notes)
         complain("check", mistake_text(file, note));

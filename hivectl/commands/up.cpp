@@ -38,7 +38,7 @@ void stay(hive::Swarm& swarm)
 
 int run(const Options& options, Session& session)
 {
-    const auto plan = read_plan("up", options.input);
+    const auto plan = read_plan("up", options.input, true);
     if (!plan)
         return exit_code::refused;
     hive::Swarm swarm(session.application(), *plan);

@@ -66,10 +66,11 @@ Interface known(const std::string& kind)
 }
 
 /// "LINE:COLUMN: text; advice", a line each.
-std::string mistakes(const std::string& text, const InterfaceOfKind& interface_of = {})
+std::string mistakes(const std::string& text, const InterfaceOfKind& interface_of = {},
+                     const SwarmContext& context = {})
 {
     std::string lines;
-    for (const auto& mistake : read_swarm(text, interface_of).mistakes)
+    for (const auto& mistake : read_swarm(text, interface_of, context).mistakes)
         lines += std::to_string(mistake.line) + ":" + std::to_string(mistake.column) + ": " + mistake.text
                  + (mistake.advice.empty() ? "" : "; " + mistake.advice) + "\n";
     return lines;
@@ -79,6 +80,14 @@ std::string mistakes(const std::string& text, const InterfaceOfKind& interface_o
 std::string with(const std::string& drones, const std::string& rest = "")
 {
     return "{\"swarm\": \"s\", \"drones\": {\n" + drones + "\n}" + (rest.empty() ? "" : ",\n" + rest) + "}";
+}
+
+/// Of any kind, without ports and parameters.
+Interface any(const std::string& kind)
+{
+    Interface interface;
+    interface.kind = kind;
+    return interface;
 }
 
 const std::string two = "\"camera\": {\"kind\": \"camera\"}, \"face\": {\"kind\": \"face\"}";
@@ -301,7 +310,8 @@ TEST_CASE("swarm file: an engine behind one that fits the same machines")
 {
     const auto engines = [](const std::string& globs) {
         return mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"n1\"}, \"b\": {\"kind\": \"k\", \"on\": \"m1\"}",
-                             "\"engines\": {" + globs + "}"));
+                             "\"engines\": {" + globs + "}"),
+                        any);
     };
     CHECK_EQ(engines("\"n*\": {\"slurm\": {}}, \"*\": {\"local\": {}}"), "");
     CHECK_EQ(engines("\"*\": {\"local\": {}}, \"n*\": {\"slurm\": {}}"),
@@ -313,7 +323,8 @@ TEST_CASE("swarm file: what systemd would always start again")
 {
     const auto restart = [](const std::string& word) {
         return mistakes(with("\"a\": {\"kind\": \"k\", \"restart\": \"" + word + "\"}",
-                             "\"engines\": {\"local\": {\"systemd\": {}}}"));
+                             "\"engines\": {\"local\": {\"systemd\": {}}}"),
+                        any);
     };
     CHECK_EQ(restart("on-failure"), "");
     CHECK_EQ(restart("always"),
@@ -351,7 +362,7 @@ TEST_CASE("swarm file: a key of this machine that is not there, where one is tol
     const std::string get = "make one: hivectl key new; or copy the swarm's from a machine that has it: scp "
                             "HOST:.config/hive/swarm.key ";
     const auto drone = [](const std::string& more) {
-        return mistakes(with("\"a\": {\"kind\": \"camera\"" + more + "}"), known);
+        return mistakes(with("\"a\": {\"kind\": \"camera\"" + more + "}"), known, {.to_be_started = true});
     };
     CHECK_EQ(drone(""), "");
     CHECK_EQ(drone(", \"key\": \"/nowhere/else\""),

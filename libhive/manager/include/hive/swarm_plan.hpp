@@ -61,6 +61,7 @@ struct Mistake {
 struct SwarmContext {
     std::optional<std::filesystem::path> folder{};   ///< where the file is; without it, it cannot include others
     std::map<std::string, std::string> variables{};  ///< values for its variables, as on a command line
+    bool to_be_started = false;  ///< a key that its drones of this machine need, and that is not here, is a mistake
 };
 
 struct SwarmReading {
@@ -74,7 +75,8 @@ struct SwarmReading {
 using InterfaceOfKind = std::function<Interface(const std::string& kind)>;
 
 /// Reads a swarm file and finds every mistake that can be found without starting anything: of form, names, references
-/// and options; with `interface_of` also those of ports, their types, parameters and their ranges. A kind that it does
+/// and options; with `interface_of`, which is for what a person wrote, also those of ports, their types, encodings,
+/// parameters and their ranges, and of engines. A kind that it does
 /// not know is a mistake for drones of this machine, and for others, which may have it, a note.
 SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_of = {},
                         const SwarmContext& context = {});

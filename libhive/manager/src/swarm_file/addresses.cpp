@@ -108,8 +108,6 @@ void Reader::check_free_ports()
 
 void Reader::check_keys()
 {
-    if (!interface_of_)
-        return;  // the caller does not ask what is on this machine
     std::map<std::string, std::optional<Error>> problems;
     for (const auto& entry : read_entries_) {
         const auto& told = entry.drone.key;

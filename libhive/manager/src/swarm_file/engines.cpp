@@ -16,14 +16,8 @@ void Reader::read_engine(const std::string& glob, const Value& value)
     if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits))
         mistakes_.at_key(value, misspelt("no drone of this file is on a machine that fits " + in_quotes(glob), glob,
                                          plan_.drones, &SwarmDrone::host));
-    const auto has_engine = [&](const SwarmDrone& drone) {
-        return std::ranges::any_of(plan_.engines,
-                                   [&](const auto& engine) { return matches_glob(engine.first, drone.host); });
-    };
-    if (std::ranges::any_of(plan_.drones, fits)
-        && std::ranges::none_of(plan_.drones, [&](const auto& drone) { return fits(drone) && !has_engine(drone); }))
-        mistakes_.at_key(value, in_quotes(glob) + " counts for no drone: an engine before it fits the same machines",
-                         "write the narrower one first");
+    if (interface_of_)
+        check_not_shadowed(glob, value);
     Members members(mistakes_, value, "an engine", engine_keys);
     if (!value.json->is_object())
         return;
@@ -43,6 +37,24 @@ void Reader::read_engine(const std::string& glob, const Value& value)
         }
         plan_.engines.emplace_back(glob, SwarmEngine{name, *settings.json});
     }
+}
+
+/// The first engine that fits a machine counts.
+void Reader::check_not_shadowed(const std::string& glob, const Value& value)
+{
+    const auto has_engine = [&](const SwarmDrone& drone) {
+        return std::ranges::any_of(plan_.engines,
+                                   [&](const auto& engine) { return matches_glob(engine.first, drone.host); });
+    };
+    bool fits = false, counts = false;
+    for (const auto& drone : plan_.drones)
+        if (matches_glob(glob, drone.host)) {
+            fits = true;
+            counts = counts || !has_engine(drone);
+        }
+    if (fits && !counts)
+        mistakes_.at_key(value, in_quotes(glob) + " counts for no drone: an engine before it fits the same machines",
+                         "write the narrower one first");
 }
 
 void Reader::read_slurm(const Value& value)

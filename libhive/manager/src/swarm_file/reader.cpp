@@ -34,9 +34,10 @@ void Reader::read(const Value& file, bool complete)
         for (const auto& [glob, place] : engines->place->members)
             read_engine(glob, engines->member(glob, place));
     check_free_ports();
-    check_restarts();
-    check_keys();
-    tell_unknown_kinds();
+    if (interface_of_) {
+        check_restarts();
+        tell_unknown_kinds();
+    }
 }
 
 SwarmReading Reader::take() { return {std::move(plan_), mistakes_.take(), notes_.take()}; }
@@ -68,7 +69,7 @@ void Reader::tell_unknown_kinds()
     std::set<std::string> noted;
     for (const auto& entry : read_entries_) {
         const auto& kind = entry.drone.kind;
-        if (!interface_of_ || kind.empty() || interface(kind))
+        if (kind.empty() || interface(kind))
             continue;
         const auto& error = std::get<Error>(interfaces_.at(kind));
         const auto value = entry.value.member("kind", *entry.value.place->member("kind"));
@@ -85,8 +86,11 @@ SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_
 {
     swarm_file::Texts texts;
     swarm_file::Reader reader(texts, interface_of);
-    if (const auto file = swarm_file::assemble(text, context, texts, reader.mistakes()))
+    if (const auto file = swarm_file::assemble(text, context, texts, reader.mistakes())) {
         reader.read({&file->json.value, &file->json.place, ""}, file->complete);
+        if (context.to_be_started)
+            reader.check_keys();
+    }
     return reader.take();
 }
 

@@ -23,6 +23,8 @@ public:
 
     /// @param complete  false: a file that it includes could not be read, and names that are missing may be there
     void read(const Value& file, bool complete);
+    /// Are the keys there that drones of this machine are told, or need where they listen?
+    void check_keys();
     SwarmReading take();
     [[nodiscard]] Mistakes& mistakes() noexcept { return mistakes_; }
 
@@ -54,8 +56,6 @@ private:
     bool has_own_port(const SwarmDrone& drone, const Entry& entry);
     /// With the engines known: are there ports enough for the drones of each machine that are told none?
     void check_free_ports();
-    /// Are the keys there that drones of this machine are told, or need where they listen?
-    void check_keys();
 
     // --- connections.cpp ---
     void read_connection(const Value& connection);
@@ -75,9 +75,11 @@ private:
 
     // --- engines.cpp ---
     void read_engine(const std::string& glob, const Value& value);
+    void check_not_shadowed(const std::string& glob, const Value& value);
     void read_slurm(const Value& value);
     void read_directive(const Value& value);
     void read_slurm_option(const Value& value);
+    /// Has a drone a restart that its engine does not have?
     void check_restarts();
 
     /// As no_such() has it, with the names of things as candidates; only the first mistakes are compared with all.
