@@ -148,8 +148,7 @@ int take(BIO* bio, char* into, std::size_t size, std::size_t* taken)
             bytes = ::recv(turn.socket, into, std::min(size, turn.left), MSG_DONTWAIT);
         while (bytes < 0 && errno == EINTR);
     if (bytes > 0) {
-        turn.left -= static_cast<std::size_t>(bytes);
-        turn.taken += static_cast<std::uint64_t>(bytes);
+        turn.took(static_cast<std::size_t>(bytes));
         *taken = static_cast<std::size_t>(bytes);
         return 1;
     }

@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace hive::transport {
@@ -27,22 +26,28 @@ struct KeyTalk {
 using SslPtr = std::unique_ptr<SSL, decltype(&::SSL_free)>;
 
 /// How much a session may take from its socket before others have their turn. OpenSSL reads on by itself as long as
-/// records come that bring no data, so this is what ends a flood of them.
+/// records come that bring no data, so this is what ends a flood of them: who sends more of these than data gets less.
 struct SocketTurn {
     static constexpr std::size_t most = 64 * 1024, least = 4 * 1024;
-    /// The next turn; it is longer if the last one has brought data.
-    void begin()
+    void begin() { left = std::max(least, most - unpaid); }
+    void took(std::size_t bytes)
     {
-        length = std::exchange(useful, false) ? std::min(2 * length, most) : least;
-        left = length;
+        left -= bytes;
+        taken += bytes;
+        unpaid = std::min(unpaid + bytes, most);
+    }
+    void brought(std::size_t data)
+    {
+        unpaid -= std::min(unpaid, 2 * data);
+        left = std::max(left, most - unpaid);
     }
     /// Far more changes of the keys than anybody needs; each costs about 10 µs.
     [[nodiscard]] bool flooded() const { return key_updates > 16 + taken / (1024 * 1024); }
 
     int socket = -1;
-    std::size_t length = least, left = least;
-    bool useful = false;
-    std::uint64_t taken = 0;  ///< in all turns
+    std::size_t left = least;   ///< in this turn
+    std::size_t unpaid = most;  ///< of what was taken; data pays for twice its size
+    std::uint64_t taken = 0;    ///< in all turns
     std::uint64_t key_updates = 0;
     bool ended = false;  ///< the peer sends no more
 };

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t record = 16 * 1024;          // of TLS: what is encrypted at once
 constexpr std::size_t most_written = 16 * record;  // encrypted before it is sent
+constexpr std::size_t most_read = 16 * record;     // of data, before others have their turn
 /// A hello of TLS with one key has about 400 bytes.
 constexpr std::uint64_t most_before_key = 4096;
 
@@ -132,13 +133,14 @@ void TlsStream::look_for_plain_peer()
 TlsStream::Step TlsStream::decrypt(asio::mutable_buffer into)
 {
     turn_.begin();
+    const auto most = std::min(into.size(), most_read);
     Step step;
-    while (step.bytes < into.size() && !turn_.flooded()) {
+    while (step.bytes < most && !turn_.flooded()) {
         ::ERR_clear_error();
         errno = 0;
         std::size_t bytes = 0;
-        const int result = ::SSL_read_ex(session_.get(), static_cast<char*>(into.data()) + step.bytes,
-                                         into.size() - step.bytes, &bytes);
+        const int result =
+            ::SSL_read_ex(session_.get(), static_cast<char*>(into.data()) + step.bytes, most - step.bytes, &bytes);
         if (result != 1) {
             if (step.bytes == 0)
                 step.error = failure(result);
@@ -147,8 +149,8 @@ TlsStream::Step TlsStream::decrypt(asio::mutable_buffer into)
             break;                          // an error comes again at the next call
         }
         step.bytes += bytes;
+        turn_.brought(bytes);
     }
-    turn_.useful = step.bytes > 0;
     if (turn_.flooded())
         step.error = {SSL_R_TOO_MANY_KEY_UPDATES, tls_category()};
     return step;
