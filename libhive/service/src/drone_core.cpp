@@ -76,7 +76,7 @@ Json DroneCore::Running::first_state(DroneCore& core)
     if (!core.settings_.take_over)
         claim.emplace(home, core.self_.name);
     auto state = core.left_state(home);
-    core.self_.epoch = std::max(core.self_.epoch, state.value("epoch", std::int64_t{0}) + 1);
+    core.self_.epoch = std::max(core.self_.epoch, service::left_epoch(state, core.reporter_) + 1);
     return state;
 }
 

@@ -41,6 +41,14 @@ event::Subscription::Missed missed_from(const Fields& subscriber)
 
 }  // namespace
 
+std::int64_t left_epoch(const Json& state, const Reporter& reporter)
+try {
+    return Fields(state, "state").integer_or("epoch", 0, max_json_integer / 2, 0);
+} catch (const Error& error) {
+    reporter.log(LogLevel::warning, std::string("ignored the saved epoch: ") + error.what());
+    return 0;
+}
+
 std::vector<event::Subscriber> subscribers_from(const Json& state, const Reporter& reporter)
 {
     std::vector<event::Subscriber> subscribers;

@@ -15,6 +15,8 @@ enum class OtherKind { leave_out, take };
 /// The saved values that the drone still takes. The user thread, before the start.
 [[nodiscard]] Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter);
 
+/// The epoch of the last run, 0 when it is not known or larger than a clock could have made it.
+[[nodiscard]] std::int64_t left_epoch(const Json& state, const Reporter& reporter);
 /// Whom a drone of this name worked for; those that cannot be read are left out.
 [[nodiscard]] std::vector<event::Subscriber> subscribers_from(const Json& state, const Reporter& reporter);
 

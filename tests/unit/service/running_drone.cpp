@@ -290,6 +290,23 @@ TEST_CASE("running drone: after a crash it knows what its receivers have missed,
     CHECK(home.read("subject.state")["subscribers"] == subscribers);
 }
 
+TEST_CASE("running drone: its epoch grows past the one it left, and one that no clock makes is ignored")
+{
+    const std::int64_t in_2200 = 7'258'118'400'000'000;
+    const auto epoch_after = [](const Json& left) {
+        const Home home;
+        home.write("subject.state", {{"kind", "subject"}, {"epoch", left}});
+        const Running drone([](Drone&) {});
+        hive::Application application;
+        status_when(application, idle);
+        return home.read("subject.state")["epoch"].get<std::int64_t>();
+    };
+    const std::int64_t in_2100 = 4'102'444'800'000'000;
+    CHECK(epoch_after(in_2100) == in_2100 + 1);
+    for (const Json& left : {Json("yesterday"), Json(-1), Json(in_2200), Json(std::int64_t{1} << 53)})
+        CHECK_MESSAGE(epoch_after(left) < in_2100, left.dump());
+}
+
 TEST_CASE("running drone: stop() before run() is refused")
 {
     const Home home;
