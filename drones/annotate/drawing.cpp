@@ -42,7 +42,7 @@ void write_labels(cv::Mat& picture, const std::vector<Region>& regions, const st
         write_label(picture, region.label, cv::boundingRect(pixels(region, picture.size())), region_colour(region),
                     taken);
     for (const Mark& mark : marks)
-        write_label(picture, mark.label, pixels(mark.box), Drawing::colour_of(mark.id), taken);
+        write_label(picture, mark.label, pixels(mark.box), Drawing::colour_of(mark.coloured_by), taken);
 }
 
 /// The mark in a picture of another size.
@@ -65,23 +65,23 @@ std::uint32_t spread(const std::string& text)
 }
 
 /// 0 to 179. Numbers advance by the golden angle, so that tracks that began together have hues far apart.
-double hue_of(const std::string& id)
+double hue_of(const std::string& text)
 {
     constexpr double golden_angle = 180 * 0.381966;
     int number = 0;
-    const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), number);
-    const bool is_number = error == std::errc() && end == id.data() + id.size() && number >= 0;
-    return is_number ? std::floor(std::fmod(number * golden_angle, 180)) : spread(id) % 180;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_number = error == std::errc() && end == text.data() + text.size() && number >= 0;
+    return is_number ? std::floor(std::fmod(number * golden_angle, 180)) : spread(text) % 180;
 }
 
 }  // namespace
 
-cv::Scalar Drawing::colour_of(const std::string& id)
+cv::Scalar Drawing::colour_of(const std::string& text)
 {
-    if (id.empty())
+    if (text.empty())
         return green;
-    const auto number = spread(id);
-    const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(hue_of(id), 150 + number / 180 % 100, 255));
+    const auto number = spread(text);
+    const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(hue_of(text), 150 + number / 180 % 100, 255));
     cv::Mat bgr;
     cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
     return bgr.at<cv::Vec3b>(0, 0);
@@ -116,7 +116,7 @@ int Drawing::width_for(const cv::Mat& picture) const
 
 void Drawing::draw(cv::Mat& picture, const Mark& mark) const
 {
-    const auto colour = colour_of(mark.id);
+    const auto colour = colour_of(mark.coloured_by);
     for (const Shape& shape : mark.shapes)
         draw(picture, shape, mark);
     if (mark.framed && mark.uncertain && uncertain == Uncertain::dashed)
@@ -128,7 +128,7 @@ void Drawing::draw(cv::Mat& picture, const Mark& mark) const
 /// Dots are small in a small box, where they would hide what they mark.
 void Drawing::draw(cv::Mat& picture, const Shape& shape, const Mark& mark) const
 {
-    const auto colour = colour_of(mark.id);
+    const auto colour = colour_of(mark.coloured_by);
     const int width = width_for(picture), dot = std::clamp(pixel(mark.box.height / 30), (width + 1) / 2, 2 * width);
     std::vector<cv::Point> points;
     for (const auto& point : shape.points)

@@ -17,8 +17,8 @@ public:
     /// @param picture  8 bit, BGR or grey; not changed
     /// @param result   becomes a BGR picture of the same size; another one than `picture`
     void draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) const;
-    /// BGR; of a track always the same, and of two tracks hardly ever; green without id.
-    static cv::Scalar colour_of(const std::string& id);
+    /// BGR; of one text always the same, and of two texts hardly ever; green without text.
+    static cv::Scalar colour_of(const std::string& text);
 
 private:
     [[nodiscard]] int width_for(const cv::Mat& picture) const;

@@ -141,7 +141,7 @@ std::optional<Mark> mark(const json& object)
     if (!x || !y || !width || !height)
         return std::nullopt;
     const auto id = text(object, "id");
-    Mark mark{{*x, *y, *width, *height}, id, label_of(object, id), {}};
+    Mark mark{{*x, *y, *width, *height}, id.empty() ? text(object, "class") : id, label_of(object, id), {}};
     mark.uncertain = is_uncertain(object);
     for (const auto& [name, value] : object.items())
         if (auto found = shape(name, value)) {

@@ -18,8 +18,9 @@ struct Shape {
 
 /// Something that was found.
 struct Mark {
-    cv::Rect2d box = {};     ///< px
-    std::string id = {};     ///< of a track, the same from picture to picture; empty: none
+    cv::Rect2d box = {};  ///< px
+    /// What has the same text has the same colour: the id of a track, else its class; empty: green.
+    std::string coloured_by = {};
     std::string label = {};  ///< what to write beside it: "person #3 87 %"; printable ASCII, 48 characters at most
     std::vector<Shape> shapes = {};
     bool framed = true;      ///< the box is drawn

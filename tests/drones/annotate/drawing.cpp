@@ -134,8 +134,8 @@ TEST_CASE(
     "drawing: labels stand beside each other where their boxes overlap, on top of all lines, and only at boxes in "
     "the picture")
 {
-    const Mark one{.box = {100, 100, 80, 60}, .id = "1", .label = "first"},
-        other{.box = {105, 103, 80, 60}, .id = "2", .label = "other"};
+    const Mark one{.box = {100, 100, 80, 60}, .coloured_by = "1", .label = "first"},
+        other{.box = {105, 103, 80, 60}, .coloured_by = "2", .label = "other"};
     const auto colours = [](const cv::Mat& picture, const cv::Rect& part, const std::string& id) {
         cv::Mat found;
         const auto colour = Drawing::colour_of(id);
@@ -155,7 +155,7 @@ TEST_CASE(
 TEST_CASE("drawing: letters are white on a dark colour")
 {
     const auto whitest = [](const char* id) {
-        const auto picture = drawn({.all = {{.box = {100, 100, 80, 60}, .id = id, .label = "MMMM"}}});
+        const auto picture = drawn({.all = {{.box = {100, 100, 80, 60}, .coloured_by = id, .label = "MMMM"}}});
         cv::Mat found;
         cv::inRange(picture(cv::Rect(100, 75, 80, 25)), cv::Scalar::all(200), cv::Scalar::all(255), found);
         return cv::countNonZero(found);
@@ -222,7 +222,7 @@ TEST_CASE("drawing: a track keeps its colour, and twenty tracks have at least ei
         colours.emplace(colour[0], colour[1], colour[2]);
     }
     CHECK(colours.size() >= 18);
-    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}, .id = "7"}}});
+    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}, .coloured_by = "7"}}});
     CHECK(at(picture, 100, 80) == bytes(Drawing::colour_of("7")));
     CHECK(bytes(Drawing::colour_of("")) == green);
 }
@@ -286,7 +286,7 @@ TEST_CASE("drawing: what lies outside, or is turned inside out, harms nothing")
     const double far = 1e6;
     const Marks marks{.all = {{.box = {-far, -far, 2 * far, 2 * far}, .label = "all"},
                               {.box = {far, far, far, far},
-                               .id = "1",
+                               .coloured_by = "1",
                                .label = "none",
                                .shapes = {{Shape::Form::outline, {{-far, 5}, {far, 7}}}}},
                               {.box = {50, 50, -20, -20}, .label = "inside out"},

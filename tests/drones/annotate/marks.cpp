@@ -57,8 +57,9 @@ TEST_CASE("marks: the label says class, id, score and speed")
 {
     const auto marks = marks_in(with({{"class", "person"}, {"id", 3}, {"score", 0.874}, {"speed", 12.4}}));
     REQUIRE(marks.all.size() == 1);
-    CHECK(marks.all[0].id == "3");
+    CHECK(marks.all[0].coloured_by == "3");
     CHECK(marks.all[0].label == "person #3 87 % 12 px/s");
+    CHECK(marks_in(with({{"class", "person"}})).all[0].coloured_by == "person");
     CHECK(marks_in(with({{"kind", "walker"}})).all[0].label == "walker");
     CHECK(marks_in(with({{"score", 87}})).all[0].label.empty());
 }
