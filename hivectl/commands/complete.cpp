@@ -62,7 +62,8 @@ Words parameters(const std::vector<hive::Interface>& interfaces, const std::stri
     return words;
 }
 
-Words operands(Operand operand, const std::string& first, const std::string& current, Session& session)
+Words operands(Operand operand, const std::string& first, const std::string& kind, const std::string& current,
+               Session& session)
 {
     switch (operand) {
     case Operand::kind: return hive::kinds();
@@ -70,7 +71,10 @@ Words operands(Operand operand, const std::string& first, const std::string& cur
     case Operand::sender: return ends(session.application(300ms), current, true);
     case Operand::receiver: return ends(session.application(300ms), current, false);
     case Operand::parameter: return parameters(interfaces_of(session.application(300ms), first), current, false);
-    case Operand::setting: return parameters(interfaces_of(session.application(300ms), first), current, true);
+    case Operand::setting:
+        if (kind.empty())
+            return parameters(interfaces_of(session.application(300ms), first), current, true);
+        return parameters({hive::interface_of(kind, 3s)}, current, true);
     case Operand::setting_of_kind: return parameters({hive::interface_of(first, 3s)}, current, true);
     case Operand::file:
     case Operand::other: break;
@@ -87,13 +91,30 @@ Words flags(const CommandLine& line)
     return names;
 }
 
+Words values_of(const std::optional<CommandLine::Entry>& option)
+{
+    if (!option)
+        return {};
+    return option->type == "KIND" ? hive::kinds() : option->values;
+}
+
+/// What `--kind K` or `--kind=K` says; empty without it.
+std::string kind_in(const Words& words)
+{
+    for (std::size_t i = 1; i + 1 < words.size(); ++i)
+        if (words[i - 1] == "--kind")
+            return words[i];
+        else if (words[i].starts_with("--kind="))
+            return words[i].substr(7);
+    return {};
+}
+
 /// The values of an option that is typed as "--as=c".
 Words values_behind_equals(const CommandLine& line, const std::string& current)
 {
     const auto name = current.substr(0, current.find('='));
-    const auto option = line.option_with_value(name);
     Words words;
-    for (const auto& value : option ? option->values : Words())
+    for (const auto& value : values_of(line.option_with_value(name)))
         words.push_back(name + "=" + value);
     return words;
 }
@@ -125,7 +146,7 @@ Words candidates(const Words& words, Session& session)
     const Run run = declared(*verb, line, unused);
     const std::string& current = words.back();
     if (const auto option = line.option_with_value(words[words.size() - 2]))
-        return option->values;
+        return values_of(option);
     if (current.starts_with('-'))
         return current.find('=') == std::string::npos ? flags(line) : values_behind_equals(line, current);
     Words before;
@@ -137,7 +158,7 @@ Words candidates(const Words& words, Session& session)
     if (verb->operands.empty())
         return {};
     const auto place = std::min(before.size(), verb->operands.size() - 1);
-    return operands(verb->operands[place], before.empty() ? "" : before.front(), current, session);
+    return operands(verb->operands[place], before.empty() ? "" : before.front(), kind_in(words), current, session);
 }
 
 int run(const Words& words, Session& session)

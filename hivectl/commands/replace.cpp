@@ -136,7 +136,7 @@ Verb verb()
             .examples = "hivectl replace face-1\n"
                         "hivectl replace face-1 --kind detect model=yolov8n.onnx",
             .timeout = "end the new process if it is not ready within this long (default 10)",
-            .operands = {Operand::drone, Operand::other},
+            .operands = {Operand::drone, Operand::setting},
             .declare = declare};
 }
 

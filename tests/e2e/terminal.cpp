@@ -223,6 +223,11 @@ TEST_CASE("completion: it knows the values of options, arguments and parameters"
     CHECK(offered({"start", "ticker", "pa"}) == "padding=\npace=\n");
     CHECK(offered({"start", "ticker", "--as", "other", "count=3", "pace=d"}) == "pace=demand\n");
     CHECK(offered({"start", "nothing", "pa"}).empty());
+    CHECK(offered({"replace", "camera", "pa"}) == "padding=\npace=\n");
+    CHECK(offered({"replace", "camera", "--kind", "cam"}) == "camera\n");
+    CHECK(offered({"replace", "camera", "--kind=cam"}) == "--kind=camera\n");
+    CHECK(offered({"replace", "camera", "--kind", "camera", "pa"}) == "pace=\n");
+    CHECK(offered({"replace", "camera", "--kind=camera", "pa"}) == "pace=\n");
     CHECK(offered({"connections", "--w"}) == "--wide\n");
     const std::string bash =
         "source <(hivectl completion bash); COMP_WORDS=(hivectl set camera pace = d); COMP_CWORD=5; "
