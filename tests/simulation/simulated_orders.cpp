@@ -35,7 +35,7 @@ void SimulatedGround::connect(const Edge& edge)
     }
 }
 
-/// What is told to a drone by way of another one may take as long as these do not hear each other.
+/// A verb that reaches a drone through another one may wait as long as the link between the two is black.
 void SimulatedGround::perform(const Step& step)
 {
     trace_.line("step", to_text(step));

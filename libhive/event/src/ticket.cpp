@@ -60,7 +60,7 @@ void Acknowledgement::tell(bool processed, bool done, std::optional<Ending> endi
 {
     const auto loop = loop_.lock();
     if (!loop)
-        return;  // it is for nobody, or the module has ended
+        return;  // this event needs no acknowledgement, or the module has ended
     loop->post([weak = intake_, generation = generation_, number = number_, processed, done, ending] {
         if (const auto to = weak.lock())
             to->heard(generation, number, processed, done, ending);

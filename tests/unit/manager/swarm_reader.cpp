@@ -356,7 +356,7 @@ TEST_CASE("swarm file: an encoding that the output does not have, or the receive
              "4:24: output faces knows no encodings; its events travel as they are\n");
 }
 
-TEST_CASE("swarm file: a key of this machine that is not there, where one is told or needed")
+TEST_CASE("swarm file: a missing key file is found where a drone names it or needs it")
 {
     setenv("HIVE_KEY", "/nowhere/swarm.key", 1);
     const std::string get = "make one: hivectl key new; or copy the swarm's from a machine that has it: scp "

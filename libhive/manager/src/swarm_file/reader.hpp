@@ -23,7 +23,8 @@ public:
 
     /// @param complete  false: a file that it includes could not be read, and names that are missing may be there
     void read(const Value& file, bool complete);
-    /// Are the keys there that drones of this machine are told, or need where they listen?
+    /// Finds key files that are missing on this machine: those that the file names, and those that drones need to
+    /// listen.
     void check_keys();
     SwarmReading take();
     [[nodiscard]] Mistakes& mistakes() noexcept { return mistakes_; }

@@ -46,7 +46,7 @@ bool key_file_is_named();
 /// file, Errc::not_permitted when others than its owner may read it, and Errc::malformed.
 std::vector<SwarmKey> read_key_file(const std::filesystem::path& file);
 
-/// A drone lets in only who has the members' key. Throws Errc::not_permitted for the viewers'.
+/// A drone lets in only peers that have the members' key. Throws Errc::not_permitted for the viewers'.
 /// @param file  of these keys
 void require_members(const std::vector<SwarmKey>& keys, const std::filesystem::path& file);
 
