@@ -1,20 +1,16 @@
-// Spawn, two pipes, and a deadline.
+// A child, two pipes, and a deadline.
 #include "running_command.hpp"
 
-#include "environment.hpp"
+#include "child.hpp"
 
 #include <hive/error.hpp>
+#include <hive/transport/descriptor.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csignal>
-#include <cstring>
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
 
@@ -24,131 +20,58 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t most_output = 16 << 20;
-
-void require_done(int error, const std::string& what)
-{
-    if (error != 0)
-        throw Error(Errc::io, "cannot " + what + ": " + std::strerror(error));
-}
-
-/// One stream of a child, read at this end.
-class Pipe {
-public:
-    Pipe()
-    {
-        require_done(::pipe2(ends_.data(), O_CLOEXEC) == 0 ? 0 : errno, "make a pipe");
-        ::fcntl(ends_[0], F_SETFL, O_NONBLOCK);
-    }
-    ~Pipe()
-    {
-        close_entry();
-        ::close(ends_[0]);
-    }
-    Pipe(const Pipe&) = delete;
-    Pipe& operator=(const Pipe&) = delete;
-
-    [[nodiscard]] int exit() const { return ends_[0]; }
-    [[nodiscard]] int entry() const { return ends_[1]; }
-    void close_entry()
-    {
-        if (ends_[1] >= 0)
-            ::close(std::exchange(ends_[1], -1));
-    }
-    /// What is there; false at the end of the stream.
-    bool read(std::string& text) const
-    {
-        std::array<char, 16 * 1024> buffer;
-        const auto size = ::read(ends_[0], buffer.data(), buffer.size());
-        if (size > 0)
-            text.append(buffer.data(), static_cast<std::size_t>(size));
-        if (text.size() > most_output)
-            throw Error(Errc::too_large, "a command printed more than 16 MiB");
-        return size > 0 || (size < 0 && (errno == EINTR || errno == EAGAIN));
-    }
-
-private:
-    std::array<int, 2> ends_{-1, -1};
-};
-
-/// How a child begins.
-class Beginning {
-public:
-    Beginning()
-    {
-        ::posix_spawn_file_actions_init(&files);
-        ::posix_spawnattr_init(&attributes);
-    }
-    ~Beginning()
-    {
-        ::posix_spawn_file_actions_destroy(&files);
-        ::posix_spawnattr_destroy(&attributes);
-    }
-    Beginning(const Beginning&) = delete;
-    Beginning& operator=(const Beginning&) = delete;
-
-    posix_spawn_file_actions_t files;
-    posix_spawnattr_t attributes;
-};
-
-pid_t spawn(const std::vector<std::string>& words, const Beginning& beginning,
-            const std::vector<std::string>& environment)
-{
-    const auto variables = environment_with(environment);
-    pid_t pid = -1;
-    require_done(::posix_spawnp(&pid, words[0].c_str(), &beginning.files, &beginning.attributes, pointers(words).data(),
-                                pointers(variables).data()),
-                 "run " + words[0]);
-    return pid;
-}
-
-int exit_code_of_child(pid_t pid)
-{
-    int status = 0;
-    while (::waitpid(pid, &status, 0) < 0)
-        if (errno != EINTR)
-            return 126;  // where SIGCHLD is ignored nobody can tell how it ended, which is no success
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-/// Ends what it stands for, if that has not been waited for.
-class ChildProcess {
-public:
-    explicit ChildProcess(pid_t pid) : pid_(pid), watch_(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0))) {}
-    ~ChildProcess()
-    {
-        if (pid_ > 0)
-            end();
-        ::close(watch_);
-    }
-    ChildProcess(const ChildProcess&) = delete;
-    ChildProcess& operator=(const ChildProcess&) = delete;
-    [[nodiscard]] int watch() const { return watch_; }  ///< readable when it has ended
-    int wait() { return exit_code_of_child(std::exchange(pid_, -1)); }
-    /// Asks it to end, and insists after a second.
-    int end()
-    {
-        ::kill(pid_, SIGTERM);
-        pollfd ended{watch_, POLLIN, 0};
-        if (::poll(&ended, 1, 1000) == 0)
-            ::kill(pid_, SIGKILL);
-        return wait();
-    }
-
-private:
-    pid_t pid_;
-    int watch_;
-};
+constexpr std::chrono::seconds grace(1);  ///< between SIGTERM and SIGKILL
 
 }  // namespace
 
 struct RunningCommand::Parts {
+    /// One stream of a child, read at this end.
+    class Pipe {
+    public:
+        Pipe()
+        {
+            std::array<int, 2> ends{};
+            require_done(::pipe2(ends.data(), O_CLOEXEC) == 0 ? 0 : errno, "make a pipe");
+            ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
+            exit_ = transport::Descriptor(ends[0]);
+            entry_ = transport::Descriptor(ends[1]);
+        }
+
+        [[nodiscard]] int exit() const { return exit_.get(); }
+        [[nodiscard]] int entry() const { return entry_.get(); }
+        void close_entry() { transport::Descriptor(std::move(entry_)); }
+        /// What is there; false at the end of the stream.
+        bool read(std::string& text) const
+        {
+            std::array<char, 16 * 1024> buffer;
+            const auto size = ::read(exit(), buffer.data(), buffer.size());
+            if (size > 0)
+                text.append(buffer.data(), static_cast<std::size_t>(size));
+            if (text.size() > most_output)
+                throw Error(Errc::too_large, "a command printed more than 16 MiB");
+            return size > 0 || (size < 0 && (errno == EINTR || errno == EAGAIN));
+        }
+
+    private:
+        transport::Descriptor exit_, entry_;
+    };
+
     Parts(const std::vector<std::string>& words, std::chrono::milliseconds limit,
           const std::vector<std::string>& environment)
-        : end(Clock::now() + limit), child(started(words, environment))
+        : end(Clock::now() + limit),
+          child({.words = words, .environment = environment, .out = out.entry(), .err = err.entry()})
     {
         out.close_entry();
         err.close_entry();
-        streams = {{{out.exit(), POLLIN, 0}, {err.exit(), POLLIN, 0}, {child.watch(), POLLIN, 0}}};
+        streams = {{{out.exit(), POLLIN, 0}, {err.exit(), POLLIN, 0}, {child.descriptor(), POLLIN, 0}}};
+    }
+    ~Parts() { stop(); }
+    Parts(const Parts&) = delete;
+    Parts& operator=(const Parts&) = delete;
+    int stop()
+    {
+        child.end(Clock::now() + grace);
+        return exit_code_of_status(*child.ended());
     }
     /// Reads what is there.
     void read()
@@ -172,21 +95,9 @@ struct RunningCommand::Parts {
 
     Clock::time_point end;
     Pipe out, err;
-    ChildProcess child;
+    Child child;
     std::array<pollfd, 3> streams{};
     CommandResult result;
-
-private:
-    /// In a process group of its own: a Ctrl-C is for the caller, who may need what the command does to undo things.
-    pid_t started(const std::vector<std::string>& words, const std::vector<std::string>& environment) const
-    {
-        Beginning beginning;
-        ::posix_spawn_file_actions_addopen(&beginning.files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        ::posix_spawn_file_actions_adddup2(&beginning.files, out.entry(), STDOUT_FILENO);
-        ::posix_spawn_file_actions_adddup2(&beginning.files, err.entry(), STDERR_FILENO);
-        ::posix_spawnattr_setflags(&beginning.attributes, POSIX_SPAWN_SETPGROUP);
-        return spawn(words, beginning, environment);
-    }
 };
 
 RunningCommand::RunningCommand(const std::vector<std::string>& words, std::chrono::milliseconds limit,
@@ -208,12 +119,12 @@ std::optional<CommandResult> RunningCommand::poll(std::chrono::milliseconds pati
             parts.read();
         if (parts.ended()) {
             parts.read_rest_of_errors();
-            parts.result.exit_code = parts.child.wait();
+            parts.result.exit_code = parts.stop();
             return std::move(parts.result);
         }
         if (Clock::now() >= parts.end) {
             parts.result.late = true;
-            parts.result.exit_code = parts.child.end();
+            parts.result.exit_code = parts.stop();
             return std::move(parts.result);
         }
         if (ready <= 0 && left <= 0)
@@ -239,6 +150,11 @@ CommandResult run_command(const std::vector<std::string>& words, std::chrono::mi
             return *std::move(result);
 }
 
-int run_attached(const std::vector<std::string>& words) { return exit_code_of_child(spawn(words, Beginning(), {})); }
+int run_attached(const std::vector<std::string>& words)
+{
+    Child child({.words = words, .environment = {}, .in = 0, .own_session = false});
+    child.await_end(Clock::time_point::max());
+    return exit_code_of_status(*child.ended());
+}
 
 }  // namespace hive

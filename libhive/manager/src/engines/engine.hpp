@@ -1,6 +1,8 @@
 // Starts and ends the processes of drones on one machine: one file for each way that people have to do that.
 #pragma once
 
+#include "../background_process.hpp"
+
 #include <hive/process.hpp>
 #include <hive/swarm.hpp>
 

@@ -1,0 +1,40 @@
+// A process with a log instead of a terminal.
+#pragma once
+
+#include "child.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hive {
+
+class BackgroundProcess : public Child {
+public:
+    enum class Life {
+        own,  ///< goes on when the one that started it has ended
+        tied  ///< gets SIGTERM when the one that started it ends, however it ends
+    };
+
+    /// Starts it in a session of its own. It inherits no descriptor: stdin is /dev/null, stdout and stderr are appended
+    /// to `log`. `environment` are NAME=VALUE on top of ours. Throws Errc::io.
+    /// A tied one ends with the thread that started it: let the main thread do that.
+    BackgroundProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                      const std::vector<std::string>& environment, const std::filesystem::path& log, Life life);
+
+    /// A drone ends within two seconds, whatever its code does.
+    void end(Clock::time_point kill_at = Clock::now() + std::chrono::seconds(3)) { Child::end(kill_at); }
+    /// The last lines that it wrote, at most `lines`.
+    [[nodiscard]] std::string last_words(std::size_t lines) const;
+
+private:
+    BackgroundProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                      const std::vector<std::string>& environment, const std::filesystem::path& log, Life life,
+                      std::uintmax_t log_begin);
+
+    std::filesystem::path log_;
+    std::uintmax_t log_begin_;  // what was in the log before it
+};
+
+}  // namespace hive

@@ -1,0 +1,199 @@
+// Fork and exec: posix_spawn cannot tie a process to the life of another.
+#include "child.hpp"
+
+#include "environment.hpp"
+
+#include <hive/error.hpp>
+#include <hive/process.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <linux/close_range.h>
+#include <mutex>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+
+namespace hive {
+
+using transport::Descriptor;
+
+namespace {
+
+constexpr int unknown_status = 126 << 8;
+
+/// All that the child needs, made before the fork: afterwards it may allocate nothing.
+struct Beginning {
+    const ChildProgram& program;
+    char* const* words;
+    char* const* variables;
+    pid_t parent;
+    int report;  ///< takes the errno when the program cannot be run
+};
+
+/// SIGTERM when the thread that forked ends.
+void tie_to(pid_t parent)
+{
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent)
+        ::_exit(0);
+}
+
+/// Each first goes above the standard ones, of which it may be one.
+bool set_descriptors(const ChildProgram& program)
+{
+    const int in = program.in < 0 ? ::open("/dev/null", O_RDONLY) : program.in;
+    std::array<int, 3> above{in, program.out, program.err};
+    for (int& descriptor : above)
+        if ((descriptor = ::fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)) < 0)
+            return false;
+    for (std::size_t i = 0; i < above.size(); ++i)
+        if (::dup2(above[i], static_cast<int>(i)) < 0)
+            return false;
+    return ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC) == 0;
+}
+
+/// No signal blocked or ignored.
+void set_signals()
+{
+    for (int signal = 1; signal < NSIG; ++signal)
+        ::signal(signal, SIG_DFL);
+    sigset_t none;
+    ::sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+/// Only what may be called between fork and exec of a process with threads.
+[[noreturn]] void become(const Beginning& beginning)
+{
+    const auto& [program, words, variables, parent, report] = beginning;
+    if (program.tied)
+        tie_to(parent);
+    if (program.own_session)
+        ::setsid();
+    set_signals();
+    if (set_descriptors(program))
+        ::execvpe(words[0], words, variables);
+    const int error = errno;
+    [[maybe_unused]] const auto written = ::write(report, &error, sizeof error);
+    ::_exit(127);
+}
+
+/// The child's errno from a pipe that closes when it has become another program; 0: it has.
+int error_from(int report)
+{
+    int error = 0;
+    while (::read(report, &error, sizeof error) < 0 && errno == EINTR) {
+    }
+    return error;
+}
+
+/// Processes that go on, and that nobody looks after. Never destroyed: the last ones come when the program ends.
+struct LeftAlone {
+    std::mutex mutex;
+    std::vector<pid_t> pids;
+};
+
+LeftAlone& left_alone()
+{
+    static auto* all = new LeftAlone;
+    return *all;
+}
+
+}  // namespace
+
+void require_done(int error, const std::string& what)
+{
+    if (error != 0)
+        throw Error(Errc::io, "cannot " + what + ": " + std::strerror(error));
+}
+
+void reap_background_processes()
+{
+    const std::lock_guard lock(left_alone().mutex);
+    std::erase_if(left_alone().pids, [](pid_t pid) { return ::waitpid(pid, nullptr, WNOHANG) != 0; });
+}
+
+Child::Child(const ChildProgram& program)
+{
+    const auto variables = environment_with(program.environment);
+    const auto word_pointers = pointers(program.words), variable_pointers = pointers(variables);
+    std::array<int, 2> ends{};
+    require_done(::pipe2(ends.data(), O_CLOEXEC) == 0 ? 0 : errno, "prepare a process");
+    const Descriptor exit(ends[0]);
+    Descriptor entry(ends[1]);
+    const Beginning beginning{program, word_pointers.data(), variable_pointers.data(), ::getpid(), entry.get()};
+    reap_background_processes();
+    pid_ = ::fork();
+    if (pid_ == 0)
+        become(beginning);
+    require_done(pid_ < 0 ? errno : 0, "run " + program.words[0]);
+    entry = Descriptor();
+    const int error = error_from(exit.get());
+    if (error != 0)
+        ::waitpid(pid_, nullptr, 0);
+    require_done(error, "run " + program.words[0]);
+    descriptor_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
+}
+
+Child::~Child()
+{
+    if (pid_ <= 0 || status_)
+        return;
+    const std::lock_guard lock(left_alone().mutex);
+    left_alone().pids.push_back(pid_);
+}
+
+Child::Child(Child&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)), descriptor_(std::move(other.descriptor_)), status_(other.status_)
+{
+}
+
+Child& Child::operator=(Child&& other) noexcept
+{
+    std::swap(pid_, other.pid_);
+    std::swap(descriptor_, other.descriptor_);
+    std::swap(status_, other.status_);
+    return *this;
+}
+
+std::optional<int> Child::ended()
+{
+    int status = 0;
+    if (const auto reaped = status_ ? 0 : ::waitpid(pid_, &status, WNOHANG); reaped != 0)
+        status_ = reaped < 0 ? unknown_status : status;
+    return status_;
+}
+
+bool Child::await_end(Clock::time_point until)
+{
+    pollfd over{descriptor(), POLLIN, 0};
+    while (!ended()) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
+        if (left <= 0)
+            return false;
+        ::poll(&over, 1, static_cast<int>(std::min<std::int64_t>(left, 3'600'000)));
+    }
+    return true;
+}
+
+void Child::end(Clock::time_point kill_at)
+{
+    if (ended())
+        return;
+    ::kill(pid_, SIGTERM);  // not reaped yet, so the pid is still its own
+    if (!await_end(kill_at))
+        ::kill(pid_, SIGKILL);
+    await_end(Clock::time_point::max());
+}
+
+int exit_code_of_status(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+}  // namespace hive
