@@ -1,32 +1,13 @@
 // Compares drone by drone and connection by connection.
 #include "differences.hpp"
 
-#include "../directory.hpp"
-
-#include <hive/event/clock.hpp>
-#include <hive/name.hpp>
 #include <hive/program.hpp>
-#include <hive/transport/listen_address.hpp>
 
 #include <algorithm>
 #include <iterator>
-#include <thread>
 
 namespace hive::swarm {
 namespace {
-
-bool fits(const Endpoint& end, const std::string& drone, const std::string& port)
-{
-    return end.drone == drone && (end.port.empty() || end.port == port);
-}
-
-/// Ports that are not named are inferred, and only one fits.
-bool meets(const Endpoint& one, const Endpoint& other)
-{
-    return one.drone == other.drone && (one.port == other.port || one.port.empty() || other.port.empty());
-}
-
-bool says(const DroneOrder& order, const OrderField& field) { return field.value(order) != field.value({}); }
 
 bool may_change(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running)
 {
@@ -277,134 +258,6 @@ void tell_shared(const std::vector<SwarmStep>& left, const SwarmPlan& plan, cons
 }
 
 }  // namespace
-
-/// A drone has its name a moment before it can be met.
-Present::Present(Application& application, const std::vector<std::string>& drones)
-{
-    constexpr auto patience_for_sockets = std::chrono::seconds(5);
-    const auto end = event::Clock::now() + patience_for_sockets;
-    for (auto asked = drones; !asked.empty();) {
-        std::vector<std::string> begun;
-        for (auto& answer : application.status(asked))
-            if (!answer.error)
-                answers_.emplace(answer.drone, std::move(answer));
-            else if (answer.error->code() == Errc::unreachable && is_here(answer.place) && event::Clock::now() < end)
-                begun.push_back(answer.drone);
-            else if (answer.error->code() != Errc::not_found && is_here(answer.place))
-                throw *answer.error;
-        asked = std::move(begun);
-        if (!asked.empty())
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-}
-
-const StatusAnswer* Present::find(const std::string& drone) const
-{
-    const auto found = answers_.find(drone);
-    return found == answers_.end() ? nullptr : &found->second;
-}
-
-const InputStatus* Present::connection(const SwarmConnection& connection) const
-{
-    const auto* receiver = find(connection.to.drone);
-    if (!receiver || !find(connection.from.drone))
-        return nullptr;
-    for (const auto& input : receiver->status.inputs) {
-        const auto dot = input.from.rfind('.');  // a drone's name may have one, too
-        if (fits(connection.to, connection.to.drone, input.input)
-            && fits(connection.from, input.from.substr(0, dot), input.from.substr(dot + 1)))
-            return &input;
-    }
-    return nullptr;
-}
-
-std::vector<SwarmConnection> Present::connections_of(const std::string& drone) const
-{
-    std::vector<SwarmConnection> found;
-    for (const auto& [receiver, answer] : answers_)
-        for (const auto& input : answer.status.inputs) {
-            const auto dot = input.from.rfind('.');
-            const Endpoint from{input.from.substr(0, dot), input.from.substr(dot + 1)};
-            if (from.drone == drone || receiver == drone)
-                found.push_back({from, {receiver, input.input}, input.options});
-        }
-    return found;
-}
-
-bool same_ends(const SwarmConnection& one, const SwarmConnection& other)
-{
-    return meets(one.from, other.from) && meets(one.to, other.to);
-}
-
-std::string host_of(const SwarmPlan& plan, const SwarmDrone& drone)
-{
-    const auto engine = plan.engine_of(drone.host);
-    if (engine.name != "ssh")
-        return engine.name == "slurm" ? drone.host : Place::here;
-    const auto name = engine.settings.get<std::string>();
-    return name.substr(name.rfind('@') + 1);
-}
-
-void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running)
-{
-    const std::string stop =
-        (owns(plan, running) ? "" : "give yours another name, or ") + ("stop it: hivectl stop " + drone.name);
-    if (!is_of_kind(running.status, drone.kind))
-        throw Error(Errc::name_taken,
-                    drone.name + " runs already and is a " + running_order(running, drone).kind + ", not a "
-                        + drone.kind,
-                    stop);
-    if (const auto host = host_of(plan, drone); running.place.host != host)
-        throw Error(Errc::name_taken, drone.name + " runs already on " + running.place.host + ", not on " + host, stop);
-}
-
-bool owns(const SwarmPlan& plan, const StatusAnswer& running) { return running.status.swarm == plan.name; }
-
-std::string owner_text(const StatusAnswer& running)
-{
-    const auto& swarm = running.status.swarm;
-    return "brought up by " + (swarm.empty() ? "no swarm" : "the swarm " + swarm);
-}
-
-DroneOrder running_order(const StatusAnswer& answer, const DroneOrder& otherwise)
-{
-    auto order = answer.status.order.value_or(otherwise);
-    order.name = hive::drone_of(answer.drone);
-    if (!answer.status.order || order.kind.empty())
-        order.kind = answer.status.kind;
-    order.host = answer.place.host;
-    order.set = Json::object();
-    order.restart = otherwise.restart;
-    order.on_exception = token(answer.status.policy);
-    order.halted = order.halted || answer.status.state == State::halted;
-    return order;
-}
-
-Json running_set(Application& application, const std::string& drone, const Json& asked)
-{
-    Json set = Json::object();
-    for (const auto& parameter : application.describe(drone).parameters)
-        if (const auto now = asked.find(parameter.name); now != asked.end() && *now != parameter.default_value)
-            set[parameter.name] = *now;
-    return set;
-}
-
-bool runs_as_wanted(const OrderField& field, const DroneOrder& wanted, const DroneOrder& running, const Place& place)
-{
-    if (field.change == OrderField::Change::never)
-        return true;
-    const auto value = field.value(wanted), value_now = field.value(running);
-    if (field.type != OrderField::Type::address || value == value_now || value_now == "")
-        return field.in_force(wanted) == field.in_force(running);
-    const bool listens = field.name == "listen";
-    const auto now = transport::listen_address(value_now.get<std::string>());
-    if (value == "")
-        return listens && !is_here(place) && now.host == "0.0.0.0";
-    const auto meant = transport::listen_address(value.get<std::string>());
-    const bool chosen = listens ? now.port >= transport::first_drone_port && now.port <= transport::last_drone_port
-                                : now.port == transport::listen_address(running.listen).port;
-    return meant.host == now.host && (meant.port == 0 ? chosen : meant.port == now.port);
-}
 
 Differences differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before,
                         const std::function<void(const std::string& text)>& told)

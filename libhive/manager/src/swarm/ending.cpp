@@ -4,7 +4,7 @@
 #include "../directory.hpp"
 #include "../engines/engine.hpp"
 #include "../inquiry.hpp"
-#include "differences.hpp"
+#include "present.hpp"
 #include "draining.hpp"
 
 #include <hive/event/clock.hpp>

@@ -1,7 +1,7 @@
 // Reads and writes the remembered plans of a home.
 #include "record.hpp"
 
-#include "differences.hpp"
+#include "present.hpp"
 
 #include <hive/event/home.hpp>
 #include <hive/name.hpp>

@@ -2,7 +2,7 @@
 #include "running_plan.hpp"
 
 #include "../directory.hpp"
-#include "differences.hpp"
+#include "present.hpp"
 #include "record.hpp"
 
 #include <hive/program.hpp>

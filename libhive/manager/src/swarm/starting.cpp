@@ -2,7 +2,7 @@
 #include "starting.hpp"
 
 #include "../directory.hpp"
-#include "differences.hpp"
+#include "present.hpp"
 
 #include <hive/event/clock.hpp>
 
