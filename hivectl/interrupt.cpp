@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <ctime>
-#include <thread>
+#include <poll.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 namespace hivectl::interrupt {
@@ -19,6 +21,7 @@ namespace {
 std::atomic<int> deferred{0};              // how many Deferred live
 std::atomic<int> first{0};                 // the first signal
 std::atomic<std::int64_t> first_at_ns{0};  // when it came
+std::atomic<int> wake_up{-1};              // an eventfd, readable from then on
 static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 constexpr std::int64_t one_press_ns = 200'000'000;
@@ -42,9 +45,12 @@ void on_signal(int signal)
     std::int64_t earlier = 0;
     if (deferred == 0)
         end_at_once(signal);
-    if (first_at_ns.compare_exchange_strong(earlier, now))
+    if (first_at_ns.compare_exchange_strong(earlier, now)) {
         first = signal;
-    else if (now - earlier > one_press_ns)
+        const int error = errno;
+        ::eventfd_write(wake_up, 1);
+        errno = error;
+    } else if (now - earlier > one_press_ns)
         end_at_once(signal);
 }
 static_assert(exit_code::interrupted == 128 + SIGINT);
@@ -53,6 +59,7 @@ static_assert(exit_code::interrupted == 128 + SIGINT);
 
 void install()
 {
+    wake_up = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction previous {};
         if (::sigaction(signal, nullptr, &previous) == 0 && previous.sa_handler == SIG_IGN)
@@ -76,10 +83,11 @@ bool sleep(std::chrono::milliseconds duration)
 {
     const auto end = std::chrono::steady_clock::now() + duration;
     while (!requested()) {
-        const auto left = end - std::chrono::steady_clock::now();
-        if (left <= left.zero())
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
+        if (left <= 0)
             return true;
-        std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(left, std::chrono::milliseconds(50)));
+        pollfd woken{wake_up, POLLIN, 0};
+        ::poll(&woken, 1, static_cast<int>(std::min<std::int64_t>(left, 3'600'000)));
     }
     return false;
 }

@@ -22,7 +22,7 @@ void defer_until_exit();
 bool requested();
 /// 128 + the signal that came; 130 if none did.
 int exit_code();
-/// Sleeps, in steps short enough to notice Ctrl-C; false when it was pressed.
+/// Sleeps until Ctrl-C; false when it was pressed.
 bool sleep(std::chrono::milliseconds duration);
 
 }  // namespace hivectl::interrupt

@@ -2,6 +2,7 @@
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
+#include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -57,7 +57,7 @@ public:
                 throw hive::Error(hive::Errc::timeout,
                                   "another process has been changing " + file.string() + " for 5 s");
             }
-            std::this_thread::sleep_for(10ms);
+            interrupt::sleep(10ms);
         }
     }
     Lock(const Lock&) = delete;

@@ -230,8 +230,7 @@ std::optional<Error> Application::Core::wait_until_gone(const Place& place, even
             killed = true;
             until = event::Clock::now() + std::chrono::seconds(1);
         }
-        require_not_cancelled();
-        platform::sleep_for(std::chrono::milliseconds(2));
+        wait(event::Clock::now() + std::chrono::milliseconds(2), [] { return false; });
     }
     if (!is_here(place))
         directory.list().forget(place);

@@ -23,14 +23,6 @@ using What = SwarmStep::What;
 
 namespace {
 
-/// Two that change one swarm at once would undo what the other does. One that was killed may leave a process behind
-/// that it was about to start, which has the claim for a moment more, however short the patience is.
-swarm::Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
-                   const SwarmWatch& watch)
-{
-    return swarm::claim(application.home(), swarm, std::max<std::chrono::milliseconds>(patience, 1s), watch);
-}
-
 SwarmOutcome interrupted(const std::string& swarm)
 {
     return {.steps = {}, .failures = {{swarm, Error(Errc::stopped, "interrupted")}}, .remains = {}};
@@ -117,7 +109,7 @@ std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
 
 SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& watch)
 {
-    const auto alone = claim(application_, plan_.name, patience, watch);
+    const auto alone = swarm::claim(application_, plan_.name, patience, watch);
     if (!alone)
         return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
@@ -157,7 +149,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
 
 SwarmOutcome Swarm::down(std::chrono::milliseconds patience, const SwarmWatch& watch)
 {
-    const auto alone = claim(application_, plan_.name, patience, watch);
+    const auto alone = swarm::claim(application_, plan_.name, patience, watch);
     if (!alone)
         return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);

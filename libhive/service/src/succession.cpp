@@ -3,8 +3,6 @@
 
 #include "last_grace.hpp"
 
-#include <hive/platform/process.hpp>
-
 namespace hive::service {
 namespace {
 
@@ -40,13 +38,14 @@ Json ask_to_hand_over(event::Module& module, const event::Home& home)
 }
 
 /// A lock of a file tells nobody when it is freed, so it is looked at each millisecond.
-void await_name(const event::Home& home, const std::string& name, std::optional<event::NameClaim>& claim)
+void await_name(event::Module& module, const event::Home& home, std::optional<event::NameClaim>& claim)
 {
+    const auto& name = module.self().name;
     const auto until = Clock::now() + patience_for_name;
     while (!claim)
         try {
             if (Clock::now() < until && home.alive(name))
-                platform::sleep_for(1ms);
+                module.loop().wait(Clock::now() + 1ms, [] { return false; });
             else
                 claim.emplace(home, name);
         } catch (const Error& error) {
@@ -65,7 +64,7 @@ bool take_over(event::Module& module, const event::Home& home, std::optional<eve
     if (Clock::now() > ready_by)
         throw Error(Errc::timeout, "it was not ready in time to take over " + name);
     const auto answer = home.alive(name) ? ask_to_hand_over(module, home) : Json::object();
-    await_name(home, name, claim);
+    await_name(module, home, claim);
     return Fields(answer, "the answer to stop").flag_or("halted", false);
 }
 

@@ -14,8 +14,8 @@
 #include <map>
 #include <set>
 #include <sstream>
-#include <thread>
 
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -280,7 +280,7 @@ std::vector<std::string> SlurmEngine::left_of(const std::vector<std::string>& dr
             step.process.await_end(until);
     auto ids = steps_named(drones);
     for (; !ids.empty() && Clock::now() < until; ids = steps_named(drones))
-        std::this_thread::sleep_for(200ms);
+        ::poll(nullptr, 0, 200);
     return ids;
 }
 

@@ -1,12 +1,13 @@
 // A lock file as those of drones, NAME.swarm.lock; whoever waits for it holds NAME.swarm.next.
 #include "claim.hpp"
 
+#include "../inquiry.hpp"
 #include "../swarm_file/words.hpp"
 
 #include <hive/error.hpp>
 #include <hive/event/clock.hpp>
 
-#include <thread>
+#include <algorithm>
 
 namespace hive::swarm {
 
@@ -25,13 +26,14 @@ try {
 
 }  // namespace
 
-Claim claim(const std::filesystem::path& home, const std::string& swarm, std::chrono::milliseconds patience,
+Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
             const SwarmWatch& watch)
 {
-    const event::Home directory(home);
-    const auto begin = event::Clock::now(), end = begin + patience;
+    const event::Home directory(application.home());
+    const auto begin = event::Clock::now(), end = begin + std::max<std::chrono::milliseconds>(patience, 1s);
     Claim waiting;
-    for (bool told = !watch.told;; std::this_thread::sleep_for(10ms)) {
+    // A lock tells nobody when it is freed.
+    for (bool told = !watch.told;; Inquiry(application).wait(event::Clock::now() + 10ms, {})) {
         if (auto claim = claim_unless_taken(directory, swarm, event::NameClaim::To::name))
             return claim;
         if (watch.cancelled && watch.cancelled())

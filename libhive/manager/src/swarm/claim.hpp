@@ -14,9 +14,10 @@ namespace hive::swarm {
 
 using Claim = std::unique_ptr<const event::NameClaim>;  ///< for as long as it lives
 
-/// Waits while somebody else has it, and tells that after a second. Null when it is cancelled meanwhile. Throws
-/// Errc::locked.
-Claim claim(const std::filesystem::path& home, const std::string& swarm, std::chrono::milliseconds patience,
+/// Waits while somebody else has it, at least a second, and tells that then: one that was killed may leave a process
+/// behind that it was about to start, which has the claim for a moment more. Null when it is cancelled meanwhile.
+/// Throws Errc::locked.
+Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
             const SwarmWatch& watch);
 /// Null when somebody else has it, or waits for it.
 Claim claim_if_free(const std::filesystem::path& home, const std::string& swarm);
