@@ -1,6 +1,7 @@
 // What a verb says while a drone starts, and once it is ready.
 #include "launch.hpp"
 
+#include "command_line.hpp"
 #include "exit_code.hpp"
 #include "interrupt.hpp"
 #include "output.hpp"
@@ -12,6 +13,23 @@
 namespace hivectl {
 
 using namespace std::chrono_literals;
+
+void declare_fields(CommandLine& line, hive::DroneOrder& order)
+{
+    for (const auto& field : hive::order_fields()) {
+        const std::string option(field.option), help(field.help);
+        if (option.empty())
+            continue;
+        if (field.type == hive::OrderField::Type::flag) {
+            line.flag(option, order.*std::get<bool hive::DroneOrder::*>(field.member), help);
+            continue;
+        }
+        const auto text = std::get<std::string hive::DroneOrder::*>(field.member);
+        const auto declared = line.option(option, order.*text, help).type_name(std::string(field.placeholder));
+        if (!field.words.empty())
+            declared.one_of({field.words.begin(), field.words.end()});
+    }
+}
 
 hive::StartOptions start_options(const Session& session, const std::string& verb, hive::DroneOrder drone,
                                  const std::string& on)
@@ -29,13 +47,14 @@ hive::StartOptions start_options(const Session& session, const std::string& verb
             .told = [verb](const std::string& text) { complain(verb, printable(text)); }};
 }
 
-int start_in_background(Session& session, const hive::StartOptions& options)
+int start_in_background(Session& session, const hive::StartOptions& options,
+                        hive::Started (*start)(hive::Application&, hive::StartOptions))
 {
     interrupt::defer_until_exit();  // a drone that runs and an exit code of 130 would contradict each other
     auto& application = session.application();
     std::optional<Waiting> waiting(options.drone.name + " to be ready" + (options.ssh.empty() ? "" : " on ")
                                    + options.ssh);
-    const auto [place, log, found] = hive::start(application, options);
+    const auto [place, log, found, before] = start(application, options);
     const auto status = application.status(place.drone + "@" + place.host);
     waiting.reset();
     Row row{
@@ -46,6 +65,8 @@ int start_in_background(Session& session, const hive::StartOptions& options)
     }
     if (found)
         row.add("found", true);
+    if (before != 0)
+        row.add("before", before);
     write_out(session.json ? row.json() + "\n" : place.drone + "\n");
     return exit_code::done;
 }

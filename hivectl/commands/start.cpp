@@ -28,19 +28,6 @@ int run(const Options& options, Session& session)
     return start_in_background(session, wanted);
 }
 
-void declare(CommandLine& line, hive::DroneOrder& order, const hive::OrderField& field)
-{
-    const std::string option(field.option), help(field.help);
-    if (field.type == hive::OrderField::Type::flag) {
-        line.flag(option, order.*std::get<bool hive::DroneOrder::*>(field.member), help);
-        return;
-    }
-    const auto text = std::get<std::string hive::DroneOrder::*>(field.member);
-    const auto declared = line.option(option, order.*text, help).type_name(std::string(field.placeholder));
-    if (!field.words.empty())
-        declared.one_of({field.words.begin(), field.words.end()});
-}
-
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
@@ -69,9 +56,7 @@ Run declare(CommandLine& line, Session& session)
                 "there is only one. `hivectl disconnect` ends the wait")
         .type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         .one_each();
-    for (const auto& field : hive::order_fields())
-        if (!field.option.empty())
-            declare(line, options->order, field);
+    declare_fields(line, options->order);
     line.option("--swarm", options->order.swarm,
                 "the swarm that it belongs to, whose hivectl down ends it (default: none)")
         .type_name("NAME");

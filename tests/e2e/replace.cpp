@@ -284,6 +284,36 @@ TEST_CASE("replace: what does not start, or does not fit, leaves the old one as 
     CHECK(swarm.hivectl({"replace", "nobody"}).exit_code == 3);
 }
 
+TEST_CASE("replace: Ctrl-C stops a new process that is not ready, and the old one goes on")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
+    const auto before = swarm.application().status("worker").pid;
+    auto command = swarm.hivectl_running({"replace", "worker", "start_ms=100000", "--timeout", "100"}, "replace");
+    REQUIRE(eventually([&] { return successors(swarm).size() == 1; }, long_patience));
+    command.signal(SIGINT);
+    CHECK(command.wait(patient(10'000ms)) == 130);
+    CHECK_MESSAGE(has(swarm.log("replace"), "cancelled while the successor of worker was starting"),
+                  swarm.log("replace"));
+    CHECK(successors(swarm).empty());
+    CHECK(swarm.application().status("worker").pid == before);
+}
+
+TEST_CASE("replace: the new one has the options of the old one, and an up finds nothing to do")
+{
+    const Swarm swarm;
+    const auto file = swarm.home() / "one.json";
+    std::ofstream(file) << R"({"swarm": "one", "drones": {"worker": {"kind": "sleeper", "log_level": "debug",)"
+                           R"( "remote_operator": true, "set": {"work_ms": 3}}}})";
+    swarm.hivectl_done({"up", file.string()});
+    const auto before = swarm.application().status("worker").pid;
+    swarm.hivectl_done({"replace", "worker"}, long_patience);
+    CHECK(swarm.application().status("worker").pid != before);
+    CHECK(swarm.hivectl_done({"up", file.string()}).empty());
+    swarm.hivectl_done({"replace", "worker", "--log-level", "info"}, long_patience);
+    CHECK(has(swarm.hivectl_done({"up", file.string(), "--dry-run"}), "restart worker log_level=debug"));
+}
+
 TEST_CASE("replace: a drone that keeps state needs a word more")
 {
     const Swarm swarm;

@@ -84,9 +84,11 @@ TEST_CASE("replace: a drone that was started with --on is replaced there")
     const FakeSsh ssh(here, there);
     REQUIRE(ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "fps=7", "--insecure"}).exit_code == 0);
     const auto before = there.application().status("t-1");
-    const auto replaced = ssh.hivectl({"replace", "t-1", "bytes=9"});
+    const auto replaced = ssh.hivectl({"replace", "t-1", "bytes=9", "--json"});
     REQUIRE_MESSAGE(replaced.exit_code == 0, replaced.err);
-    CHECK(replaced.out == "t-1\n");
+    const auto row = Json::parse(replaced.out);
+    CHECK(row.at("before") == before.pid);
+    CHECK(row.at("host") == "gpu1");
     CHECK(there.application().get("t-1", {"fps", "bytes"}) == Json{{"fps", 7.0}, {"bytes", 9}});
     const auto after = here.application().status("t-1");
     CHECK(after.pid != before.pid);

@@ -20,6 +20,7 @@ using Clock = std::chrono::steady_clock;
 using Life = BackgroundProcess::Life;
 
 constexpr std::size_t lines_shown = 15;
+constexpr auto time_to_hand_over = 46s;  ///< of the old drone, which may be inside a long callback
 
 /// One on another machine that does not answer may have been switched off for good.
 void require_free(Application& application, const StartOptions& options)
@@ -48,7 +49,7 @@ StartOptions completed(StartOptions options)
     if (drone.name.empty())
         drone.name = usual_name(drone.kind);
     require_name(drone.name, "drone");
-    if (!is_python_file(drone.kind))
+    if (!is_python_file(drone.kind) && !takes_over(drone))
         require_name(drone.kind, "kind");
     return options;
 }
@@ -87,7 +88,7 @@ public:
           inquiry_(application),
           engine_(options_.ssh.empty() ? make_local_engine(application.home(), life)
                                        : make_ssh_engine(Json(options_.ssh), application.home())),
-          end_(Clock::now() + options_.limit)
+          end_(Clock::now() + options_.limit + (takes_over(options_.drone) ? time_to_hand_over : 0s))
     {
     }
 
@@ -101,6 +102,7 @@ public:
 private:
     Started until_ready();
     void poll_engine();
+    [[nodiscard]] std::string subject() const { return subject_of(options_.drone); }
     [[nodiscard]] bool answers();
     void require_time();
 
@@ -114,7 +116,8 @@ private:
 
 Started Start::await()
 try {
-    require_free(application_, options_);
+    if (!takes_over(options_.drone))
+        require_free(application_, options_);
     engine_->begin({options_.drone}, end_);
     return until_ready();
 } catch (const Error& error) {
@@ -165,19 +168,19 @@ bool Start::answers()
 void Start::require_time()
 {
     if (options_.cancelled && options_.cancelled())
-        throw Error(Errc::stopped, "cancelled while " + name() + " was starting");
+        throw Error(Errc::stopped, "cancelled while " + subject() + " was starting");
     if (Clock::now() < end_)
         return;
     const auto* const here = process();
     throw Error(Errc::timeout,
-                name() + " was not ready in time and was stopped"
+                subject() + " was not ready in time and was stopped"
                     + (here ? "; " + log_text(here->last_words(lines_shown)) : ""),
                 "allow more time: --timeout SECONDS");
 }
 
 std::vector<SwarmFailure> Start::stop()
 {
-    if (started_ && !started_->found && started_->place.host != Place::here)
+    if (started_ && !started_->found && started_->place.host != Place::here && !takes_over(options_.drone))
         application_.forget_place(started_->place);
     return engine_->stop({name()}, std::max(end_, Clock::now()) + 2s);
 }

@@ -29,6 +29,9 @@ struct DroneOrder {
     std::string swarm{};                     ///< that it will belong to
     bool no_announce = false;
     bool change_if_shared = false;  ///< parameters and connections hold even if another swarm brought it up
+    /// More than 0: it takes over from the running drone of its name, if it is ready by then. See hive::replace().
+    double take_over_s = 0;
+    bool lose_state = false;  ///< that drone may lose what it remembers of earlier events
 
     bool operator==(const DroneOrder&) const = default;
 };
@@ -54,6 +57,8 @@ struct OrderField {
     [[nodiscard]] Json value(const DroneOrder& order) const;
     /// The same with the default where the order says nothing.
     [[nodiscard]] Json in_force(const DroneOrder& order) const;
+    /// Is a value given, even if it is the default?
+    [[nodiscard]] bool is_said(const DroneOrder& order) const { return value(order) != value({}); }
     /// Is a value given that is not the default?
     [[nodiscard]] bool is_given(const DroneOrder& order) const;
     void copy(DroneOrder& to, const DroneOrder& from) const;

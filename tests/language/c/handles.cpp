@@ -158,7 +158,7 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_start, "x", nullptr, &p.text),
             ON(hive_application, hive_application_stall, R"(["x"])", &p.text, &p.size),
             ON(hive_application, hive_application_exception_policy, "x", "skip"),
-            ON(hive_application, hive_application_replace, "x", nullptr, no_log, nullptr, &p.text),
+            ON(hive_application, hive_application_replace, "x", nullptr, &p.text),
             ON(hive_application, hive_swarm_open, "{}", R"({"form_only": true})", &p.swarm),
             ON(hive_application, hive_swarm_remembered, &p.text, &p.size),
             ON(hive_application, hive_swarm_running, nullptr, nullptr, &p.text, &p.size)};

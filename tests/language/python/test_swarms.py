@@ -256,13 +256,14 @@ class Swarms(World):
     def test_a_new_process_takes_over_and_when_it_does_not_its_log_says_why(self):
         self.swarm.swarm(workers_file(1)).up(LONG)
         before = self.swarm.status("worker-1")["pid"]
-        done = self.swarm.replace("worker-1", parameters={"most_ms": 100}, ready=LONG)
-        self.assertEqual((done["before"], done["pid"]), (before, self.swarm.status("worker-1")["pid"]))
+        self.swarm.replace("worker-1", parameters={"most_ms": 100}, ready=LONG)
+        now = self.swarm.status("worker-1")["pid"]
+        self.assertNotEqual(now, before)
         self.assertEqual(self.swarm.get("worker-1", "work_ms", "most_ms"), {"work_ms": 1, "most_ms": 100})
         with self.assertRaises(hive.Error) as caught:
-            self.swarm.replace("worker-1", arguments=["--listen", "tcp://127.0.0.1:1"], ready=LONG)
+            self.swarm.replace("worker-1", listen="tcp://127.0.0.1:1", ready=LONG)
         self.assertIn("key", str(caught.exception))
-        self.assertEqual(self.swarm.status("worker-1")["pid"], done["pid"])
+        self.assertEqual(self.swarm.status("worker-1")["pid"], now)
         self.refused("not_found", self.swarm.replace, "nobody")
 
 

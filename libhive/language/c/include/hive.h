@@ -391,6 +391,12 @@ HIVE_API hive_code hive_application_put(hive_application* application, const cha
    has its exit code, or HIVE_FAILED, with the last lines of its log. */
 HIVE_API hive_code hive_application_start(hive_application* application, const char* kind, const char* options,
                                           char** place);
+/* A new process takes over from a running drone: its name, places, parameters and connections pass over when it is
+   ready. Options as of hive_application_start(), without "name", "ssh" and "if_missing", and "kind" (default: what the
+   old one is), "lose_state" (the old one may lose what it remembers of earlier events); what is not given is as it was.
+   Until the new one is ready, an error or a cancellation leaves the old one as it was; then it goes on by itself. */
+HIVE_API hive_code hive_application_replace(hive_application* application, const char* drone, const char* options,
+                                            char** place);
 /* Why nothing comes from ["face.faces", ...]: {"text": what their drones report, and the drones that these receive
    from, up to the sources; "" when all moves, "held": lossless events wait for a receiver of bodies}. */
 HIVE_API hive_code hive_application_stall(hive_application* application, const char* outputs, char** json,

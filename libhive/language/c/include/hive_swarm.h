@@ -78,15 +78,6 @@ HIVE_API hive_code hive_swarm_remembered(hive_application* application, char** j
 HIVE_API hive_code hive_swarm_running(hive_application* application, const char* swarm, const char* drones, char** text,
                                       size_t* length);
 
-/* A new process takes over from a drone of this machine while the swarm runs: its name, parameters and connections pass
-   over when it is ready. Options: "kind" (default: what the old one is), "parameters" {name: value}, "arguments"
-   [further words of its command line], "ready_ms" (default 10000), "lose_state" (the old one may forget what it
-   remembers of earlier events). *replaced, if not null: {"drone", "kind", "pid", "before" (the old pid), "log"}.
-   Until the new one is ready, what goes wrong leaves the old one as it was; `last_words`, if there is one, hears the
-   last lines of the log then. What is begun goes on when it is cancelled. */
-HIVE_API hive_code hive_application_replace(hive_application* application, const char* drone, const char* options,
-                                            hive_log_callback last_words, void* user, char** replaced);
-
 #ifdef __cplusplus
 }
 #endif

@@ -1,4 +1,4 @@
-// A drone in the background, and why nothing comes from one.
+// A drone in the background, a process that takes over from one, and why nothing comes from one.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
@@ -14,11 +14,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-SwarmDrone drone_of(const char* kind, const Options& given)
+SwarmDrone drone_of(const Options& given)
 {
     SwarmDrone drone;
-    drone.kind = text_of(kind, "the kind");
-    drone.name = given.text("name");
     drone.set = given.object("parameters");
     for (const auto& field : order_fields())
         if (field.option.empty())
@@ -30,20 +28,29 @@ SwarmDrone drone_of(const char* kind, const Options& given)
     return drone;
 }
 
-StartOptions start_options(const char* kind, const char* text)
+/// With the fields of an order.
+Options given_options(const char* text, std::vector<const char*> known)
 {
-    std::vector known{"name", "ssh", "parameters", "ready_ms", "if_missing"};
+    known.insert(known.end(), {"parameters", "ready_ms"});
     for (const auto& field : order_fields())
         if (!field.option.empty())
             known.push_back(field.name.data());
-    const Options given(text, known);
+    return {text, known};
+}
+
+StartOptions start_options(const Options& given)
+{
     StartOptions options;
-    options.drone = drone_of(kind, given);
-    options.ssh = given.text("ssh");
-    options.if_missing = given.flag("if_missing");
+    options.drone = drone_of(given);
     options.limit = patience_of(given.integer("ready_ms", 0, options.limit.count()));
     options.cancelled = wait_is_cancelled;
     return options;
+}
+
+void give_place(const Started& started, char** place)
+{
+    if (place)
+        give_json(place_json(started.place), place);
 }
 
 std::string error_text(const Error& error)
@@ -57,9 +64,25 @@ std::string error_text(const Error& error)
 hive_code hive_application_start(hive_application* application, const char* kind, const char* options, char** place)
 {
     return with_application(application, [&](Application& open) {
-        const auto started = start(open, start_options(kind, options));
-        if (place)
-            give_json(place_json(started.place), place);
+        const auto given = given_options(options, {"name", "ssh", "if_missing"});
+        auto wanted = start_options(given);
+        wanted.drone.kind = text_of(kind, "the kind");
+        wanted.drone.name = given.text("name");
+        wanted.ssh = given.text("ssh");
+        wanted.if_missing = given.flag("if_missing");
+        give_place(start(open, wanted), place);
+    });
+}
+
+hive_code hive_application_replace(hive_application* application, const char* drone, const char* options, char** place)
+{
+    return with_application(application, [&](Application& open) {
+        const auto given = given_options(options, {"kind", "lose_state"});
+        auto wanted = start_options(given);
+        wanted.drone.name = text_of(drone, "the drone");
+        wanted.drone.kind = given.text("kind");
+        wanted.drone.lose_state = given.flag("lose_state");
+        give_place(replace(open, wanted), place);
     });
 }
 

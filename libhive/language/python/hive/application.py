@@ -7,7 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
 from . import _library
-from ._errors import Error, SetError, require_list
+from ._errors import Error, SetError
 from ._finding import Finding, Names, answer_of, flat, is_many
 from ._library import as_json, ask_handle, ask_json, ask_list, ask_object, ask_text, encoded, lib, release
 from .output import view_of
@@ -167,6 +167,38 @@ class Application(Finding):
         }
         started = ask_json(lib.hive_application_start, self._handle, encoded(os.fspath(kind)), as_json(options))
         return str(started["drone"])
+
+    def replace(
+        self,
+        drone: str,
+        *,
+        kind: Union[str, os.PathLike[str]] = "",
+        parameters: Optional[Mapping[str, Any]] = None,
+        lose_state: bool = False,
+        ready: Seconds = 10.0,
+        **options: Any,
+    ) -> None:
+        """Lets a new process take over from a running drone: when it is ready, name, places, parameters and
+        connections pass over.  What is not given is as it was for the old one.
+
+        :param kind: what the new one is, or a Python file; "": what the old one is
+        :param parameters: set for the new one, besides what the old one was told
+        :param lose_state: the old one may lose what it remembers of earlier events
+        :param ready: how long it may take to get ready; until then the old one is unaffected
+        :param options: those of :meth:`start` from ``halted`` to ``log_level``, for the new one
+        :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" when it is being replaced already,
+            "timeout"; with the last lines of the log when the new one has failed
+        """
+        options = {
+            **options,
+            "kind": os.fspath(kind),
+            "parameters": dict(parameters or {}),
+            "lose_state": lose_state,
+            "ready_ms": milliseconds(ready),
+        }
+        if "key" in options:
+            options["key"] = os.fspath(options["key"])
+        lib.hive_application_replace(self._handle, encoded(drone), as_json(options), None)
 
     # --- wire ---
 
@@ -415,45 +447,6 @@ class Application(Finding):
         place, length = ctypes.c_void_p(), ctypes.c_size_t()
         lib.hive_swarm_running(self._handle, encoded(name), wanted, ctypes.byref(place), ctypes.byref(length))
         return _library.take_text(place, length.value) or ""
-
-    def replace(
-        self,
-        drone: str,
-        *,
-        kind: str = "",
-        parameters: Optional[Mapping[str, Any]] = None,
-        arguments: Sequence[str] = (),
-        ready: Seconds = 10.0,
-        lose_state: bool = False,
-    ) -> dict[str, Any]:
-        """Lets a new process take over from a drone of this machine while the swarm runs: when it is ready, name,
-        parameters and connections pass over.  Gives "drone", "kind", "pid", "before" (the old process) and "log".
-
-        :param kind: what the new one is, or a file of Python; "": what the old one is
-        :param parameters: set for the new one, beside what the old one was told
-        :param arguments: further words of its command line
-        :param ready: how long it may take to get ready; as long as it is not, the old one notices nothing
-        :param lose_state: the old one may forget what it remembers of earlier events
-        :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" when it is being replaced already,
-            "timeout"; with the last lines of the log when the new one has failed
-        """
-        options = {
-            "kind": kind,
-            "parameters": dict(parameters or {}),
-            "arguments": list(require_list("arguments", arguments, '["--halted"]')),
-            "ready_ms": milliseconds(ready),
-            "lose_state": lose_state,
-        }
-        words: list[str] = []
-        hear = _library.log_callback(lambda _, line: words.append(_library.text_of(line)))
-        try:
-            replaced: dict[str, Any] = ask_json(
-                lib.hive_application_replace, self._handle, encoded(drone), as_json(options), hear, None
-            )
-        except Error as error:
-            text = "\n".join([error.text + (", and its log says:" if words else ""), *words])
-            raise Error(error.code, text, error.advice) from None
-        return replaced
 
     # --- between drones and outputs ---
 

@@ -1,4 +1,4 @@
-// Starting one drone, here or on a machine that ssh reaches.
+// Starts one drone, or replaces a running one, here or on a machine that ssh reaches.
 #pragma once
 
 #include <hive/swarm_plan.hpp>
@@ -22,8 +22,9 @@ struct StartOptions {
 
 struct Started {
     Place place{};
-    std::string log{};   ///< on its machine; empty: not known
-    bool found = false;  ///< it ran already
+    std::string log{};        ///< on its machine; empty: not known
+    bool found = false;       ///< it ran already
+    std::int64_t before = 0;  ///< the process that it has replaced
 };
 
 /// Starts a drone in the background and returns when it is ready. The drone keeps running when the caller exits;
@@ -33,6 +34,20 @@ struct Started {
 /// drone's exit code with the last lines of its log when it exits instead, Errc::timeout, and for other machines what
 /// Remote throws.
 Started start(Application& application, StartOptions options);
+
+/// Starts a process that takes over from a running drone: it gets ready while the old one works, then name, places,
+/// parameters and connections pass over, and the old one exits after the callback that it is in. A drone that has
+/// halted stays halted. Returns when the new one answers.
+///
+/// Until the new one is ready, every error leaves the old one as it was: Errc::not_found (no such drone, no such
+/// program), Errc::type_mismatch and Errc::refused (the new one does not have what is connected or set; the old one
+/// keeps state and `lose_state` is not set; it runs on another machine and was not started through ssh),
+/// Errc::name_taken (it is being replaced already), Errc::timeout. Then it goes on by itself, even when the caller is
+/// killed or cancels. If the new one crashes before it has the name, another one is started in its place.
+///
+/// @param options  `drone` has the name, and what is to be otherwise than for the old one; `ssh` and `if_missing` are
+///                 not used; `limit`: for the new one to be ready
+Started replace(Application& application, StartOptions options);
 
 /// A drone of this machine that runs for as long as the object lives. It is stopped, however this process exits.
 class TiedDrone {

@@ -72,6 +72,8 @@ std::string log_text(const std::string& last_words)
     return "its log says:\n" + (end == 0 ? "(nothing)" : last_words.substr(0, end));
 }
 
+std::string subject_of(const SwarmDrone& drone) { return (takes_over(drone) ? "the successor of " : "") + drone.name; }
+
 Error not_ready(const std::string& drone, int status, const std::string& last_words)
 {
     return {WIFEXITED(status) ? errc_of_exit(WEXITSTATUS(status)) : Errc::failed,
@@ -97,6 +99,8 @@ std::vector<std::string> arguments_of(const SwarmDrone& drone)
     std::ranges::move(option_words(drone), std::back_inserter(words));
     if (!drone.swarm.empty())
         words.insert(words.end(), {"--swarm", drone.swarm});
+    if (takes_over(drone))
+        words.insert(words.end(), {"--take-over", std::to_string(drone.take_over_s)});
     for (const auto& connection : drone.connections)
         words.insert(words.end(), {"--connect", connection});
     for (const auto& receiver : drone.expected)

@@ -45,7 +45,8 @@ public:
     /// for that: Application::stop() ends them, whatever they do.
     virtual void adopt(const std::vector<std::string>&) {}
     /// Ends what this engine began and what of it is still to be started. Returns by then, when it is gone, or tells
-    /// why it is not; drones that it never began are left alone. Other engines may be doing the same on other threads.
+    /// why it is not; drones that it never began are left alone, and so is a process that has begun to take over. Other
+    /// engines may be doing the same on other threads.
     virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) = 0;
 };
 
@@ -61,6 +62,10 @@ std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::stri
 
 /// Adds the swarm, and --expect for each planned receiver of this drone whose ports are known.
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
+
+inline bool takes_over(const SwarmDrone& drone) { return drone.take_over_s > 0; }
+/// "face-1", or "the successor of face-1", as an error calls the process.
+std::string subject_of(const SwarmDrone& drone);
 
 /// The command line of the drone's program, but for its name.
 std::vector<std::string> arguments_of(const SwarmDrone& drone);

@@ -18,7 +18,9 @@ namespace {
 /// So many at a time that the processors are busy, but the first ones are soon ready.
 constexpr std::size_t at_once = 16;
 constexpr std::size_t lines_shown = 15;
-constexpr std::chrono::seconds grace(3);  ///< as BackgroundProcess::end()
+constexpr std::chrono::seconds grace(3);         ///< as BackgroundProcess::end()
+constexpr std::chrono::seconds time_to_exit(1);  ///< for a successor that is late to exit by itself
+constexpr int max_attempts = 3;                  ///< to take over
 
 class LocalEngine final : public Engine {
 public:
@@ -36,13 +38,25 @@ public:
 
 private:
     struct Begun {
-        std::string drone;
+        SwarmDrone drone;
         BackgroundProcess process;
+        std::int64_t predecessor;  ///< 0: none
+        Clock::time_point end;     ///< of one that takes over: to be ready by then
+        int attempt = 1;
         bool met = false;  ///< reported
     };
 
+    [[nodiscard]] BackgroundProcess started(const SwarmDrone& drone) const;
     void start(const SwarmDrone& drone, std::vector<Report>& reports);
     [[nodiscard]] std::optional<Report> look(Begun& begun) const;
+    [[nodiscard]] std::optional<Report> look_at_successor(Begun& begun) const;
+    [[nodiscard]] static bool is_of(const Begun& begun, std::int64_t pid);
+    /// The drone to hand over.
+    [[nodiscard]] bool has_asked(const Begun& begun) const
+    {
+        return takes_over(begun.drone) && is_of(begun, home_.successor(begun.drone.name));
+    }
+    [[nodiscard]] Report placed(const std::string& drone) const;
 
     event::Home home_;
     BackgroundProcess::Life life_;
@@ -69,13 +83,13 @@ std::vector<Engine::Report> LocalEngine::poll()
 void LocalEngine::look_again(const std::string& drone, const Error&)
 {
     for (auto& begun : begun_)
-        if (begun.drone == drone && std::exchange(begun.met, false))
+        if (begun.drone.name == drone && std::exchange(begun.met, false))
             ++not_met_;
 }
 
 BackgroundProcess* LocalEngine::process(const std::string& drone)
 {
-    const auto found = std::ranges::find(begun_, drone, &Begun::drone);
+    const auto found = std::ranges::find(begun_, drone, [](const Begun& begun) { return begun.drone.name; });
     return found == begun_.end() ? nullptr : &found->process;
 }
 
@@ -88,36 +102,77 @@ std::vector<int> LocalEngine::descriptors() const
     return ends;
 }
 
-void LocalEngine::start(const SwarmDrone& drone, std::vector<Report>& reports)
-try {
+BackgroundProcess LocalEngine::started(const SwarmDrone& drone) const
+{
     auto command = command_of(drone.kind);
     std::ranges::move(arguments_of(drone), std::back_inserter(command.arguments));
     command.environment.push_back("HIVE_HOME=" + home_.directory().string());
-    begun_.push_back({drone.name, BackgroundProcess(command.program, command.arguments, command.environment,
-                                                    home_.path(drone.name, ".log"), life_)});
+    return {command.program, command.arguments, command.environment, home_.path(drone.name, ".log"), life_};
+}
+
+void LocalEngine::start(const SwarmDrone& drone, std::vector<Report>& reports)
+try {
+    const auto limit = std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(drone.take_over_s));
+    begun_.push_back(
+        {drone, started(drone), takes_over(drone) ? home_.holder(drone.name) : 0, Clock::now() + limit + time_to_exit});
     ++not_met_;
 } catch (const Error& error) {
     reports.push_back({.drone = drone.name, .error = error});
 }
 
-/// A wrapper starts the process that has the name, so that one is in its session.
+Engine::Report LocalEngine::placed(const std::string& drone) const
+{
+    return {.drone = drone,
+            .place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))},
+            .log = home_.path(drone, ".log").string()};
+}
+
+/// Is this the process that we started, or one of a wrapper that we started?
+bool LocalEngine::is_of(const Begun& begun, std::int64_t pid)
+{
+    return pid == begun.process.pid() || ::getsid(static_cast<pid_t>(pid)) == begun.process.pid();
+}
+
 std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
 {
+    const auto& name = begun.drone.name;
     const auto status = begun.process.ended();
-    const bool met = home_.alive(begun.drone);
-    if (!status && met && ::getsid(static_cast<pid_t>(home_.holder(begun.drone))) == begun.process.pid())
-        return Report{
-            .drone = begun.drone,
-            .place = {.drone = begun.drone, .host = Place::here, .address = to_text(home_.address(begun.drone))},
-            .log = home_.path(begun.drone, ".log").string()};
+    const bool met = home_.alive(name);
+    if (!status && met && is_of(begun, home_.holder(name)))
+        return placed(name);
+    if (takes_over(begun.drone))
+        return look_at_successor(begun);
     if (!status)
         return std::nullopt;
     if (met)
-        return Report{.drone = begun.drone,
-                      .error =
-                          Error(Errc::name_taken, begun.drone + " is running already: another process was faster")};
-    return Report{.drone = begun.drone,
-                  .error = not_ready(begun.drone, *status, begun.process.last_words(lines_shown))};
+        return Report{.drone = name,
+                      .error = Error(Errc::name_taken, name + " is running already: another process was faster")};
+    return Report{.drone = name, .error = not_ready(name, *status, begun.process.last_words(lines_shown))};
+}
+
+/// Once it has asked the old one to hand over, that exits, so another process is started when this one crashes.
+std::optional<Engine::Report> LocalEngine::look_at_successor(Begun& begun) const
+{
+    const auto& name = begun.drone.name;
+    const bool late = Clock::now() >= begun.end && !has_asked(begun);
+    if (late)
+        begun.process.end();
+    const auto status = begun.process.ended();
+    if (!status)
+        return std::nullopt;
+    if (has_asked(begun) && begun.attempt < max_attempts) {
+        begun.process = started(begun.drone);
+        ++begun.attempt;
+        return std::nullopt;
+    }
+    if (*status == 0 && home_.holder(name) != begun.predecessor && (home_.alive(name) || home_.succession(name)))
+        return placed(name);  // it took over, and was replaced itself
+    const auto words = begun.process.last_words(lines_shown);
+    if (late)
+        return Report{.drone = name,
+                      .error = Error(Errc::timeout, subject_of(begun.drone) + " was not ready in time and was stopped; "
+                                                        + log_text(words))};
+    return Report{.drone = name, .error = not_ready(subject_of(begun.drone), *status, words)};
 }
 
 /// All are asked before one is waited for. Which is 3 s at most, so it is not cut short.
@@ -126,16 +181,22 @@ std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& dron
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
     for (auto& begun : begun_)
-        if (meant(begun.drone) && !begun.process.ended())
+        if (meant(begun.drone.name) && !has_asked(begun) && !begun.process.ended())
             ::kill(begun.process.pid(), SIGTERM);
     const auto kill_at = Clock::now() + grace;
+    std::vector<SwarmFailure> remains;
     std::erase_if(begun_, [&](Begun& begun) {
-        if (!meant(begun.drone))
+        if (!meant(begun.drone.name))
             return false;
-        begun.process.end(kill_at);
+        if (!has_asked(begun))
+            begun.process.end(kill_at);
+        if (has_asked(begun) && !begun.met && begun.process.ended())
+            begun.process = started(begun.drone);  // it asked just before it was ended
+        if (has_asked(begun) && !begun.process.ended())
+            remains.push_back({begun.drone.name, Error(Errc::stopped, "it is taking over, and goes on by itself")});
         return true;
     });
-    return {};
+    return remains;
 }
 
 }  // namespace

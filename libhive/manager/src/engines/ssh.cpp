@@ -104,13 +104,9 @@ std::chrono::milliseconds time_until(Engine::Clock::time_point until)
         std::max(until - Engine::Clock::now(), Engine::Clock::duration(0)));
 }
 
-/// A drone that others find: at a port, unless the plan says which.
-std::vector<std::string> words_of(SwarmDrone drone, Engine::Clock::time_point until)
+/// What hivectl there does, with the options of a drone's program that it takes as well.
+std::vector<std::string> words_of(std::vector<std::string> words, const SwarmDrone& drone)
 {
-    if (drone.listen.empty())
-        drone.listen = "tcp://0.0.0.0";
-    std::vector<std::string> words{"start", drone.kind, "--as", drone.name, "--json", "--if-missing", "--timeout"};
-    words.push_back(std::to_string(seconds_until(until)));
     const auto program = arguments_of(drone);
     for (std::size_t i = 2; i < program.size(); ++i)  // behind --name NAME
         if (program[i] != "--set")
@@ -118,14 +114,36 @@ std::vector<std::string> words_of(SwarmDrone drone, Engine::Clock::time_point un
     return words;
 }
 
+/// A drone that others find: at a port, unless the plan says which.
+std::vector<std::string> words_to_start(SwarmDrone drone, Engine::Clock::time_point until)
+{
+    if (drone.listen.empty())
+        drone.listen = "tcp://0.0.0.0";
+    return words_of({"start", drone.kind, "--as", drone.name, "--json", "--if-missing", "--timeout",
+                     std::to_string(seconds_until(until))},
+                    drone);
+}
+
+std::vector<std::string> words_to_replace(SwarmDrone drone)
+{
+    std::vector<std::string> words{"replace", drone.name, "--json", "--timeout", std::to_string(drone.take_over_s)};
+    if (!drone.kind.empty())
+        words.insert(words.end(), {"--kind", drone.kind});
+    if (drone.lose_state)
+        words.emplace_back("--lose-state");
+    drone.take_over_s = 0;
+    return words_of(std::move(words), drone);
+}
+
 /// What the hivectl there said, without what it puts before it.
 std::string complaint_in(const std::string& text)
 {
-    constexpr std::string_view own = "hivectl start: ";
     std::istringstream lines(text);
     std::string all;
-    for (std::string line; std::getline(lines, line);)
-        all += (all.empty() ? "" : "\n") + (line.starts_with(own) ? line.substr(own.size()) : line);
+    for (std::string line; std::getline(lines, line);) {
+        const auto verb = line.starts_with("hivectl ") ? line.find(": ") : std::string::npos;
+        all += (all.empty() ? "" : "\n") + (verb == std::string::npos ? line : line.substr(verb + 2));
+    }
     return all;
 }
 
@@ -229,8 +247,11 @@ void SshEngine::start_next(std::vector<Report>& reports)
     const auto drone = std::move(waiting_.front());
     waiting_.pop_front();
     try {
-        starts_.emplace_back(drone.name, remote_.command(words_of(drone, until_)), time_until(until_ + a_moment_more));
-        begun_.insert(drone.name);
+        starts_.emplace_back(
+            drone.name, remote_.command(takes_over(drone) ? words_to_replace(drone) : words_to_start(drone, until_)),
+            time_until(until_ + a_moment_more));
+        if (!takes_over(drone))
+            begun_.insert(drone.name);
     } catch (const Error& error) {
         reports.push_back({.drone = drone.name, .error = error});
     }
@@ -270,11 +291,13 @@ Place SshEngine::place_of(const std::string& drone, const Json& started)
 
 /// A start that is under way there goes on when its ssh is ended here, so it is waited for, as long as the hivectl
 /// there may take, and then undone. One that is asked to stop before it is ready there would be ready later.
+/// A replacement needs nobody here.
 void SshEngine::await_starts(Clock::time_point until)
 {
     for (auto& start : starts_)
-        if (const auto result = start.command.poll(time_until(until)))
-            static_cast<void>(report_of(start.drone, *result));
+        if (begun_.contains(start.drone))
+            if (const auto result = start.command.poll(time_until(until)))
+                static_cast<void>(report_of(start.drone, *result));
     starts_.clear();
 }
 

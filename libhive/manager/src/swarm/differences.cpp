@@ -72,7 +72,7 @@ RunningDrones::Running RunningDrones::compared(const SwarmDrone& planned, const 
     drone.wanted.restart = planned.restart;
     drone.wanted.swarm = drone.now.swarm = answer.status.swarm;
     for (const auto& field : order_fields())
-        if (says(planned, field) || (drone.before && says(*drone.before, field))
+        if (field.is_said(planned) || (drone.before && field.is_said(*drone.before))
             || runs_as_wanted(field, planned, drone.now,
                               answer.place))  // a port that it chose is not for another machine
             field.copy(drone.wanted, planned);
