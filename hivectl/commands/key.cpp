@@ -9,6 +9,7 @@
 #include "../verbs.hpp"
 
 #include <hive/key.hpp>
+#include <hive/remote.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -72,11 +73,7 @@ private:
     const int folder_;
 };
 
-/// In one line for each machine; a directory that is there already does no harm.
-std::string handed_over(const fs::path& file)
-{
-    return "ssh HOST mkdir -p .config/hive && scp " + file.string() + " HOST:.config/hive/swarm.key";
-}
+std::string handed_over(const fs::path& file) { return hive::copy_of_key(file, "HOST"); }
 
 int told(const hive::SwarmKey& key, const fs::path& file, const std::string& next, const Session& session)
 {

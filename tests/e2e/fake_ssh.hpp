@@ -13,7 +13,8 @@ namespace hive::test {
 
 /// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh,
 /// and what runs there goes on when it is killed. me@gpu1 is sound; on me@gpu2 a drone called brief is killed as soon
-/// as it is ready; no drone of me@gpu3 is reached from here; me@gpu4 does not answer; on bare there is no hivectl.
+/// as it is ready; no drone of me@gpu3 is reached from here; me@gpu4 does not answer; me@gpu5 is sound and has its own
+/// key; on bare there is no hivectl.
 class FakeSsh {
 public:
     FakeSsh(const Swarm& here, const Swarm& there)
@@ -37,6 +38,9 @@ public:
                                "    case $3 in *\"'start'\"*) kill -9 $(cat $HIVE_HOME/brief.lock) ;; esac\n"
                                "    exit $code ;;\n"
                                "  me@gpu4) exec sleep 100 ;;\n"
+                               "  me@gpu5) XDG_CONFIG_HOME="
+                            << there.home().string()
+                            << "/config exec \"$0\" -- me@gpu1 \"$3\" ;;\n"
                                "  bare) PATH=/nowhere exec /bin/sh -c \"$3\" ;;\n"
                                "esac\n"
                                "echo 'ssh: Could not resolve hostname '$2 >&2\n"

@@ -140,6 +140,32 @@ TEST_CASE("start --on: what is missing there is said in one sentence, with what 
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
 }
 
+TEST_CASE("start --on: a swarm key that is missing there, or another one, is said with the line that copies it")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    const auto file = here.home() / "config" / "hive" / "swarm.key";
+    const auto copy = "scp " + file.string() + " me@gpu5:.config/hive/swarm.key";
+    const auto start = [&] { return ssh.hivectl({"start", "ticker", "--on", "me@gpu5"}); };
+    CHECK(!has(start().err, copy));  // there is none here
+    here.hivectl_done({"key", "new"});
+    const auto missing = start();
+    CHECK(missing.exit_code == 5);
+    CHECK_MESSAGE(has(missing.err, "gpu5 has no swarm key; copy the one of this machine: ssh me@gpu5 mkdir -p"),
+                  missing.err);
+    CHECK(has(missing.err, copy));
+    there.hivectl_done({"key", "new"});
+    const auto other = start();
+    CHECK(other.exit_code == 5);
+    CHECK_MESSAGE(has(other.err, "gpu5 has another swarm key; copy the one of this machine"), other.err);
+    CHECK(there.application().drones().empty());
+    std::filesystem::copy_file(file, there.home() / "config" / "hive" / "swarm.key",
+                               std::filesystem::copy_options::overwrite_existing);
+    const auto same = start();
+    CHECK_MESSAGE(same.exit_code == 0, same.err);
+    CHECK(ssh.hivectl({"stop", "ticker"}).exit_code == 0);
+}
+
 TEST_CASE("start --on: what concerns its machine is set through ssh, and by the swarm's key alone it is not")
 {
     const Swarm there, here;

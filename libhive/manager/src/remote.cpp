@@ -52,6 +52,11 @@ std::string quoted_for_shell(const std::string& word)
     return text + "'";
 }
 
+std::string copy_of_key(const std::filesystem::path& file, const std::string& ssh)
+{
+    return "ssh " + ssh + " mkdir -p .config/hive && scp " + file.string() + " " + ssh + ":.config/hive/swarm.key";
+}
+
 Remote::Remote(std::string ssh, const std::filesystem::path& home) : ssh_(std::move(ssh)), home_(home)
 {
     require_host(ssh_);

@@ -159,7 +159,7 @@ bool Start::answers()
         if (!answer.error)
             return answer.status.state != State::starting;
         if (answer.error->code() == Errc::not_permitted)
-            throw *answer.error;  // another key does not become this one
+            throw engine_->explained(*answer.error);  // another key does not become this one
         engine_->look_again(name(), *answer.error);
     }
     return false;

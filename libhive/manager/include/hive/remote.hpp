@@ -41,6 +41,9 @@ private:
     std::filesystem::path home_;
 };
 
+/// The line for a shell that copies a key file to a machine, to where programs look for it.
+std::string copy_of_key(const std::filesystem::path& file, const std::string& ssh);
+
 /// A word as a shell reads it back.
 std::string quoted_for_shell(const std::string& word);
 

@@ -39,6 +39,8 @@ public:
     [[nodiscard]] virtual std::vector<int> descriptors() const { return {}; }
     /// A drone that was met does not answer: poll() is to report once more what has become of it.
     virtual void look_again(const std::string& drone, const Error& why) = 0;
+    /// An error of a drone of this engine, with the advice that its machine calls for.
+    [[nodiscard]] virtual Error explained(const Error& error) const { return error; }
     /// The process of this machine that runs a drone which was begun; null where there is none.
     [[nodiscard]] virtual BackgroundProcess* process(const std::string&) { return nullptr; }
     /// Counts these as begun, by an earlier process, so that stop() ends them. Drones of this machine need no engine

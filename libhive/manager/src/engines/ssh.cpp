@@ -4,6 +4,7 @@
 #include "../last_line.hpp"
 #include "../running_command.hpp"
 
+#include <hive/key.hpp>
 #include <hive/remote.hpp>
 
 #include <algorithm>
@@ -26,6 +27,7 @@ constexpr int sessions_everywhere = 64;
 constexpr auto a_moment_more = 2s;  ///< than a start there may take, so that what it came to is known here
 constexpr auto patience_to_stop = 30s;
 constexpr auto patience_to_look = 10s;
+constexpr auto patience_for_keys = 5s;
 constexpr auto look_every = 1s;  ///< what has become of a drone that was ready there and does not answer here
 constexpr const char* lines_of_log = "15";
 constexpr int not_found = 3;  ///< the exit code of hivectl when a drone does not run
@@ -45,6 +47,7 @@ public:
     [[nodiscard]] std::vector<int> descriptors() const override;
     void adopt(const std::vector<std::string>& drones) override { begun_.insert(drones.begin(), drones.end()); }
     void look_again(const std::string& drone, const Error& why) override;
+    [[nodiscard]] Error explained(const Error& error) const override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
@@ -72,6 +75,7 @@ private:
     [[nodiscard]] bool may_start() const;
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
+    [[nodiscard]] std::optional<std::set<std::string>> keys_there() const;
     void look_at_the_silent(std::vector<Report>& reports);
     void hear_running(const std::string& drone, std::vector<Report>& reports);
     void read_log(const std::string& drone, std::vector<Report>& reports);
@@ -276,9 +280,40 @@ try {
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has ended it
     return {.drone = drone,
-            .error = Error(errc_of_exit(result.exit_code), remote_.host() + ": " + complaint_in(result.err))};
+            .error =
+                explained(Error(errc_of_exit(result.exit_code), remote_.host() + ": " + complaint_in(result.err)))};
 } catch (const Error& error) {
     return {.drone = drone, .error = error};
+}
+
+/// Those of the user there, by id; nothing: it cannot be told.
+std::optional<std::set<std::string>> SshEngine::keys_there() const
+try {
+    const auto listed = remote_.hivectl({"key", "show", "--json"}, patience_for_keys);
+    std::set<std::string> ids;
+    if (listed.exit_code == 0)
+        for (const auto& key : parse_json(listed.out))
+            ids.insert(Fields(key, "what hivectl key show printed").text("id"));
+    return listed.exit_code == 0 || listed.exit_code == not_found ? std::optional(ids) : std::nullopt;
+} catch (const Error&) {
+    return std::nullopt;
+}
+
+/// A refusal may be due to the key: one that is missing there, or that is not the one here.
+Error SshEngine::explained(const Error& error) const
+try {
+    if ((error.code() != Errc::refused && error.code() != Errc::not_permitted) || default_key_file().empty())
+        return error;
+    const auto file = default_key_file();
+    const auto here = read_key_file(file);
+    const auto there = keys_there();
+    if (!there || std::ranges::any_of(here, [&](const SwarmKey& key) { return there->contains(key.id); }))
+        return error;
+    return {error.code(), error.what(),
+            remote_.host() + (there->empty() ? " has no swarm key" : " has another swarm key") + "; copy the one of "
+                + "this machine: " + copy_of_key(file, ssh_)};
+} catch (const Error&) {
+    return error;  // there is no key here
 }
 
 Place SshEngine::place_of(const std::string& drone, const Json& started)

@@ -152,7 +152,7 @@ void Starting::hear(const StatusAnswer& answer, const SwarmWatch& watch)
 {
     const auto& drone = *plan_.drone(answer.drone);
     if (answer.error && answer.error->code() == Errc::not_permitted)
-        throw *answer.error;  // another key does not become this one
+        throw engine_of(drone).explained(*answer.error);  // another key does not become this one
     if (answer.error) {
         last_errors_.insert_or_assign(drone.name, *answer.error);
         return engine_of(drone).look_again(drone.name, *answer.error);
