@@ -78,6 +78,23 @@ TEST_CASE("start: Ctrl-C at any moment leaves no drone behind, here and on anoth
     }
 }
 
+TEST_CASE("start --if-missing: of two at once one starts the drone, and both are content")
+{
+    const Swarm swarm;
+    std::vector<std::int64_t> pids;
+    for (int round = 0; round < 20; ++round) {
+        const auto name = "t-" + std::to_string(round);
+        const std::vector<std::string> words{"start", "ticker", "--as", name, "--if-missing", "--json"};
+        auto one = swarm.hivectl_running(words, "one-" + name), two = swarm.hivectl_running(words, "two-" + name);
+        CHECK_MESSAGE(one.wait(patient(20'000ms)) == 0, swarm.log("one-" + name));
+        CHECK_MESSAGE(two.wait(patient(20'000ms)) == 0, swarm.log("two-" + name));
+        const auto pid = swarm.application().status(name).pid;
+        for (const auto& text : {swarm.log("one-" + name), swarm.log("two-" + name)})
+            CHECK_MESSAGE(Json::parse(text).at("pid") == pid, text);
+        swarm.hivectl_done({"stop", name});
+    }
+}
+
 TEST_CASE("replace: a drone that was started with --on is replaced there")
 {
     const Swarm there, here;

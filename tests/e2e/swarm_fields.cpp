@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 #include <free_port.hpp>
+#include <hive/event/home.hpp>
 #include <possible.hpp>
 
 #include <algorithm>
@@ -169,6 +170,32 @@ TEST_CASE("up: a restart that fails is undone, with the parameters and connectio
     CHECK(refused.exit_code == 5);
     CHECK_MESSAGE(has(refused.err, "nothing of s was changed"), refused.err);
     CHECK_EQ(told(swarm), before);
+}
+
+TEST_CASE("up: Ctrl-C while a drone is being restarted has it run as before")
+{
+    const Swarm swarm;
+    auto content = file_with();
+    const File file(swarm, content);
+    steps(swarm, file);
+    const auto before = running(swarm);
+    auto& sink = content["drones"]["sink"];
+    sink["log_level"] = "debug";
+    sink["set"] = {{"start_ms", 600'000}, {"work_ms", 2}};
+    file.write(content);
+    auto up = swarm.hivectl_running({"up", file}, "up");
+    const hive::event::Home home(swarm.home());
+    REQUIRE(eventually([&] { return home.alive("sink") && home.holder("sink") != before.at("sink"); }));
+    up.signal(SIGINT);
+    CHECK(up.wait(patient(20'000ms)) == 130);
+    CHECK_MESSAGE(has(swarm.log("up"), "nothing of s was changed"), swarm.log("up"));
+    CHECK(eventually([&] { return edges(swarm) == 1; }));
+    const auto now = running(swarm);
+    CHECK(now.at("t") == before.at("t"));
+    CHECK(swarm.application().get("sink", {"work_ms", "start_ms"}) == Json{{"work_ms", 0}, {"start_ms", 0}});
+    CHECK(swarm.application().status("sink").order->log_level.empty());
+    CHECK(steps(swarm, File(swarm, file_with())).empty());
+    CHECK(has_processes(swarm, 2));
 }
 
 TEST_CASE("up: a drone of another kind under the name of one that this swarm did not start is left alone")

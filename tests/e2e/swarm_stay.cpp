@@ -234,3 +234,127 @@ TEST_CASE("up --stay: down does not wait for a drone that is being started again
     CHECK(running(swarm).size() == 4);
     up.end();
 }
+
+TEST_CASE("up --stay: a drone is restarted as the plan says that another up brought up last")
+{
+    const Swarm swarm;
+    auto content = returning_workers(2);
+    const File file(swarm, content);
+    Staying up(swarm, file, 2);
+    content["drones"]["worker"]["log_level"] = "debug";
+    content["drones"]["sink"]["restart"] = "on-failure";
+    content["drones"]["late"] = {{"kind", "sleeper"}, {"restart", "on-failure"}};
+    content["connections"].push_back({{"from", "source"}, {"to", "late"}});
+    file.write(content);
+    steps(swarm, file);
+    const auto before = running(swarm);
+    auto application = swarm.application();
+    const auto runs_again = [&](const std::string& drone) {
+        return eventually(
+            [&] {
+                const auto answer = application.status(std::vector{drone}).at(0);
+                return !answer.error && answer.status.pid != before.at(drone) && !answer.status.inputs.empty()
+                       && answer.status.inputs[0].connected;
+            },
+            10'000ms);
+    };
+    for (const std::string drone : {"worker-1", "sink", "late"}) {
+        ::kill(static_cast<pid_t>(before.at(drone)), SIGKILL);
+        CHECK_MESSAGE(runs_again(drone), drone, ": ", up.said());
+    }
+    CHECK(application.status("worker-1").order->log_level == "debug");
+    CHECK(steps(swarm, file).empty());
+    content["drones"].erase("late");
+    content["connections"].erase(2);
+    content["drones"]["sink"].erase("restart");
+    file.write(content);
+    steps(swarm, file);
+    ::kill(static_cast<pid_t>(running(swarm).at("sink")), SIGKILL);
+    ::kill(static_cast<pid_t>(running(swarm).at("worker-1")), SIGKILL);
+    CHECK_MESSAGE(eventually([&] { return running(swarm).contains("worker-1"); }, 10'000ms), up.said());
+    std::this_thread::sleep_for(500ms);  // what would come back
+    CHECK(!running(swarm).contains("late"));
+    CHECK(!running(swarm).contains("sink"));
+    up.end();
+}
+
+TEST_CASE("up --stay: a drone whose key was removed comes back with the key, and one whose key was rotated at once")
+{
+    const Swarm swarm;
+    const File file(swarm,
+                    {{"swarm", "open"},
+                     {"drones",
+                      {{"source", {{"kind", "ticker"}, {"listen", "tcp://127.0.0.1"}, {"restart", "on-failure"}}},
+                       {"worker", {{"kind", "sleeper"}, {"restart", "on-failure"}}}}},
+                     {"connections", {{{"from", "source"}, {"to", "worker"}}}}});
+    swarm.hivectl_done({"key", "new"});
+    auto command = swarm.hivectl_running({"up", file, "--stay"}, "up");
+    auto application = swarm.application();
+    std::int64_t pid = 0;
+    const auto runs_again = [&] {
+        const auto answers = application.status(std::vector<std::string>{"source", "worker"});
+        const auto& now = answers[0].status.pid;
+        const bool again = !answers[0].error && now != pid && !answers[1].status.inputs.empty()
+                           && answers[1].status.inputs[0].connected;
+        pid = again ? now : pid;
+        return again;
+    };
+    REQUIRE(eventually(runs_again));
+    const auto key = swarm.home() / "config" / "hive" / "swarm.key";
+    std::filesystem::rename(key, key.string() + ".away");
+    ::kill(static_cast<pid_t>(pid), SIGKILL);
+    CHECK_MESSAGE(eventually([&] { return has(swarm.log("up"), "there is no swarm key"); }, 10'000ms), swarm.log("up"));
+    CHECK(!application.status(std::vector<std::string>{"worker"}).at(0).error);
+    std::filesystem::rename(key.string() + ".away", key);
+    CHECK_MESSAGE(eventually(runs_again, 20'000ms), swarm.log("up"));
+    swarm.hivectl_done({"key", "rotate", "--keep", "0"});
+    ::kill(static_cast<pid_t>(pid), SIGKILL);
+    CHECK_MESSAGE(eventually(runs_again, 20'000ms), swarm.log("up"));
+    command.signal(SIGINT);
+    CHECK(command.wait(patient(10'000ms)) == 0);
+}
+
+TEST_CASE("up --stay: a second up does not wait for a drone that is being restarted, and each drone runs once")
+{
+    const Swarm swarm;
+    const File file(swarm, returning_workers(2));
+    Staying up(swarm, file, 2);
+    const auto before = running(swarm).at("worker-1");
+    const hive::event::Home home(swarm.home());
+    swarm.hivectl_done({"set", "worker-1", "start_ms=1500"});
+    for (int round = 0; round < 3; ++round) {
+        const auto pid = home.holder("worker-1");
+        ::kill(static_cast<pid_t>(pid), SIGKILL);
+        REQUIRE(eventually([&] { return home.alive("worker-1") && home.holder("worker-1") != pid; }, 10'000ms));
+        const auto second = swarm.hivectl({"up", file}, 60'000ms);
+        CHECK_MESSAGE(second.exit_code == 0, second.err, up.said());
+        CHECK_MESSAGE(eventually([&] { return up.all_run(); }), up.said());
+        CHECK(has_processes(swarm, 4));
+    }
+    CHECK(has(up.said(), "worker-1: not started now"));
+    CHECK(running(swarm).at("worker-1") != before);
+    up.end();
+}
+
+TEST_CASE("up --stay: a replacement is no crash, and of a drone that is being restarted it is refused")
+{
+    const Swarm swarm;
+    const File file(swarm, returning_workers(2));
+    Staying up(swarm, file, 2);
+    for (int round = 0; round < 5; ++round)
+        swarm.hivectl_done({"replace", "worker-2"}, 40'000ms);
+    CHECK_MESSAGE(!has(up.said(), "crashed"), up.said());
+    const auto before = running(swarm).at("worker-1");
+    swarm.hivectl_done({"set", "worker-1", "start_ms=3000"});
+    ::kill(static_cast<pid_t>(before), SIGKILL);
+    const hive::event::Home home(swarm.home());
+    REQUIRE(eventually([&] { return home.alive("worker-1") && home.holder("worker-1") != before; }));
+    const auto early = swarm.hivectl({"replace", "worker-1", "--timeout", "2"}, 40'000ms);
+    CHECK_MESSAGE(early.exit_code != 0, early.out);
+    swarm.hivectl_done({"replace", "worker-2"}, 40'000ms);
+    CHECK_MESSAGE(eventually([&] { return up.all_run(); }, 20'000ms), up.said());
+    swarm.hivectl_done({"replace", "worker-1", "start_ms=0"}, 40'000ms);
+    CHECK_MESSAGE(eventually([&] { return up.all_run(); }, 20'000ms), up.said());
+    CHECK(has_processes(swarm, 4));
+    up.end();
+}

@@ -17,12 +17,16 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view ending = ".swarm";
 
+std::string text_of(const fs::path& file)
+{
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+}
+
 SwarmPlan read_plan(const fs::path& file)
 {
-    std::ifstream stream(file);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    auto reading = read_swarm(text.str());
+    auto reading = read_swarm(text_of(file));
     if (!reading.mistakes.empty())
         throw Error(Errc::malformed, "what " + file.string() + " remembers cannot be read: " + reading.mistakes[0].text,
                     "remove it; its drones are then no longer known to belong together");
@@ -44,6 +48,8 @@ Record::Record(fs::path home, const std::string& swarm)
     : swarm_(swarm), file_(std::move(home) / (swarm + std::string(ending)))
 {
 }
+
+std::string Record::text() const { return text_of(file_); }
 
 SwarmPlan Record::read() const
 {

@@ -13,6 +13,8 @@ class Record {
 public:
     Record(std::filesystem::path home, const std::string& swarm);
 
+    /// Empty without one.
+    [[nodiscard]] std::string text() const;
     /// Without one: a plan of the same name and nothing else.
     [[nodiscard]] SwarmPlan read() const;
     /// Whole or not at all. Throws Errc::io.

@@ -30,13 +30,6 @@ constexpr auto look_period = 100ms;
 
 bool is_elsewhere(const Place& place) { return !place.address.empty() && !is_here(place); }
 
-/// Not when it was taken down, nor when a `down` could not end it.
-bool is_up(const SwarmPlan& brought_up, const std::string& drone)
-{
-    const auto* const found = brought_up.drone(drone);
-    return found && found->restart != Restart::never;
-}
-
 }  // namespace
 
 RestartPause::Clock::time_point RestartPause::after_crash(Clock::time_point now)
@@ -51,17 +44,48 @@ RestartPause::Clock::time_point RestartPause::after_crash(Clock::time_point now)
     return now + pause;
 }
 
-Staying::Staying(Application& application, const SwarmPlan& plan, std::function<void(const std::string& text)> told)
-    : application_(application), plan_(plan), told_(std::move(told)), inquiry_(application, look_period)
+Staying::Staying(Application& application, SwarmPlan plan, std::function<void(const std::string& text)> told)
+    : application_(application),
+      record_(application.home(), plan.name),
+      told_(std::move(told)),
+      inquiry_(application, look_period)
 {
-    for (const auto& drone : plan_.drones)
-        if (drone.restart != Restart::never)
+    adopt(std::move(plan));
+}
+
+void Staying::adopt(SwarmPlan plan)
+{
+    plan_ = std::make_shared<const SwarmPlan>(std::move(plan));
+    for (const auto& drone : plan_->drones)
+        if (is_up(drone.name))
             cares_.try_emplace(drone.name);
+    std::erase_if(cares_, [&](const auto& entry) { return !entry.second.starting && !is_up(entry.first); });
+}
+
+/// A swarm that was taken down has no record. What is known of its drones holds until it is brought up again.
+void Staying::read_record()
+{
+    auto text = record_.text();
+    if (text == recorded_)
+        return;
+    auto plan = record_.read();
+    is_up_ = !plan.drones.empty();
+    if (is_up_)
+        adopt(std::move(plan));
+    recorded_ = std::move(text);
+}
+
+/// Not when it was taken down, nor when a `down` could not end it.
+bool Staying::is_up(const std::string& drone) const
+{
+    const auto* const found = is_up_ ? plan_->drone(drone) : nullptr;
+    return found && found->restart != Restart::never;
 }
 
 void Staying::look()
 try {
     reap_background_processes();
+    read_record();
     const auto remembered = application_.remembered();
     for (const auto& answer : inquiry_.take())
         hear(answer, remembered);
@@ -93,9 +117,12 @@ bool Staying::is_starting() const
 
 void Staying::hear(const StatusAnswer& answer, const std::vector<std::string>& remembered)
 {
-    auto& care = cares_.at(answer.drone);
+    const auto found = cares_.find(answer.drone);
+    if (found == cares_.end())
+        return;
+    auto& care = found->second;
     if (!answer.error)
-        care.shared = !owns(plan_, answer);
+        care.shared = !owns(*plan_, answer);
     if (care.starting || care.shared)
         return;
     if (answer.error && answer.error->code() == Errc::timeout)
@@ -132,6 +159,7 @@ void Staying::hear_silence(const StatusAnswer& answer, Care& care)
 bool Staying::has_crashed(const StatusAnswer& answer, Care& care, const std::vector<std::string>& remembered) const
 {
     const auto now = Clock::now();
+    const auto* const planned = plan_->drone(answer.drone);
     if (!care.missing_since)
         care.missing_since = now;
     const bool may_be_ending = is_elsewhere(answer.place) ? now - *care.missing_since < 1s
@@ -139,7 +167,7 @@ bool Staying::has_crashed(const StatusAnswer& answer, Care& care, const std::vec
     return !may_be_ending
            && (care.begun || is_elsewhere(answer.place)
                || std::ranges::find(remembered, answer.drone) != remembered.end()
-               || plan_.drone(answer.drone)->restart == Restart::always);
+               || (planned && planned->restart == Restart::always));
 }
 
 void Staying::crashed(const std::string& drone, Care& care)
@@ -156,7 +184,7 @@ void Staying::crashed(const std::string& drone, Care& care)
 
 void Staying::follow_starts()
 {
-    if (claim_ && claim_is_wanted(application_.home(), plan_.name))
+    if (claim_ && claim_is_wanted(application_.home(), plan_->name))
         give_way();
     for (auto& [drone, care] : cares_) {
         if (!care.starting)
@@ -203,14 +231,14 @@ void Staying::start_due()
     if (std::ranges::none_of(cares_, [&](const auto& entry) { return is_due(entry.second); }))
         return;
     if (!claim_)
-        claim_ = claim_if_free(application_.home(), plan_.name);
+        claim_ = claim_if_free(application_.home(), plan_->name);
     if (!claim_)
         return;
-    const auto brought_up = Record(application_.home(), plan_.name).read();
+    read_record();
     for (auto& [drone, care] : cares_) {
         if (!is_due(care))
             continue;
-        if (!is_up(brought_up, drone)) {
+        if (!is_up(drone)) {
             if (!std::exchange(care.taken_down, true))
                 told_(drone + " was taken down, so it is not started again before it is brought up");
             care.restart_at = now + 1s;
@@ -220,8 +248,9 @@ void Staying::start_due()
         if (event::Home(application_.home()).alive(drone))
             continue;  // another was faster
         care.begun = true;
-        auto starting = std::make_unique<Starting>(application_, plan_);
+        auto starting = std::make_unique<Starting>(application_, *plan_);
         starting->begin({drone}, start_limit);
+        care.plan = plan_;
         care.starting = std::move(starting);
     }
 }
@@ -229,19 +258,19 @@ void Staying::start_due()
 /// With the claim, unless somebody waits for that: the rest has its turn later.
 void Staying::settle()
 {
-    const auto own = claim_ ? nullptr : claim_if_free(application_.home(), plan_.name);
+    const auto own = claim_ ? nullptr : claim_if_free(application_.home(), plan_->name);
     if (!claim_ && !own)
         return;
-    const auto brought_up = Record(application_.home(), plan_.name).read();
-    std::erase_if(unsettled_, [&](const std::string& drone) { return !is_up(brought_up, drone); });
+    read_record();
+    std::erase_if(unsettled_, [&](const std::string& drone) { return !is_up(drone); });
     settle_at_ = Clock::now() + 1s;
     Changes changes(application_);
     std::set<std::string> unsettled;
-    for (const auto& step : differences(application_, plan_, plan_).steps) {
+    for (const auto& step : differences(application_, *plan_, *plan_).steps) {
         if ((step.what != SwarmStep::What::set && step.what != SwarmStep::What::connect)
             || !unsettled_.contains(step.drone))
             continue;
-        if (claim_is_wanted(application_.home(), plan_.name))
+        if (claim_is_wanted(application_.home(), plan_->name))
             return;
         try {
             changes.make(step);

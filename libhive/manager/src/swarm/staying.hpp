@@ -3,6 +3,7 @@
 
 #include "../inquiry.hpp"
 #include "claim.hpp"
+#include "record.hpp"
 #include "starting.hpp"
 
 #include <hive/swarm.hpp>
@@ -36,13 +37,14 @@ private:
 };
 
 /// It changes the swarm as `up` and `down` do: only with the claim, which it leaves to whoever waits for that, and only
-/// drones that were brought up and not taken down.
+/// drones that were brought up and not taken down. What they run with is in the plan that was brought up last, which
+/// may be that of another `up`.
 class Staying {
 public:
     using Clock = std::chrono::steady_clock;
 
     /// @param told  hears of each drone what happened, and what goes wrong meanwhile, once
-    Staying(Application& application, const SwarmPlan& plan, std::function<void(const std::string& text)> told);
+    Staying(Application& application, SwarmPlan plan, std::function<void(const std::string& text)> told);
 
     /// Looks once, and restarts what is due; waits for no drone. Throws nothing that a drone answers, or fails to: the
     /// next look is due.
@@ -56,12 +58,16 @@ private:
         RestartPause pause{};
         std::optional<Clock::time_point> restart_at{};  ///< set: it has crashed
         std::optional<Clock::time_point> missing_since{}, silent_since{};
+        std::shared_ptr<const SwarmPlan> plan{};  ///< by which it is being started
         std::unique_ptr<Starting> starting{};
         bool begun = false;       ///< it was started and has not been ready since
         bool taken_down = false;  ///< which was told
         bool shared = false;      ///< another swarm brought it up, which restarts it or not
     };
 
+    void adopt(SwarmPlan plan);
+    void read_record();
+    [[nodiscard]] bool is_up(const std::string& drone) const;
     void hear(const StatusAnswer& answer, const std::vector<std::string>& remembered);
     void hear_silence(const StatusAnswer& answer, Care& care);
     [[nodiscard]] bool has_crashed(const StatusAnswer& answer, Care& care,
@@ -76,7 +82,10 @@ private:
     [[nodiscard]] bool is_starting() const;
 
     Application& application_;
-    const SwarmPlan& plan_;
+    Record record_;
+    std::string recorded_;                   ///< the text of the record that was read last
+    std::shared_ptr<const SwarmPlan> plan_;  ///< the last that was brought up
+    bool is_up_ = true;                      ///< and not taken down since
     std::function<void(const std::string& text)> told_;
     Inquiry inquiry_;
     Claim claim_;  ///< held while something is being started
