@@ -42,17 +42,6 @@ std::string advertised(const std::string& text, const std::vector<std::string>& 
     return to_text(address);
 }
 
-void require_members_key(transport::KeyRing* keys, const std::string& what)
-try {
-    if (!keys)
-        throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
-    require_members(keys->own(), keys->file());
-} catch (const Error& error) {
-    throw Error(Errc::not_permitted,
-                what + ": anybody who reaches this port could control the drone, and " + error.what(),
-                error.advice() + "; or, on a network that you trust wholly, add --insecure");
-}
-
 }  // namespace
 
 ListenWish wished(ListenWish told, const Json& state)
@@ -76,7 +65,7 @@ std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish)
         keys->own();
     for (const auto& text : wish.listen)
         if (listen_address(text).scheme == Address::Scheme::tcp)
-            require_members_key(keys.get(), "--listen " + text);
+            require_key_to_listen(file, "--listen " + text + ": ", "--insecure");
     return keys;
 }
 

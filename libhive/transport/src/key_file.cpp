@@ -6,6 +6,7 @@
 #include <hive/json.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/transport/descriptor.hpp>
+#include <hive/transport/key_ring.hpp>
 
 #include <cstdlib>
 #include <cstring>
@@ -208,6 +209,17 @@ void require_members(const std::vector<SwarmKey>& keys, const fs::path& file)
     if (keys.front().role != Role::member)
         throw Error(Errc::not_permitted, file.string() + " is a viewers' key, and a drone needs the members'",
                     "copy the members' key here");
+}
+
+void require_key_to_listen(const fs::path& file, const std::string& subject, const std::string& insecure)
+try {
+    if (file.empty())
+        throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
+    require_members(transport::KeyRing(file, true).own(), file);
+} catch (const Error& error) {
+    throw Error(Errc::not_permitted,
+                subject + "anybody who reaches this port could control the drone, and " + error.what(),
+                error.advice() + "; or, on a network that you trust wholly, add " + insecure);
 }
 
 std::vector<SwarmKey> read_key_file(const fs::path& file)

@@ -14,12 +14,13 @@ std::string everywhere(const std::string& host) { return host == "0.0.0.0" || ho
 bool overlap(const std::string& a, const std::string& b) { return a == b || a.empty() || b.empty(); }
 
 /// What is wrong with the key that a drone of this machine would have.
+/// @param told  its file; empty: the usual one
 std::optional<Error> problem_of_key(const std::string& told)
 try {
-    const auto file = told.empty() ? default_key_file() : std::filesystem::path(told);
-    if (file.empty())
-        return Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
-    require_members(read_key_file(file), file);
+    if (told.empty())
+        require_key_to_listen(default_key_file(), "", "\"insecure\": true");
+    else
+        require_members(read_key_file(told), told);
     return std::nullopt;
 } catch (const Error& error) {
     return error;
@@ -116,14 +117,8 @@ void Reader::check_keys()
             continue;
         if (!problems.contains(told))
             problems[told] = problem_of_key(told);
-        const auto& problem = problems.at(told);
-        if (problem && told.empty())
-            mistakes_.at_value(entry.value.member("listen", *place),
-                               std::string("anybody who reaches this port could control the drone, and ")
-                                   + problem->what(),
-                               problem->advice() + "; or, on a network that you trust wholly, add \"insecure\": true");
-        else if (problem)
-            mistakes_.at_value(entry.value.member("key", *place), *problem);
+        if (const auto& problem = problems.at(told))
+            mistakes_.at_value(entry.value.member(told.empty() ? "listen" : "key", *place), *problem);
     }
 }
 

@@ -50,6 +50,12 @@ std::vector<SwarmKey> read_key_file(const std::filesystem::path& file);
 /// @param file  of these keys
 void require_members(const std::vector<SwarmKey>& keys, const std::filesystem::path& file);
 
+/// Throws Errc::not_permitted when a drone that listens at a port would have no key to ask its peers for.
+/// @param file      of its keys; empty: it has none
+/// @param subject   what is said before the text: "--listen tcp://0.0.0.0: "
+/// @param insecure  how to say that it is to listen even so: "--insecure"
+void require_key_to_listen(const std::filesystem::path& file, const std::string& subject, const std::string& insecure);
+
 enum class KeyFileMode { fresh, replace };
 /// Writes the file with mode 0600, at once as a whole, and makes its folder. Throws Errc::name_taken when a fresh one
 /// is there already, and Errc::io.
