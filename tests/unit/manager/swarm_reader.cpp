@@ -388,15 +388,16 @@ TEST_CASE("swarm file: a machine is no folder, and a directive of Slurm is one l
 {
     for (const char* host : {"..", ".", "me@..", "../x"})
         CHECK_FALSE(mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"" + std::string(host) + "\"}")).empty());
-    const auto slurm = [](const std::string& settings) {
-        return mistakes(
-            with("\"a\": {\"kind\": \"k\", \"on\": \"n1\"}", "\"engines\": {\"n1\": {\"slurm\": " + settings + "}}"));
+    const auto file_with = [](const std::string& settings) {
+        return with("\"a\": {\"kind\": \"k\", \"on\": \"n1\"}", "\"engines\": {\"n1\": {\"slurm\": " + settings + "}}");
     };
+    const auto slurm = [&](const std::string& settings) { return mistakes(file_with(settings), any); };
     CHECK_EQ(slurm(R"({"partition": "gpu", "options": ["--gres=gpu:1"]})"), "");
     CHECK(slurm(R"({"partition": "p\ntouch x"})").find("does not belong into a line") != std::string::npos);
     CHECK(slurm(R"({"options": ["--a\nid"]})").find("does not belong into a line") != std::string::npos);
     CHECK_EQ(slurm(R"({"options": ["gres=gpu:1"]})"),
              "4:42: \"gres=gpu:1\" is no option of Slurm; an option begins with -, such as --gres=gpu:1\n");
+    CHECK_EQ(mistakes(file_with(R"({"options": ["gres=gpu:1"]})")), "");  // a remembered plan can be taken down
 }
 
 TEST_CASE("swarm file: with interfaces, parameters are checked")

@@ -82,7 +82,7 @@ void Reader::read_directive(const Value& value)
 void Reader::read_slurm_option(const Value& value)
 {
     read_directive(value);
-    if (value.json->is_string() && !value.json->get<std::string>().starts_with('-'))
+    if (interface_of_ && value.json->is_string() && !value.json->get<std::string>().starts_with('-'))
         mistakes_.at_value(value, in_quotes(value.json->get<std::string>()) + " is no option of Slurm",
                            "an option begins with -, such as --gres=gpu:1");
 }
