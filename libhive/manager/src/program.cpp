@@ -32,13 +32,6 @@ constexpr std::array<std::string_view, 13> packaged{"annotate", "axis",    "back
 /// what is merely called hive-something would be rash.
 bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
 
-/// Kinds of a directory that can be started, but are not offered: drones that tests use, beside those of users.
-std::set<std::string> unlisted(const fs::path& directory)
-{
-    std::ifstream names(directory / ".hive-unlisted");
-    return {std::istream_iterator<std::string>(names), {}};
-}
-
 std::vector<fs::path> directories()
 {
     std::error_code ignored;
@@ -72,7 +65,8 @@ std::vector<std::string> kinds()
     std::set<std::string> found;
     std::error_code ignored;
     for (const auto& directory : directories()) {
-        const auto hidden = unlisted(directory);
+        std::ifstream unlisted(directory / ".hive-unlisted");  // drones of tests, which can be started, too
+        const std::set<std::string> hidden{std::istream_iterator<std::string>(unlisted), {}};
         for (const auto& entry : fs::directory_iterator(directory, ignored))
             if (const auto name = entry.path().filename().string();
                 name.starts_with(program_prefix) && !is_emulator(name) && is_program(entry.path()))

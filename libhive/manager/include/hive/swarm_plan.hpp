@@ -76,8 +76,8 @@ using InterfaceOfKind = std::function<Interface(const std::string& kind)>;
 
 /// Reads a swarm file and finds every mistake that can be found without starting anything: of form, names, references
 /// and options; with `interface_of`, which is for what a person wrote, also those of ports, their types, encodings,
-/// parameters and their ranges, and of engines. A kind that it does
-/// not know is a mistake for drones of this machine, and for others, which may have it, a note.
+/// parameters and their ranges, and of engines. A kind that it does not know is a mistake for drones of this machine,
+/// and for others, which may have it, a note.
 SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_of = {},
                         const SwarmContext& context = {});
 
