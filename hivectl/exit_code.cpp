@@ -3,6 +3,7 @@
 
 #include "output.hpp"
 
+#include <hive/failure.hpp>
 #include <hive/program.hpp>
 
 #include <array>
@@ -12,6 +13,8 @@ namespace hivectl {
 namespace {
 
 using hive::Errc;
+
+bool as_json = false;  ///< failures
 
 struct Entry {
     Errc code;
@@ -105,18 +108,33 @@ void complain_in_lines(std::string_view verb, const std::string& text)
         complain(verb, indent + printable(line));
 }
 
-void complain_about(std::string_view verb, const hive::Error& error)
+void print_failures_as_json() { as_json = true; }
+
+bool is_printed_as_json(const hive::Error& error, std::string_view subject)
 {
-    const bool one_line = std::string_view(error.what()).find('\n') == std::string_view::npos;
-    one_line ? complain(verb, explained(error)) : complain_in_lines(verb, with_advice(error));
+    if (!as_json)
+        return false;
+    const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
+    write_error(json_text(hive::failure_json({error.code(), error.what(), advice}, std::string(subject))) + "\n");
+    return true;
+}
+
+void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject)
+{
+    if (is_printed_as_json(error, subject))
+        return;
+    const std::string_view text = error.what();
+    const auto before = text.find(subject) == std::string_view::npos ? printable(subject) + ": " : "";
+    if (text.find('\n') == std::string_view::npos)
+        complain(verb, before + explained(error, subject));
+    else
+        complain_in_lines(verb, before + with_advice(error));
 }
 
 void Outcome::failed(std::string_view subject, const hive::Error& error)
 {
     codes_.insert(exit_code_of(error.code()));
-    const std::string_view text = error.what();
-    const bool named = text.find(subject) != std::string_view::npos;
-    complain(verb_, (named ? "" : printable(subject) + ": ") + explained(error, subject));
+    complain_about(verb_, error, subject);
 }
 
 int exit_code_of_failure(std::string_view verb, std::string_view subject, const hive::Error& error)

@@ -36,8 +36,12 @@ std::string explained(const hive::Error& error, std::string_view subject = {});
 std::string with_advice(const hive::Error& error);
 /// One line on stderr for each line of the text.
 void complain_in_lines(std::string_view verb, const std::string& text);
+/// From now on, each failure is one line of JSON on stderr, as `hive::failure_in` reads it.
+void print_failures_as_json();
+/// Prints it, if failures are printed so. False: they are not.
+bool is_printed_as_json(const hive::Error& error, std::string_view subject);
 /// Says on stderr what failed and what to do about it.
-void complain_about(std::string_view verb, const hive::Error& error);
+void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject = {});
 
 /// How something asked of several drones went, drone by drone. Failures go to stderr as they come.
 class Outcome {

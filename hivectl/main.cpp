@@ -46,6 +46,8 @@ int run(const Verb& verb, int argc, char** argv)
         complain(verb.name, printable(error.what()) + "; see hivectl " + std::string(verb.name) + " --help");
         return exit_code::usage;
     }
+    if (session.json)
+        print_failures_as_json();
     return action();
 }
 

@@ -43,11 +43,14 @@ void write_out(std::string_view text)
 
 void complain(std::string_view verb, std::string_view text)
 {
-    const std::string line =
-        "hivectl" + (verb.empty() ? "" : " " + std::string(verb)) + ": " + std::string(text) + "\n";
+    write_error("hivectl" + (verb.empty() ? "" : " " + std::string(verb)) + ": " + std::string(text) + "\n");
+}
+
+void write_error(std::string_view text)
+{
     const status_line::Interruption interruption;
     // Nobody is left to be told when stderr fails.
-    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
 bool on_terminal() { return ::isatty(STDOUT_FILENO) == 1; }

@@ -12,6 +12,8 @@ namespace hivectl {
 /// Writes to stdout at once. A reader that has gone ends the process quietly, as SIGPIPE does; another failure is
 /// Errc::io.
 void write_out(std::string_view text);
+/// Writes to stderr at once.
+void write_error(std::string_view text);
 /// One line on stderr: "hivectl VERB: text".
 void complain(std::string_view verb, std::string_view text);
 /// Is stdout a terminal?

@@ -6,6 +6,7 @@
 #include "session.hpp"
 #include "status_line.hpp"
 
+#include <hive/failure.hpp>
 #include <hive/remote.hpp>
 
 #include <sstream>
@@ -30,7 +31,10 @@ void repeat_complaints(std::string_view verb, const std::string& host, const std
     const std::string own = "hivectl " + std::string(verb) + ": ";
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)
-        complain(verb, host + ": " + printable(line.starts_with(own) ? line.substr(own.size()) : line));
+        if (const auto failure = hive::failure_in(line))
+            complain_about(verb, failure->reworded(host + ": " + failure->what()));
+        else
+            complain(verb, host + ": " + printable(line.starts_with(own) ? line.substr(own.size()) : line));
 }
 
 }  // namespace hivectl

@@ -8,8 +8,13 @@
 namespace hivectl {
 namespace {
 
-void complain_about(std::string_view verb, const hive::SwarmFailure& failure, const std::string& text)
+/// @param before  the error's text
+void complain_about(std::string_view verb, const hive::SwarmFailure& failure, const std::string& before = "")
 {
+    const auto error = failure.error.reworded(before + failure.error.what());
+    if (is_printed_as_json(error, failure.drone))
+        return;
+    const auto text = with_advice(error);
     complain_in_lines(verb, (text.starts_with(failure.drone) ? "" : failure.drone + ": ") + text);
 }
 
@@ -34,10 +39,10 @@ void SwarmWork::show() { waiting_.now_for(drones_ + progress_); }
 int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {
     for (const auto& failure : outcome.failures)
-        complain_about(verb, failure, with_advice(failure.error));
+        complain_about(verb, failure);
     const std::string remains = outcome.failures.empty() ? "could not be ended: " : "not undone: ";
     for (const auto& failure : outcome.remains)
-        complain_about(verb, failure, remains + with_advice(failure.error));
+        complain_about(verb, failure, remains);
     if (interrupt::requested())
         return interrupt::exit_code();
     if (!outcome.failures.empty())

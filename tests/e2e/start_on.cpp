@@ -146,6 +146,11 @@ TEST_CASE("start --on: what is missing there is said in one sentence, with what 
     const auto no_drone = ssh.hivectl({"start", "nothing-like-it", "--on", "me@gpu1", "--insecure"});
     CHECK(no_drone.exit_code == 3);
     CHECK(has(no_drone.err, "gpu1: there is no drone hive-nothing-like-it"));
+    const auto as_json = ssh.hivectl({"start", "nothing-like-it", "--on", "me@gpu1", "--insecure", "--json"});
+    const auto error = Json::parse(as_json.err).at("error");
+    CHECK(error.at("code") == "not_found");
+    CHECK(has(error.at("text"), "gpu1: there is no drone hive-nothing-like-it"));
+    CHECK(has(error.at("advice"), "hivectl start --help"));
     const auto no_key = ssh.hivectl({"start", "ticker", "--on", "me@gpu1"});
     CHECK(no_key.exit_code != 0);
     CHECK(has(no_key.err, "gpu1: "));
@@ -197,6 +202,8 @@ TEST_CASE("start --on: what concerns its machine is set through ssh, and by the 
     const auto bad = ssh.hivectl({"set", "camera", "source=/nowhere/it's not there"});
     CHECK(bad.exit_code != 0);
     CHECK(has(bad.err, "gpu1: "));
+    const auto as_json = ssh.hivectl({"set", "camera", "source=/nowhere/it's not there", "--json"});
+    CHECK(has(Json::parse(as_json.err).at("error").at("text"), "gpu1: "));
 
     const auto address = Json::parse(started.out).at("address").get<std::string>();
     here.hivectl_done({"place", "remove", "camera"});

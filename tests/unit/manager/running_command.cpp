@@ -2,6 +2,7 @@
 #include "running_command.hpp"
 
 #include <hive/error.hpp>
+#include <hive/failure.hpp>
 
 #include <doctest/doctest.h>
 
@@ -54,4 +55,18 @@ TEST_CASE("command: more output than anybody needs is an error")
 {
     CHECK_THROWS_WITH_AS(hive::run_command(shell("exec cat /dev/zero"), 60s), "a command printed more than 16 MiB",
                          hive::Error);
+}
+
+TEST_CASE("command: a failure is found among what a program printed, and is the error that it was")
+{
+    const hive::Error error(hive::Errc::name_taken, "face runs already:\n  here", "stop it");
+    const auto line = hive::to_text(hive::failure_json(error, "face"));
+    const auto found = hive::failure_in("Welcome to gpu1\n{not this}\n{\"error\": 1}\n" + line + "\nhivectl: a note\n");
+    REQUIRE(found);
+    CHECK(found->code() == error.code());
+    CHECK(found->what() == std::string(error.what()));
+    CHECK(found->advice() == error.advice());
+    CHECK_FALSE(hive::failure_in("hivectl start: no such file\n{\"drone\": \"face\"}\n"));
+    CHECK(hive::failure_json(error)
+          == hive::Json{{"error", {{"code", "name_taken"}, {"text", error.what()}, {"advice", "stop it"}}}});
 }

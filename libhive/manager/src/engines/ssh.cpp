@@ -4,6 +4,7 @@
 #include "../last_line.hpp"
 #include "../running_command.hpp"
 
+#include <hive/failure.hpp>
 #include <hive/key.hpp>
 #include <hive/remote.hpp>
 
@@ -75,6 +76,7 @@ private:
     [[nodiscard]] bool may_start() const;
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
+    [[nodiscard]] Error error_of(const CommandResult& result) const;
     [[nodiscard]] std::optional<std::set<std::string>> keys_there() const;
     void look_at_the_silent(std::vector<Report>& reports);
     void hear_running(const std::string& drone, std::vector<Report>& reports);
@@ -137,18 +139,6 @@ std::vector<std::string> words_to_replace(SwarmDrone drone)
         words.emplace_back("--lose-state");
     drone.take_over_s = 0;
     return words_of(std::move(words), drone);
-}
-
-/// What the hivectl there said, without what it puts before it.
-std::string complaint_in(const std::string& text)
-{
-    std::istringstream lines(text);
-    std::string all;
-    for (std::string line; std::getline(lines, line);) {
-        const auto verb = line.starts_with("hivectl ") ? line.find(": ") : std::string::npos;
-        all += (all.empty() ? "" : "\n") + (verb == std::string::npos ? line : line.substr(verb + 2));
-    }
-    return all;
 }
 
 std::vector<std::string> texts_in(const Json& list)
@@ -279,11 +269,16 @@ try {
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has ended it
-    return {.drone = drone,
-            .error =
-                explained(Error(errc_of_exit(result.exit_code), remote_.host() + ": " + complaint_in(result.err)))};
+    return {.drone = drone, .error = explained(error_of(result))};
 } catch (const Error& error) {
     return {.drone = drone, .error = error};
+}
+
+/// What the hivectl there said; of one that was ended, its last line.
+Error SshEngine::error_of(const CommandResult& result) const
+{
+    const auto error = failure_in(result.err).value_or(Error(errc_of_exit(result.exit_code), last_line(result.err)));
+    return error.reworded(remote_.host() + ": " + error.what());
 }
 
 /// Those of the user there, by id; nothing: it cannot be told.
@@ -362,12 +357,12 @@ try {
         throw Error(Errc::timeout,
                     remote_.host() + " has not answered in time: whether " + drones.front() + " runs there is unknown",
                     "see there: ssh " + ssh_ + " hivectl ps");
-    std::vector<std::string> words{"stop", "--timeout", std::to_string(seconds_until(until - 1s))};
+    std::vector<std::string> words{"stop", "--json", "--timeout", std::to_string(seconds_until(until - 1s))};
     words.insert(words.end(), drones.begin(), drones.end());
     const auto result = remote_.hivectl(words, time_until(until));
     if (result.exit_code == 0 || (drones.size() == 1 && result.exit_code == not_found))
         return std::nullopt;
-    return Error(Errc::failed, remote_.host() + ": " + last_line(result.err));
+    return error_of(result);
 } catch (const Error& error) {
     return error;
 }
