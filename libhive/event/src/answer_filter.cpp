@@ -9,22 +9,42 @@
 namespace hive::event {
 namespace {
 
+constexpr std::string_view exceptions = "exceptions";
+constexpr char part_begins = ' ';  // of a work, for each share
+
 std::string without_group(const Share& share) { return share.of.substr(0, share.of.find('#')); }
 
 std::string drone_of(const Share& share) { return share.of.substr(0, without_group(share).rfind('.')); }
 
+/// The drone and its input that got a share: `DRONE.INPUT`. A sender that gave up names them itself.
+std::pair<std::string, std::string> receiver_of(const Event& event, std::size_t i)
+{
+    const auto& shares = event.identity.shares;
+    const Share& share = shares[i];
+    const bool given_up = event.output == exceptions && drone_of(share) == event.sender;
+    if (const auto dot = share.to.rfind('.'); given_up && dot != std::string::npos)
+        return {share.to.substr(0, dot), share.to.substr(dot + 1)};
+    return {i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender, share.to};
+}
+
 /// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group neither drones nor their
 /// groups have names. Workers of the first group may call their inputs as they like.
-void add_stage(std::string& work, const Share& share, const std::string& receiver, bool behind_group)
+void add_stage(std::string& work, const Share& share, const std::string& receiver, const std::string& input,
+               bool behind_group)
 {
     const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
-    work += ' ';
+    work += part_begins;
     work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;
     ((work += '/') += std::to_string(share.part)) += '>';
     if (!behind_group && !share.group())
         (work += receiver) += '.';  // each plain receiver gives an answer of its own
     if (behind_group || !share.group())
-        work += share.to;
+        work += input;
+}
+
+std::size_t parts_of(const std::string& work)
+{
+    return static_cast<std::size_t>(std::ranges::count(work, part_begins));
 }
 
 }  // namespace
@@ -67,15 +87,24 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
 {
     const auto& shares = event.identity.shares;
     std::string key = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
-    Answer answer{.work = {}, .path = {}, .attempts = {}, .branches = {}, .owed = event.ticket.owed()};
+    Answer answer{.work = {},
+                  .kind = {},
+                  .path = {},
+                  .attempts = {},
+                  .branches = {},
+                  .each = {},
+                  .failed = event.output == exceptions,
+                  .owed = event.ticket.owed()};
     bool behind_group = false, by_kind = false;
     for (std::size_t i = 0; i < count; ++i) {
         const Share& share = shares[i];
-        const auto receiver = i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender;
-        add_stage(i == 0 ? key : answer.work, share, receiver, behind_group);
-        if (i > 0)  // the key has the first
+        const auto [receiver, input] = receiver_of(event, i);
+        add_stage(i == 0 ? key : answer.work, share, receiver, input, behind_group);
+        if (i > 0) {  // the key has the first
             (((answer.path += ' ') += without_group(share)) += '/') += std::to_string(share.part);
-        (((answer.path += '>') += receiver) += '.') += share.to;
+            answer.each += share.each ? '1' : '0';
+        }
+        (((answer.path += '>') += receiver) += '.') += input;
         (answer.attempts += std::to_string(share.attempt)) += ' ';
         if (behind_group)
             answer.branches.push_back(share.group() ? Branch() : Branch{receiver, share.each});
@@ -83,25 +112,35 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
         behind_group = behind_group || share.group();
     }
     if (by_kind)  // the group that this names may have workers of several kinds
-        (answer.work += ' ') += event.kind;
+        answer.kind = event.kind;
     (((key += " .") += event.output) += '/') += std::to_string(event.identity.part);
     return {std::move(key), std::move(answer)};
 }
 
 /// Does either of two answers make the other superfluous? Not where a drone gave what it made of the work to several
 /// others, and these two are of different ones. An attempt was given to one drone, which gives each answer once. What
-/// went the same way is the same, also if a receiver on the way shared it once and was alone the other time.
+/// went the same way is the same, also if a receiver on the way shared it once and was alone the other time. An
+/// exception is about all that would be made of its work; a later one that is about more is news where several drones
+/// got the next share.
 bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
 {
-    if (one.path == other.path)
+    if (one.path == other.path || includes(one, other)
+        || (includes(other, one) && one.each[parts_of(other.work)] == '0'))
         return true;
-    if (one.work != other.work)
+    if (one.work != other.work || one.kind != other.kind)
         return false;
     if (one.attempts == other.attempts)
         return one.branches == other.branches;
     const auto [mine, its] =
         std::ranges::mismatch(one.branches, other.branches, {}, &Branch::receiver, &Branch::receiver);
     return mine == one.branches.end() || its == other.branches.end() || !(mine->each || its->each);
+}
+
+/// Is all of the work given up of which the other one is a part?
+bool AnswerFilter::includes(const Answer& whole, const Answer& part)
+{
+    return whole.failed && part.work.size() > whole.work.size() && part.work.starts_with(whole.work)
+           && part.work[whole.work.size()] == part_begins;
 }
 
 void AnswerFilter::remember(std::string key, Answer answer)
@@ -126,8 +165,8 @@ void AnswerFilter::forget_oldest()
 
 std::size_t AnswerFilter::size_of(const std::string& key, const Answer& answer)
 {
-    auto bytes = key.size() + answer.work.size() + answer.path.size() + answer.attempts.size()
-                 + answer.branches.size() * sizeof(Branch);
+    auto bytes = key.size() + answer.work.size() + answer.kind.size() + answer.path.size() + answer.attempts.size()
+                 + answer.each.size() + answer.branches.size() * sizeof(Branch);
     for (const auto& branch : answer.branches)
         bytes += branch.receiver.size();
     return bytes;

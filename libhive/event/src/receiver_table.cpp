@@ -96,9 +96,10 @@ ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
         found = find([&](const Plain& plain) { return !in_use(plain) && (newcomer.unique || is_at(plain, newcomer)); });
     if (found != plain_.end())
         return *found;
-    return plain_.emplace_back(Plain{.receiver = newcomer.receiver,
-                                     .subscription = Subscription({.application = !newcomer.unique}),
-                                     .unique = newcomer.unique});
+    return plain_.emplace_back(
+        Plain{.receiver = newcomer.receiver,
+              .subscription = Subscription({.receiver = newcomer.receiver, .application = !newcomer.unique}),
+              .unique = newcomer.unique});
 }
 
 Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
@@ -366,8 +367,10 @@ void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Cl
         return group.subscription.expect(until, subscriber.missed);
     }
     const bool unique = subscriber.pid == 0;
-    Plain& plain = plain_.emplace_back(Plain{
-        .receiver = subscriber.receiver, .subscription = Subscription({.application = !unique}), .unique = unique});
+    Plain& plain = plain_.emplace_back(
+        Plain{.receiver = subscriber.receiver,
+              .subscription = Subscription({.receiver = subscriber.receiver, .application = !unique}),
+              .unique = unique});
     plain.place = epoch_ + static_cast<std::int64_t>(id);
     plain.registered.gone = ++order_;
     if (subscriber.dormant)

@@ -240,6 +240,17 @@ std::optional<Share> Subscription::told(std::int64_t number, const Job& job) con
     return own;
 }
 
+/// The last attempt, and whose it was: several plain receivers may fail at one event.
+std::optional<Share> Subscription::failed(std::int64_t number, const Job& job) const
+{
+    auto share = told(number, job);
+    if (!share)
+        share = job.event->own();
+    if (share && !share->group())
+        share->to = kind_.receiver;
+    return share;
+}
+
 Share Subscription::standing() const
 {
     return {.of = kind_.shared_as,
@@ -335,7 +346,7 @@ void Subscription::abandon(std::int64_t number, Decisions& decisions)
 {
     const Job& job = open_.at(number);
     if (kind_.redelivers)
-        decisions.failed.push_back(job.event->given_up(told(number, job)));
+        decisions.failed.push_back(job.event->given_up(failed(number, job)));
     close(number, Fate::abandoned);
 }
 

@@ -32,13 +32,17 @@ private:
     };
     struct Answer {
         std::string work;  ///< with what its key says
+        std::string kind;  ///< of the drone that answers, where that tells works apart
         std::string path;  ///< the drones that got the shares
         std::string attempts;
         std::vector<Branch> branches;
+        std::string each;     ///< for each part of the work, '1': others got it as well
+        bool failed = false;  ///< an exception: there will be no result
         std::weak_ptr<Acknowledgement> owed;
     };
     static std::pair<std::string, Answer> named(const Event& event, std::size_t count);
     static bool stand_for_each_other(const Answer& one, const Answer& other);
+    static bool includes(const Answer& whole, const Answer& part);
     void remember(std::string key, Answer answer);
 
     void forget_oldest();

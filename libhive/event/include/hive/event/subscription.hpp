@@ -57,6 +57,7 @@ public:
 
     struct Kind {
         std::string shared_as = {};  ///< "camera.image#workers"; empty: one consumer, which gets all events
+        std::string receiver = {};   ///< if it is not shared: "face.image"
         std::int64_t epoch = 0;      ///< of the module
         bool passive = false;        ///< its source waits for no consumer of it
         /// For 30 s after an application was cut off, the live events that it misses are counted as well.
@@ -183,6 +184,7 @@ private:
     [[nodiscard]] bool must_something_arrive() const;
     [[nodiscard]] Share share(std::int64_t number, const Job& job) const;
     [[nodiscard]] std::optional<Share> told(std::int64_t number, const Job& job) const;
+    [[nodiscard]] std::optional<Share> failed(std::int64_t number, const Job& job) const;
     Job leave_with(std::int64_t number);
     [[nodiscard]] Clock::duration lease() const;
 
