@@ -48,6 +48,8 @@ Json to_json(const Registration& registration)
         json["place"] = registration.place;
     if (registration.taken)
         json["taken"] = *registration.taken;
+    if (registration.held != 0)
+        json["held"] = registration.held;
     if (registration.tried != 0)
         json["tried"] = registration.tried;
     return json;
@@ -66,6 +68,7 @@ Registration registration_from_json(const Json& object)
                                                                : ConnectionOptions{},
                               .place = fields.integer_or("place", 0, max_json_integer, 0),
                               .taken = {},
+                              .held = fields.integer_or("held", 0, max_json_integer, 0),
                               .tried = fields.integer_or("tried", 0, max_json_integer, 0)};
     if (fields.has("taken"))
         registration.taken = fields.integer("taken", 0, max_json_integer);

@@ -14,12 +14,13 @@ bool is_application(const std::string& receiver) { return receiver.find('.') == 
 
 }  // namespace
 
-/// Whatever is in hand at the first look at a registration may have been taken over; later it only becomes less.
+/// What is in hand at the first look at a registration may have been taken over from one with a larger window; later it
+/// only becomes less.
 bool Window::fits(const std::string& key, std::int64_t registration, std::int64_t in_hand, std::int64_t window)
 {
     Row& row = rows_[key];
     row = {registration, row.registration == registration ? std::min(row.taken_over, in_hand) : in_hand};
-    return in_hand <= window + row.taken_over;
+    return in_hand <= std::max(window, row.taken_over);
 }
 
 void Window::look(const std::string& drone, const InputStatus& input, Problems& problems)

@@ -6,7 +6,8 @@
 namespace hive::mixtures {
 
 /// window: a synchronized receiver has no more unprocessed events in hand than its window; one of a stream no more than
-/// 64 lossless ones (SPEC.md, section 5.4). What a registration takes over from the one before it comes on top.
+/// 64 lossless ones (SPEC.md, section 5.4), also when it registers again. One that is connected with a smaller window
+/// keeps what it has.
 class Window {
 public:
     /// @param lossless  whether the source produces on demand

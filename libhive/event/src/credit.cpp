@@ -5,12 +5,12 @@
 
 namespace hive::event {
 
-void Credit::begin(const ConnectionOptions& options, std::int64_t taken)
+void Credit::begin(const ConnectionOptions& options, std::int64_t taken, std::int64_t held)
 {
     streaming_ = options.transfer == Transfer::streaming;
     window_ = options.window;
     sent_ = taken;
-    progress_.asked = taken + window_;
+    progress_.asked = taken + std::max<std::int64_t>(window() - held, 0);
     progress_.worked = std::min(progress_.worked, taken);
     events_in_lane_ = bytes_in_lane_ = 0;
 }
@@ -22,8 +22,9 @@ Progress Credit::request(const Progress& told)
         known = std::max(known, claimed);
         return known - before;
     };
+    const auto asked = streaming_ ? std::max(told.worked, told.done) + most_streamed : told.asked;
     Progress news;
-    news.asked = raise(progress_.asked, std::min(told.asked, sent_ + window_));
+    news.asked = raise(progress_.asked, std::min(asked, sent_ + window()));
     news.done = raise(progress_.done, std::min(told.done, sent_));
     news.worked = raise(progress_.worked, std::min(std::max(told.worked, progress_.done), sent_));
     return news;
@@ -44,12 +45,7 @@ void Credit::written(std::size_t bytes)
     bytes_in_lane_ -= std::min(bytes, bytes_in_lane_);
 }
 
-bool Credit::open(bool lossless) const
-{
-    if (streaming_)
-        return !lossless || (sent_ - progress_.worked < most_streamed && !full());
-    return missing() > 0;
-}
+bool Credit::open(bool lossless) const { return (streaming_ && !lossless) || missing() > 0; }
 
 std::int64_t Credit::missing() const { return full() ? 0 : progress_.asked - sent_; }
 

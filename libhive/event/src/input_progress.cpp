@@ -16,28 +16,28 @@ constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt 
 
 }  // namespace
 
-bool InputProgress::begin(std::int64_t epoch, const ConnectionOptions& options, std::int64_t place, std::int64_t taken)
+bool InputProgress::begin(std::int64_t epoch, const ConnectionOptions& options, std::int64_t place, std::int64_t taken,
+                          std::int64_t held)
 {
     options_ = options;
     const bool goes_on = place != 0 && place == place_ && taken == arrived();
     if (!goes_on) {
         forget();
-        done_ = worked_ = finished_ = most_worked_ = taken;
+        done_ = worked_ = finished_ = taken;
     }
     place_ = place;
     back_.clear();
     finished_ = std::max(finished_, done_);
     const auto told = goes_on ? 0 : done_;  // what was told last may not have come through
-    told_ = {.epoch = epoch, .id = arrived() + options.window, .done = told, .worked = told};
+    const auto asks = [&](std::int64_t window) { return arrived() + std::max<std::int64_t>(window - held, 0); };
+    told_ = {.epoch = epoch, .id = asks(options.window), .done = told, .worked = told};
+    allowed_ = options.transfer == Transfer::streaming ? asks(Credit::most_streamed) : told_.id;
     return goes_on;
 }
 
 bool InputProgress::allows(bool lossless) const
 {
-    const auto most = options_.transfer == Transfer::synchronized ? told_.id
-                      : lossless                                  ? most_worked_ + Credit::most_streamed
-                                                                  : max_json_integer;
-    return arrived() < most;
+    return arrived() < allowed_ || (options_.transfer == Transfer::streaming && !lossless);
 }
 
 std::int64_t InputProgress::receive(bool lossless, std::int64_t turn)
@@ -55,6 +55,7 @@ InputProgress::Delivery* InputProgress::delivery(std::int64_t number)
 
 void InputProgress::heard(std::int64_t generation, std::int64_t number, bool worked, bool done, bool back)
 {
+    forgotten_ -= worked && generation >= 0 && generation < generation_ ? 1 : 0;
     Delivery* one = generation == generation_ ? delivery(number) : nullptr;
     if (!one)
         return;
@@ -68,25 +69,32 @@ void InputProgress::heard(std::int64_t generation, std::int64_t number, bool wor
     worked_ = done_ + (std::ranges::find(in_hand_, false, &Delivery::worked) - in_hand_.begin());
 }
 
-/// Is there something to tell that cannot go with a later request?
-bool InputProgress::urgent(std::int64_t ask, std::int64_t worked) const
+/// What the sender may give when it is told this.
+std::int64_t InputProgress::allowed(std::int64_t ask, std::int64_t worked) const
+{
+    return std::max(allowed_, options_.transfer == Transfer::streaming ? worked + Credit::most_streamed : ask);
+}
+
+/// Is there something to tell that cannot go with a later request? @param more  may come then
+bool InputProgress::urgent(std::int64_t worked, bool more) const
 {
     if (!back_.empty())
         return true;
     const bool waits = !all_worked();  // something is being processed, and its end will be told
     if (options_.transfer == Transfer::streaming)
-        return (done_ > told_.done || worked > told_.worked)
+        return (done_ > told_.done || worked > told_.worked || more)
                && (!waits || lossless_ || worked - told_.worked >= told_at_least);
-    return ask > told_.id || (worked > told_.worked && !options_.group.empty()) || (done_ > told_.done && !waits);
+    return more || (worked > told_.worked && !options_.group.empty()) || (done_ > told_.done && !waits);
 }
 
 std::optional<Request> InputProgress::news(bool may_ask)
 {
-    const auto ask = may_ask ? std::max(told_.id, options_.window + finished_) : told_.id;
+    const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - forgotten_) : told_.id;
     // A stream asks for nothing: what it has processed lets more lossless events come.
-    const bool tells = may_ask || options_.transfer != Transfer::streaming;
+    const bool tells = (may_ask && forgotten_ == 0) || options_.transfer != Transfer::streaming;
     const auto worked = tells ? worked_ : std::max(told_.worked, done_);
-    return urgent(ask, worked) ? std::optional(tell(ask, worked)) : std::nullopt;
+    const bool more = tells && allowed(ask, worked) > allowed_;
+    return urgent(worked, more) ? std::optional(tell(ask, worked)) : std::nullopt;
 }
 
 std::optional<Request> InputProgress::last_news()
@@ -107,7 +115,7 @@ Request InputProgress::tell(std::int64_t ask, std::int64_t worked)
     told_.id = ask;
     told_.worked = worked;
     told_.done = done_;
-    most_worked_ = std::max(most_worked_, worked);
+    allowed_ = allowed(ask, worked);
     Request request = told_;
     request.back = std::exchange(back_, {});
     return request;
@@ -116,7 +124,9 @@ Request InputProgress::tell(std::int64_t ask, std::int64_t worked)
 void InputProgress::forget()
 {
     ++generation_;
+    forgotten_ = unprocessed();
     in_hand_.clear();
+    worked_ = finished_ = done_;
 }
 
 bool InputProgress::lossless_in_hand() const { return std::ranges::any_of(in_hand_, &Delivery::lossless); }

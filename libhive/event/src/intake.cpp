@@ -118,6 +118,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .options = spec_.options,
                                         .place = progress_.place(),
                                         .taken = {},
+                                        .held = progress_.unprocessed(),
                                         .tried = tried_};
     tried_ = tried_ != 0 ? tried_ : epoch_;
     if (progress_.place() != 0)
@@ -131,7 +132,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
         link_.reset();
         return failed(error);
     }
-    const auto on_outcome = [self = shared_from_this(), link](const Outcome& outcome) {
+    const auto on_outcome = [self = shared_from_this(), link, held = registration.held](const Outcome& outcome) {
         if (self->stopped() || link != self->link_)
             return;
         if (const auto* error = std::get_if<Error>(&outcome)) {
@@ -139,18 +140,18 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
             self->link_.reset();
             return self->failed(*error);
         }
-        self->confirmed(link, std::get<Json>(outcome));
+        self->confirmed(link, std::get<Json>(outcome), held);
     };
     link->request(PacketType::register_receiver, to_json(registration), {}, deadline, on_outcome, channel_);
     module_.arm();
 }
 
-void Intake::confirmed(const LinkPtr& link, const Json& result)
+void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t held)
 {
     try {
         const Fields fields(result, "confirmation of register");
         if (!progress_.begin(epoch_, spec_.options, fields.integer_or("place", 0, max_json_integer, 0),
-                             fields.integer_or("taken", 0, max_json_integer, 0)))
+                             fields.integer_or("taken", 0, max_json_integer, 0), held))
             group_.reset();
         if (!spec_.options.group.empty() && !group_)
             group_ = Share{.of = spec_.sender + "." + spec_.output + "#" + spec_.options.group,

@@ -128,6 +128,7 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                       .options = registration.options,
                       .place = registration.place,
                       .taken = registration.taken,
+                      .held = registration.held,
                       .tried = guest                     ? 0
                                : registration.tried != 0 ? registration.tried
                                                          : registration.epoch,

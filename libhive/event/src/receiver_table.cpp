@@ -118,7 +118,8 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
     seats_[newcomer.id] = {
         .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .plain = &plain};
     subscription.set_passive(newcomer.guest || !takes_bodies(newcomer));
-    const auto behind = subscription.attach(newcomer.id, newcomer.options, taken, nullptr, now, decisions);
+    const auto behind =
+        subscription.attach(newcomer.id, newcomer.options, {taken, newcomer.held}, nullptr, now, decisions);
     if (!goes_on && newcomer.options.first_frame && held_.empty() && newest_
         && newest_->serves(newcomer.options.delivery))
         subscription.offer(newest_, now, decisions);
@@ -143,7 +144,7 @@ Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Dec
     ++member.registered.now;
     seats_[newcomer.id] = {
         .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .group = &group};
-    group.subscription.attach(newcomer.id, newcomer.options, {}, &member.ledger, now, decisions);
+    group.subscription.attach(newcomer.id, newcomer.options, {{}, newcomer.held}, &member.ledger, now, decisions);
     return welcome;
 }
 

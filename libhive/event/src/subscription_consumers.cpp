@@ -6,19 +6,19 @@
 
 namespace hive::event {
 
-std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, std::optional<std::int64_t> received,
-                                  Ledger* own, Clock::time_point now, Decisions& decisions)
+std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
+                                  Clock::time_point now, Decisions& decisions)
 {
-    Consumer consumer{.options = options, .own = own, .credit = Credit(options)};
+    Consumer consumer{.options = options, .own = own, .credit = Credit(options, kept.held)};
     consumer.asked_at = ++order_;
     consumer.head_since = now;
     if (!shared() && present())
         away_ = Away{.was = std::move(consumers_.extract(consumers_.begin()).mapped()), .how = Fate::lost_connection};
     awaited_ = false;
-    if (std::exchange(missing_as_, std::nullopt) && received)
-        missed_.count -= std::clamp(*received, unsure_from_, unsure_to_) - unsure_from_;
+    if (std::exchange(missing_as_, std::nullopt) && kept.received)
+        missed_.count -= std::clamp(*kept.received, unsure_from_, unsure_to_) - unsure_from_;
     if (away_)
-        resume(consumer, received, decisions);
+        resume(consumer, kept, decisions);
     else if (!shared())
         lossless_.reset();
     const auto behind = consumer.credit.sent();
@@ -28,15 +28,15 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
 }
 
 /// If it was there all the time, it still has what it received and did not acknowledge.
-void Subscription::resume(Consumer& consumer, std::optional<std::int64_t> received, Decisions& decisions)
+void Subscription::resume(Consumer& consumer, const Kept& kept, Decisions& decisions)
 {
     Away away = *std::exchange(away_, std::nullopt);
     auto& credit = away.was.credit;
-    const auto count = received ? std::clamp(*received, credit.done(), credit.sent()) : credit.done();
+    const auto count = kept.received ? std::clamp(*kept.received, credit.done(), credit.sent()) : credit.done();
     take_back(away, count);
-    if (!received)
+    if (!kept.received)
         abandon_exhausted(decisions);
-    credit.begin(consumer.options, count);
+    credit.begin(consumer.options, count, kept.held);
     consumer.credit = credit;
     consumer.hands = std::move(away.was.hands);
 }

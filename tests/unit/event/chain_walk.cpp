@@ -74,12 +74,11 @@ private:
         std::deque<Send> down{};
         std::deque<protocol::Request> up{};
         std::deque<Arrival> arrived{};
-        std::int64_t carried = 0;  ///< unprocessed when it registered
         Clock::time_point lost_at{};
         [[nodiscard]] bool shared() const { return !options.group.empty(); }
-        [[nodiscard]] std::int64_t unprocessed() const
+        [[nodiscard]] std::int64_t window() const
         {
-            return std::ranges::count(arrived, progress.generation(), &Arrival::generation);
+            return options.transfer == Transfer::streaming ? Credit::most_streamed : options.window;
         }
     };
     struct Told {  ///< that an event may be acknowledged
@@ -159,8 +158,8 @@ private:
         event.input = "in";
         event.ticket = ticket(line, line.progress.generation(), number);
         line.arrived.push_back({line.progress.generation(), number, std::move(event)});
-        hold(line.options.transfer == Transfer::streaming || line.unprocessed() <= line.carried + line.options.window,
-             "an input gets no more than its window beyond what it had when it registered");
+        hold(std::ssize(line.arrived) <= line.window() || !send.event->lossless(),
+             "an input has no more than its window in hand, however often it registers");
         decide(*line.from, [&](Decisions& to) { line.from->out->written(line.id, send.event->size(), now_, to); });
         flush(line);
     }
@@ -178,7 +177,7 @@ private:
     {
         for (; !told_.empty(); told_.pop_front())
             if (const auto& told = told_.front(); !told.life.expired()) {
-                told.line->progress.heard(told.generation, told.number, true, true, false);
+                told.line->progress.heard(told.generation, told.number, false, true, false);
                 flush(*told.line);
             }
     }
@@ -248,15 +247,15 @@ private:
         if (!subscription.awaited())
             line.place = ++places_;
         const bool knows = !line.shared() && line.progress.place() == line.place;
-        const auto received = knows ? std::optional(line.progress.arrived()) : std::nullopt;
+        const Subscription::Kept kept{.received = knows ? std::optional(line.progress.arrived()) : std::nullopt,
+                                      .held = line.progress.unprocessed()};
         line.id = ++last_id_;
         line.connected = true;
         decide(*line.from, [&](Decisions& to) {
-            const auto taken = subscription.attach(line.id, line.options, received, nullptr, now_, to);
-            hold(line.progress.begin(1, line.options, line.shared() ? 0 : line.place, taken) == knows,
+            const auto taken = subscription.attach(line.id, line.options, kept, nullptr, now_, to);
+            hold(line.progress.begin(1, line.options, line.shared() ? 0 : line.place, taken, kept.held) == knows,
                  "who comes back in time goes on where it was");
         });
-        line.carried = line.unprocessed();
         flush(line);
     }
 

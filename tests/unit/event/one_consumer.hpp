@@ -29,10 +29,11 @@ struct OneConsumer {
         return subscription.awaited();
     }
     /// It comes back with what it has had, or as a new process.
-    Sequences resume(std::optional<std::int64_t> received)
+    Sequences resume(std::optional<std::int64_t> received, std::int64_t held = 0)
     {
-        return deliver(
-            decided([&](Decisions& to) { behind = subscription.attach(1, options, received, nullptr, now, to); }));
+        return deliver(decided([&](Decisions& to) {
+            behind = subscription.attach(1, options, {received, held}, nullptr, now, to);
+        }));
     }
     Sequences pass(Clock::duration time)
     {

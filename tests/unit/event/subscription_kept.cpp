@@ -65,6 +65,39 @@ TEST_CASE("kept: a receiver that was cut off goes on where it was, and gets noth
     CHECK(balanced(one.ledger()));
 }
 
+TEST_CASE("kept: what a receiver still has to process counts against its window, whichever connection it came over")
+{
+    OneConsumer back(window(4));
+    for (int i = 1; i <= 6; ++i)
+        back.offer(i, true);
+    back.lose(Fate::lost_cut_off);
+    CHECK(back.resume(4, 3) == Sequences{5});  // one of four was processed
+    CHECK(back.ask(6, 1) == Sequences{6});
+    OneConsumer restarted(window(4));  // the sender was, and has been told of three events of its earlier run
+    restarted.lose(Fate::lost_cut_off);
+    for (int i = 1; i <= 6; ++i)
+        restarted.offer(i, true);
+    CHECK(restarted.resume(std::nullopt, 3) == Sequences{1});
+    CHECK(restarted.ask(3) == Sequences{2, 3});
+    OneConsumer full(window(4));
+    full.lose(Fate::lost_cut_off);
+    full.offer(1, true);
+    CHECK(full.resume(std::nullopt, max_json_integer).empty());
+    CHECK_FALSE(full.subscription.asks());
+    CHECK(full.ask(1) == Sequences{1});
+}
+
+TEST_CASE("kept: of a stream, 64 lossless events less those that the receiver still has to process")
+{
+    OneConsumer one(streaming());
+    one.lose(Fate::lost_cut_off);
+    for (int i = 1; i <= 70; ++i)
+        one.offer(i, true);
+    CHECK(one.resume(std::nullopt, 62) == Sequences{1, 2});
+    CHECK(one.ask(Progress{}).size() == 62);  // it has processed all of those, and none of the new ones
+    CHECK(one.ask({.asked = 0, .worked = 6, .done = 0}).size() == 6);
+}
+
 TEST_CASE("kept: a receiver that began anew gets all it did not acknowledge, as the second attempt")
 {
     OneConsumer one(window(3));

@@ -158,7 +158,7 @@ private:
         const auto options = peer.options;
         peers_[id] = std::move(peer);
         std::int64_t behind = 0;
-        decide([&](Decisions& to) { behind = subscription_->attach(id, options, received, nullptr, now_, to); });
+        decide([&](Decisions& to) { behind = subscription_->attach(id, options, {received}, nullptr, now_, to); });
         hold(behind == continues_behind, "deliveries continue behind what the receiver knows of");
     }
 

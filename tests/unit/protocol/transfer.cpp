@@ -70,6 +70,7 @@ TEST_CASE("registration: every field survives the way")
                                         .options = {},
                                         .place = 17,
                                         .taken = 0,
+                                        .held = 2,
                                         .tried = 5};
     registration.options.window = 4;
     const auto read = protocol::registration_from_json(parse_json(to_text(to_json(registration))));
@@ -77,6 +78,7 @@ TEST_CASE("registration: every field survives the way")
     CHECK_EQ(read.options.window, 4);
     CHECK_EQ(read.place, 17);
     CHECK_EQ(read.taken, 0);
+    CHECK_EQ(read.held, 2);
     CHECK_EQ(read.tried, 5);
     registration.taken.reset();
     CHECK_FALSE(protocol::registration_from_json(to_json(registration)).taken);

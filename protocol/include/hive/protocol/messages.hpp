@@ -36,6 +36,7 @@ struct Registration {
     ConnectionOptions options;
     std::int64_t place = 0;             ///< the place that the sender gave it before; 0: none
     std::optional<std::int64_t> taken;  ///< how many deliveries it has had there
+    std::int64_t held = 0;              ///< deliveries that it has not processed yet: it asks for so many fewer
     std::int64_t tried = 0;  ///< epoch of the first of several registrations of which none was confirmed; 0: this one
 };
 Json to_json(const Registration& registration);

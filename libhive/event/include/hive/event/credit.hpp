@@ -26,12 +26,14 @@ public:
     /// Unacknowledged deliveries beyond the window (or beyond most_streamed), whose results may be on their way.
     static constexpr std::int64_t most_under_way = 256;
 
-    explicit Credit(const ConnectionOptions& options) : streaming_(options.transfer == Transfer::streaming)
+    explicit Credit(const ConnectionOptions& options, std::int64_t held = 0)
+        : streaming_(options.transfer == Transfer::streaming)
     {
-        begin(options, 0);
+        begin(options, 0, held);
     }
-    /// A registration goes on behind the first `taken` deliveries; it counts as having asked for a window more.
-    void begin(const ConnectionOptions& options, std::int64_t taken);
+    /// A registration goes on behind the first `taken` deliveries; it counts as having asked for a window more, without
+    /// the `held` deliveries that the receiver has not processed yet.
+    void begin(const ConnectionOptions& options, std::int64_t taken, std::int64_t held);
 
     /// Takes over what is news, and returns how much that is.
     Progress request(const Progress& told);
@@ -40,7 +42,7 @@ public:
 
     [[nodiscard]] bool open(bool lossless) const;
     [[nodiscard]] bool lane_free(std::size_t bytes) const;
-    /// Deliveries that it asked for and may have.
+    /// Deliveries that it asked for and may have; of a stream, lossless ones.
     [[nodiscard]] std::int64_t missing() const;
     /// Must it acknowledge something before it gets more?
     [[nodiscard]] bool full() const { return sent_ - progress_.done >= window() + most_under_way; }

@@ -17,8 +17,10 @@ class InputProgress {
 public:
     /// Registered: goes on behind what is in hand if the sender does so at the same place.
     /// @param epoch  of the registration
+    /// @param held   what was unprocessed() when it registered, which the sender knows
     /// @return       false: the numbering starts again behind `taken`, and what was in hand is forgotten
-    bool begin(std::int64_t epoch, const ConnectionOptions& options, std::int64_t place, std::int64_t taken);
+    bool begin(std::int64_t epoch, const ConnectionOptions& options, std::int64_t place, std::int64_t taken,
+               std::int64_t held);
     /// The sender was started again, and knows nothing of the place.
     void lose_place() { place_ = 0; }
     [[nodiscard]] std::int64_t place() const { return place_; }
@@ -39,10 +41,12 @@ public:
     std::optional<protocol::Request> last_news();
     /// Acknowledges all that is in hand, whatever becomes of it.
     protocol::Request acknowledge_all();
-    /// Ignores what is in hand from now on.
+    /// Acknowledges nothing of what is in hand.
     void forget();
 
     [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
+    /// Deliveries that are not processed yet, forgotten ones too.
+    [[nodiscard]] std::int64_t unprocessed() const { return forgotten_ + arrived() - finished_; }
     [[nodiscard]] bool empty() const { return in_hand_.empty(); }
     [[nodiscard]] bool all_worked() const { return worked_ == arrived(); }
     [[nodiscard]] bool lossless_in_hand() const;
@@ -57,7 +61,8 @@ private:
         bool lossless = false, worked = false, done = false;
     };
     [[nodiscard]] Delivery* delivery(std::int64_t number);
-    [[nodiscard]] bool urgent(std::int64_t ask, std::int64_t worked) const;
+    [[nodiscard]] std::int64_t allowed(std::int64_t ask, std::int64_t worked) const;
+    [[nodiscard]] bool urgent(std::int64_t worked, bool more) const;
     protocol::Request tell(std::int64_t ask, std::int64_t worked);
 
     ConnectionOptions options_;
@@ -66,10 +71,11 @@ private:
     std::int64_t worked_ = 0;       ///< processed, from the first on
     std::int64_t finished_ = 0;     ///< processed, in any order
     std::deque<Delivery> in_hand_;  ///< those behind done_
+    std::int64_t forgotten_ = 0;    ///< of earlier numberings, not processed yet
     std::vector<std::int64_t> back_;
-    protocol::Request told_;        ///< last
-    std::int64_t most_worked_ = 0;  ///< that was told at this place, in whatever registration
-    bool lossless_ = false;         ///< the last event was
+    protocol::Request told_;    ///< last
+    std::int64_t allowed_ = 0;  ///< up to this number the sender may give; live events of a stream always
+    bool lossless_ = false;     ///< the last event was
 };
 
 }  // namespace hive::event

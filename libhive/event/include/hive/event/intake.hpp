@@ -106,7 +106,7 @@ private:
     [[nodiscard]] bool holds();
     [[nodiscard]] bool in_short_break() const;
     void register_on(const LinkPtr& link, Clock::time_point deadline);
-    void confirmed(const LinkPtr& link, const Json& result);
+    void confirmed(const LinkPtr& link, const Json& result, std::int64_t held);
     void keep_time();
     void failed(const Error& error);
     void retry();

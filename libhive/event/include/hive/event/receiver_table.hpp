@@ -21,6 +21,7 @@ struct Newcomer {
     ConnectionOptions options = {};
     std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
     std::optional<std::int64_t> taken = {};  ///< at that place
+    std::int64_t held = 0;                   ///< of what it has taken at any place, not processed yet
     std::int64_t tried = 0;  ///< epoch of the first registration since it was last confirmed, this one included
     std::int64_t run = 0;    ///< the epoch of its module: another run of a drone has another
     bool unique = false;     ///< a drone's: what is kept under its name is its own

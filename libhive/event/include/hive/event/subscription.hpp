@@ -72,15 +72,19 @@ public:
 
         bool operator==(const Missed&) const = default;
     };
+    /// What a consumer has when it attaches.
+    struct Kept {
+        std::optional<std::int64_t> received = {};  ///< deliveries here, if it is back; empty: it restarted
+        std::int64_t held = 0;                      ///< not processed yet, of whatever subscription
+    };
     explicit Subscription(Kind kind) : kind_(std::move(kind)) {}
 
     void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
     /// Where events are not shared, the consumer that is there is followed by this one.
-    /// @param received  it is back and still has the deliveries up to this number; empty: it restarted
-    /// @param own       counts what this consumer of a shared subscription gets; outlives it
+    /// @param own  counts what this consumer of a shared subscription gets; outlives it
     /// @return  the number behind which its deliveries continue
-    std::int64_t attach(ReceiverId id, const ConnectionOptions& options, std::optional<std::int64_t> received,
-                        Ledger* own, Clock::time_point now, Decisions& decisions);
+    std::int64_t attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
+                        Clock::time_point now, Decisions& decisions);
     /// @param returned  numbers of deliveries that go to others
     void request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
                  Clock::time_point now, Decisions& decisions);
@@ -202,7 +206,7 @@ private:
     void close(std::int64_t job, Fate fate);
     void pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds);
     void let_go(Consumer& consumer, Fate how);
-    void resume(Consumer& consumer, std::optional<std::int64_t> received, Decisions& decisions);
+    void resume(Consumer& consumer, const Kept& kept, Decisions& decisions);
     void take_back(Away& away, std::int64_t count);
     void abandon_exhausted(Decisions& decisions);
     void last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions);

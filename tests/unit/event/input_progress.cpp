@@ -1,0 +1,83 @@
+// What an input that registers again lets its sender give: no more than it has room for.
+#include "fixtures.hpp"
+
+#include <hive/event/credit.hpp>
+#include <hive/event/input_progress.hpp>
+
+#include <doctest/doctest.h>
+
+namespace hive::event {
+namespace {
+
+/// An input that has got all that it may have, and has processed nothing, at a sender that is restarted then.
+InputProgress full_at_restarted_sender(const ConnectionOptions& options, std::int64_t events)
+{
+    InputProgress input;
+    CHECK_FALSE(input.begin(1, options, 5, 0, input.unprocessed()));
+    for (std::int64_t i = 0; i < events; ++i) {
+        CHECK(input.allows(true));
+        input.receive(true, 0);
+    }
+    CHECK_FALSE(input.allows(true));
+    input.lose_place();
+    CHECK(input.unprocessed() == events);
+    CHECK_FALSE(input.begin(2, options, 6, 0, input.unprocessed()));
+    return input;
+}
+
+}  // namespace
+
+TEST_CASE("input progress: a full stream takes nothing from a new run of its sender before it has processed all")
+{
+    auto input = full_at_restarted_sender(streaming(), Credit::most_streamed);
+    CHECK_FALSE(input.allows(true));
+    CHECK_FALSE(input.news(false));
+    for (std::int64_t number = 1; number <= Credit::most_streamed; ++number) {
+        CHECK_FALSE(input.news(true));
+        input.heard(1, number, true, true, false);
+    }
+    CHECK_FALSE(input.news(false));  // it has halted
+    const auto news = input.news(true);
+    REQUIRE(news);
+    CHECK(news->worked == 0);
+    CHECK(input.allows(true));
+    CHECK(input.unprocessed() == 0);
+}
+
+TEST_CASE("input progress: a full window takes one from a new run of its sender for each that it has processed")
+{
+    auto input = full_at_restarted_sender(window(2), 2);
+    CHECK_FALSE(input.allows(true));
+    CHECK_FALSE(input.news(true));
+    input.heard(1, 1, true, false, false);
+    CHECK_FALSE(input.news(false));
+    const auto news = input.news(true);
+    REQUIRE(news);
+    CHECK(news->id == 1);
+    CHECK(input.allows(true));
+    input.receive(true, 0);
+    CHECK_FALSE(input.allows(true));
+    input.heard(1, 1, false, true, false);  // its end makes no further room
+    CHECK_FALSE(input.news(true));
+}
+
+TEST_CASE("input progress: at the same place it asks only for what it has processed, too")
+{
+    InputProgress input;
+    CHECK_FALSE(input.begin(1, window(3), 5, 0, 0));
+    for (int i = 0; i < 3; ++i)
+        input.receive(true, 0);
+    input.heard(input.generation(), 1, true, false, false);
+    CHECK(input.unprocessed() == 2);
+    CHECK(input.begin(2, window(3), 5, 3, 2));
+    CHECK(input.allows(true));
+    input.receive(true, 0);
+    CHECK_FALSE(input.allows(true));
+    CHECK_FALSE(input.news(true));
+    input.heard(input.generation(), 2, true, false, false);
+    const auto news = input.news(true);
+    REQUIRE(news);
+    CHECK(news->id == 5);
+}
+
+}  // namespace hive::event
