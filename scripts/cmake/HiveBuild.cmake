@@ -41,6 +41,9 @@ find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
+# Its headers alone: a libhive that needs no libspdlog and no libfmt also loads on other distributions (the wheel).
+add_library(hive_spdlog INTERFACE)
+target_compile_definitions(hive_spdlog INTERFACE SPDLOG_FMT_EXTERNAL FMT_HEADER_ONLY)
 find_package(OpenSSL 3.0 REQUIRED)
 
 # Sources of one target are compiled a few at a time: most of the time goes into the headers of json and CLI11.
