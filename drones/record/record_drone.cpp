@@ -27,6 +27,18 @@ std::int64_t queued(const hive::Status& status)
     return events;
 }
 
+Condition condition_of(const std::string& when)
+try {
+    return when.empty() ? Condition() : Condition(when);
+} catch (const std::invalid_argument& error) {
+    throw hive::Error(hive::Errc::refused, error.what());
+}
+
+Clock::duration seconds(double count)
+{
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(count));
+}
+
 }  // namespace
 
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
@@ -40,6 +52,12 @@ RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.
                      "end the recording this long after its first event; 0: no limit");
     drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"),
                      "how often the file is flushed to the disk; 0: when the system chooses");
+    drone_.parameter("when", when_, hive::anything(),
+                     "record only what comes around events whose header says this: \"faces>0\"; empty: everything");
+    drone_.parameter("before", before_, hive::between(0, 3600).in("s"),
+                     "with when: how much of what came before such an event is recorded");
+    drone_.parameter("after", after_, hive::between(0, 3600).in("s"),
+                     "with when: how long after the last such event the file is closed");
     drone_.on_start(
         [] { std::signal(SIGXFSZ, SIG_IGN); });  // a file over the limit of the process is an error like others
     drone_.on_change([this] { apply(); });
@@ -66,14 +84,16 @@ hive::recording::Limits RecordDrone::limits() const
 
 void RecordDrone::apply()
 {
+    condition_ = condition_of(when_);
     if (folder_.empty())
         choose_folder();
     if (std::exchange(remembered_, false))
         spare_what_was_recorded();
-    if (former_ && file_ == former_->opened)
+    const Opened wanted{file_, !when_.empty()};
+    if (former_ && wanted == former_->opened)
         put_back();
-    else if (file_ != opened_)
-        open();
+    else if (wanted != opened_)
+        open(wanted);
     if (writer_)
         writer_->limits(limits());
     say();
@@ -125,14 +145,16 @@ std::unique_ptr<hive::recording::Writer> RecordDrone::writer_of(const std::strin
 }
 
 /// The new file first: if it cannot be, the old one goes on. That one is not ended yet: the set may still be aborted.
-void RecordDrone::open()
+void RecordDrone::open(const Opened& wanted)
 {
     part();
-    auto fresh = file_.empty() ? nullptr : writer_of(file_);
+    auto fresh = file_.empty() || wanted.around ? nullptr : writer_of(file_);
+    if (wanted.around && !fs::is_directory(folder_ / fs::path(below_folder(file_)).parent_path()))
+        throw hive::Error(hive::Errc::refused, "the folder of " + file_ + " is not there");
     count_dropped();
     former_ = Former{opened_, writes_, ended_, std::move(writer_), dropped_, reported_};
-    opened_ = file_;
-    begin(file_, std::move(fresh));
+    opened_ = wanted;
+    begin(wanted.around ? "" : file_, std::move(fresh));
 }
 
 /// The set of another file was aborted: the former recording goes on, and nothing is left of the new one, which has no
@@ -154,6 +176,8 @@ void RecordDrone::put_back()
 void RecordDrone::part()
 {
     const auto former = std::exchange(former_, std::nullopt);
+    if (former && !opened_.around)
+        last_.take();
     if (former && former->writer)
         finish(*former->writer, former->writes, "another file was set");
 }
@@ -177,7 +201,8 @@ void RecordDrone::end(const std::string& text)
         return;
     const auto how = text.empty() ? at_end : std::string(at_end) + ": " + text;
     close(how);
-    ended_ = how;
+    if (!opened_.around)
+        ended_ = how;
     say();
 }
 
@@ -211,6 +236,8 @@ void RecordDrone::finish(hive::recording::Writer& writer, const std::string& fil
 void RecordDrone::take(const hive::Event& event)
 {
     part();
+    if (opened_.around)
+        return take_around(event);
     if (!writer_ && !ended_.empty())
         go_on();
     if (!writer_)
@@ -220,12 +247,48 @@ void RecordDrone::take(const hive::Event& event)
         say();
 }
 
+void RecordDrone::take_around(const hive::Event& event)
+{
+    const bool fits = condition_.holds(event.header);
+    if (fits)
+        clip_ends_ = Clock::now() + seconds(after_);
+    if (clip_is_over())
+        close("the event is over");
+    if (fits && !writer_)
+        begin_clip();
+    if (writer_)
+        hive::recording::append(*writer_, event);
+    else
+        last_.keep(event);
+    last_.forget_before(event.received - seconds(before_));
+}
+
+bool RecordDrone::clip_is_over() const { return opened_.around && writer_ && Clock::now() >= clip_ends_; }
+
+/// Each clip is a file: the first is that of the parameter, unless it is there.
+void RecordDrone::begin_clip()
+{
+    std::error_code none;
+    const bool is_first = writes_.empty() && (overwrite_ || !fs::exists(folder_ / file_, none));
+    const auto next = is_first ? file_ : next_free::after(folder_, writes_.empty() ? file_ : writes_);
+    begin(next, writer_of(next));
+    for (const auto& event : last_.take())
+        hive::recording::append(*writer_, event);
+    drone_.log("recording " + next + ", since " + when_);
+    say();
+}
+
 /// Looks a few times a second, so that a limit or a failed disk is noticed without an event.
 std::chrono::microseconds RecordDrone::look()
 {
     part();
-    if (!writer_)
+    if (clip_is_over())
+        close("the event is over");
+    if (!writer_) {
+        last_.forget_before(Clock::now() - seconds(before_));
+        say();
         return 1s;
+    }
     writer_->look(Clock::now());
     if (Clock::now() >= next_count_) {
         count_dropped();
@@ -252,10 +315,15 @@ void RecordDrone::say()
     if (!ended_.empty())
         return drone_.condition("ended: " + ended_ + "; " + writes_
                                 + (ended_ == at_end ? " is complete" : " has everything else"));
-    if (!writer_)
+    if (!writer_ && (file_.empty() || !opened_.around))
         return drone_.condition("no file: set one, file=PATH");
+    if (!writer_)
+        return drone_.condition("waiting for " + when_
+                                + (last_.full() ? "; keeps less than before=SECONDS, 256 MB" : ""));
     const bool failed = !writer_->failure().empty();
-    const std::string goes_on = writes_ == opened_ ? "" : "goes on in " + writes_;
+    const std::string goes_on = opened_.around            ? "recording " + writes_
+                                : writes_ == opened_.file ? ""
+                                                          : "goes on in " + writes_;
     drone_.condition(failed ? writer_->failure() : writer_->ended().empty() ? goes_on : "ended: " + writer_->ended());
     if (failed && !std::exchange(reported_, true))
         drone_.report(hive::Errc::io, writes_ + ": " + writer_->failure()

@@ -1,6 +1,9 @@
 // Connects the parameters and the input of the record drone to a writer, and notes what was lost on the way.
 #pragma once
 
+#include "condition.hpp"
+#include "last_seconds.hpp"
+
 #include <hive/drone.hpp>
 #include <hive/recording/writer.hpp>
 
@@ -20,20 +23,30 @@ public:
     void run();
 
 private:
+    struct Opened {  ///< the parameters with which a file was opened
+        std::string file;
+        bool around = false;  ///< a clip around each event that fits, not everything
+
+        bool operator==(const Opened&) const = default;
+    };
+
     void apply();
     void choose_folder();
     void spare_what_was_recorded();
     [[nodiscard]] std::string below_folder(const std::string& file) const;
     [[nodiscard]] std::unique_ptr<hive::recording::Writer> writer_of(const std::string& file) const;
-    void open();
     void put_back();
     void part();
+    void open(const Opened& wanted);
     void begin(const std::string& file, std::unique_ptr<hive::recording::Writer> writer);
     void end(const std::string& text);
     void go_on();
     void close(const std::string& how);
     void finish(hive::recording::Writer& writer, const std::string& file, const std::string& how);
     void take(const hive::Event& event);
+    void take_around(const hive::Event& event);
+    void begin_clip();
+    [[nodiscard]] bool clip_is_over() const;
     std::chrono::microseconds look();
     void count_dropped();
     void say();
@@ -45,8 +58,13 @@ private:
     std::string file_;
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;
-    std::string opened_;  ///< the parameter `file` when it was opened
-    std::string writes_;  ///< the file of `writer_`: that, or the next one after an end
+    std::string when_;  ///< empty: everything is recorded; else what comes around the events that fit
+    double before_ = 5, after_ = 5;
+    Condition condition_;
+    LastSeconds last_;                                   ///< as long as no clip is being written
+    std::chrono::steady_clock::time_point clip_ends_{};  ///< after the last event that fits
+    Opened opened_;
+    std::string writes_;  ///< the file of `writer_`, or of the last one; empty: none yet
     std::string ended_;   ///< how the last file ended with its source, while nothing came after it
     std::unique_ptr<hive::recording::Writer> writer_;
     struct Dropped {
@@ -56,7 +74,8 @@ private:
     std::map<std::string, Dropped> dropped_;  ///< by where the connection comes from
     bool reported_ = false;                   ///< that the disk failed
     struct Former {                           ///< the members of these names, as they were before another file was set
-        std::string opened, writes, ended;
+        Opened opened;
+        std::string writes, ended;
         std::unique_ptr<hive::recording::Writer> writer;
         std::map<std::string, Dropped> dropped;
         bool reported;
