@@ -7,17 +7,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <limits>
 #include <utility>
 
 namespace hivectl {
 namespace {
-
-std::string in_two_units(std::int64_t value, std::int64_t big, const char* big_unit, const char* small_unit)
-{
-    const std::string first = std::to_string(value / big) + " " + big_unit;
-    return value % big == 0 ? first : first + " " + std::to_string(value % big) + " " + small_unit;
-}
 
 std::tm local(std::time_t seconds)
 {
@@ -61,24 +54,6 @@ std::optional<double> seconds_of(std::string_view text, std::string_view unit)
 }
 
 std::optional<double> bytes_of(std::string_view text, std::string_view unit) { return measured(text, unit, sizes); }
-
-std::string duration_text(std::int64_t microseconds)
-{
-    if (microseconds < 0)  // the least number has no opposite
-        return "-" + duration_text(-std::max(microseconds, -std::numeric_limits<std::int64_t>::max()));
-    if (microseconds < 1000)
-        return std::to_string(microseconds) + " us";
-    if (microseconds < 1'000'000)
-        return std::to_string(microseconds / 1000) + " ms";
-    const std::int64_t seconds = microseconds / 1'000'000;
-    if (seconds < 60)
-        return tenths_text(static_cast<double>(microseconds / 100'000) / 10) + " s";
-    if (seconds < 3600)
-        return in_two_units(seconds, 60, "min", "s");
-    if (seconds < 86400)
-        return in_two_units(seconds / 60, 60, "h", "min");
-    return in_two_units(seconds / 3600, 24, "d", "h");
-}
 
 std::string tenths_text(double number)
 {

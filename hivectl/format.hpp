@@ -1,6 +1,7 @@
 // Numbers as people read them.
 #pragma once
 
+#include <hive/duration_text.hpp>
 #include <hive/json.hpp>
 
 #include <cstdint>
@@ -10,8 +11,7 @@
 
 namespace hivectl {
 
-/// "850 us", "12 ms", "3.4 s", "2 min 5 s", "3 h 12 min", "2 d 4 h".
-std::string duration_text(std::int64_t microseconds);
+using hive::duration_text;
 /// One digit behind the point: "12.3".
 std::string tenths_text(double number);
 /// "1 event", "30 events".
