@@ -120,7 +120,7 @@ void ReplayDrone::open(const Opened& wanted)
     opened_ = wanted;
     damaged_ = without_body_ = 0;
     begun_ = ended_ = asked_before_ = false;
-    drone_.condition("waiting for a receiver");
+    drone_.condition("waiting for a receiver", hive::Reason::no_receiver);
 }
 
 std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<hive::recording::Track>& tracks) const
@@ -174,7 +174,9 @@ std::chrono::microseconds ReplayDrone::step()
                                                : 0);  // where nothing but damage comes, that is no reason to spin
     const bool wanted = output().wanted();
     const auto step = next_step();
-    drone_.condition(step == Step::none ? "waiting for a receiver of bodies" : "");
+    const bool waits = step == Step::none;
+    drone_.condition(waits ? "waiting for a receiver of bodies" : "",
+                     waits ? hive::Reason::watched : hive::Reason::none);
     if (step == Step::none)
         return 1s;
     if (step == Step::when_due) {

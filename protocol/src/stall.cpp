@@ -62,8 +62,10 @@ bool may_be_left_alone(const Status& status, const OutputStatus& output)
 
 std::string of_drone(const Status& status)
 {
-    // Its state says that it has halted, and its condition which source has ended.
-    const bool told = status.why == Reason::halted || (status.why == Reason::source_ended && !status.condition.empty());
+    // Its state says that it has halted, and its condition which source has ended, or for what it waits.
+    const bool in_condition =
+        status.why == Reason::source_ended || status.why == Reason::no_receiver || status.why == Reason::watched;
+    const bool told = status.why == Reason::halted || (in_condition && !status.condition.empty());
     return told ? std::string() : std::string(sentence(status.why));
 }
 
@@ -93,12 +95,17 @@ std::string_view sentence(Reason reason) noexcept
     return {};
 }
 
+bool stalls(const Status& status, const OutputStatus& output)
+{
+    return output.why != Reason::none && output.why != Reason::source_ended && quiet(status, output)
+           && !may_be_left_alone(status, output);
+}
+
 std::string stall_text(const Status& status)
 {
     std::string text = of_drone(status);
     for (const auto& output : status.outputs)
-        if (output.why != Reason::none && output.why != Reason::source_ended && quiet(status, output)
-            && !may_be_left_alone(status, output))
+        if (stalls(status, output))
             append(text, sentence_about(output));
     for (const auto& input : status.inputs)
         if (input.why != Reason::none && input.why != status.why)
