@@ -53,18 +53,6 @@ constexpr bool in_order()
 static_assert(in_order(), "the table is indexed by the enumerator");
 static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
 
-/// Its kind, where there is one: a drone is often called after it, "face" or "face-2".
-std::string kind_of(const std::string& drone)
-{
-    const auto dash = drone.rfind('-');
-    const bool numbered =
-        dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
-    for (const auto& kind : {drone, numbered ? drone.substr(0, dash) : ""})
-        if (!kind.empty() && hive::program_of(kind))
-            return kind;
-    return {};
-}
-
 /// @param subject  "face" or "face.image"; empty: not known
 std::string usual_advice(Errc code, std::string_view subject)
 {
@@ -82,9 +70,8 @@ int exit_code_of(Errc code) noexcept { return hive::info(code).exit_code; }
 
 std::string advice_for_missing(const std::string& drone)
 {
-    const auto kind = kind_of(drone);
-    return kind.empty() ? "see what runs: hivectl ps"
-                        : "start it: hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
+    const auto kind = hive::kind_by_name(drone);
+    return kind ? "start it: " + hive::start_command(*kind, drone) : "see what runs: hivectl ps";
 }
 
 std::string explained(const hive::Error& error, std::string_view subject)

@@ -76,6 +76,22 @@ std::vector<std::string> kinds()
     return {found.begin(), found.end()};
 }
 
+std::optional<std::string> kind_by_name(const std::string& drone)
+{
+    const auto dash = drone.rfind('-');
+    const bool numbered =
+        dash != std::string::npos && drone.find_first_not_of("0123456789", dash + 1) == std::string::npos;
+    for (const auto& kind : {drone, numbered ? drone.substr(0, dash) : ""})
+        if (!kind.empty() && program_of(kind))
+            return kind;
+    return std::nullopt;
+}
+
+std::string start_command(const std::string& kind, const std::string& drone)
+{
+    return "hivectl start " + kind + (kind == drone ? "" : " --as " + drone);
+}
+
 std::string usual_name(const std::string& kind) { return is_python_file(kind) ? fs::path(kind).stem().string() : kind; }
 
 namespace {

@@ -12,20 +12,36 @@ namespace hive::platform {
 
 std::int64_t own_pid() noexcept { return ::getpid(); }
 
-bool process_ends(std::int64_t pid)
+namespace {
+
+/// What /proc says of a process behind its name; empty: it is gone.
+std::istringstream process_fields(std::int64_t pid)
 {
-    constexpr unsigned exiting = 4;  // PF_EXITING of the kernel
     std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
     std::string text;
     std::getline(file, text);  // an iterator would throw when the process is reaped between opening and reading
     const auto after_name = text.rfind(')');
-    if (after_name == std::string::npos)
-        return true;
-    std::istringstream fields(text.substr(after_name + 1));
+    return std::istringstream(after_name == std::string::npos ? "" : text.substr(after_name + 1));
+}
+
+}  // namespace
+
+bool process_ends(std::int64_t pid)
+{
+    constexpr unsigned exiting = 4;  // PF_EXITING of the kernel
+    auto fields = process_fields(pid);
     std::string state, skipped;
     unsigned long flags = 0;
     fields >> state >> skipped >> skipped >> skipped >> skipped >> skipped >> flags;
-    return state == "Z" || state == "X" || (flags & exiting) != 0;
+    return state.empty() || state == "Z" || state == "X" || (flags & exiting) != 0;
+}
+
+bool process_is_suspended(std::int64_t pid)
+{
+    auto fields = process_fields(pid);
+    std::string state;
+    fields >> state;
+    return state == "T";
 }
 
 void kill_process(std::int64_t pid) { ::kill(static_cast<pid_t>(pid), SIGKILL); }

@@ -17,6 +17,11 @@ std::optional<std::filesystem::path> program_of(const std::string& kind);
 /// All kinds that can be started, sorted; without those that the file .hive-unlisted beside them names, one a line.
 std::vector<std::string> kinds();
 
+/// The kind of a drone by its name, if there is a program of it: "face" of "face" and "face-2".
+std::optional<std::string> kind_by_name(const std::string& drone);
+/// "hivectl start face --as face-2"
+std::string start_command(const std::string& kind, const std::string& drone);
+
 /// Is what the user calls a kind a file of Python: "edges.py", "drones/edges.py"?
 bool is_python_file(const std::string& kind);
 /// The name of a drone unless it is given another one: its kind, or "edges" of "drones/edges.py".

@@ -9,6 +9,8 @@ namespace hive::platform {
 [[nodiscard]] std::int64_t own_pid() noexcept;
 /// Is that process ending, or gone?
 [[nodiscard]] bool process_ends(std::int64_t pid);
+/// Was it suspended, as by SIGSTOP or Ctrl-Z?
+[[nodiscard]] bool process_is_suspended(std::int64_t pid);
 /// Ends it at once, whatever its code does.
 void kill_process(std::int64_t pid);
 /// Holds up the calling thread.
