@@ -1,6 +1,8 @@
 // Joining the senders' edges with the receivers' connections: by name and by registration.
 #include "connections.hpp"
 
+#include <hive/explain.hpp>
+
 #include <algorithm>
 #include <array>
 #include <tuple>
@@ -168,16 +170,12 @@ void add_receiver_counts(Row& row, const InputStatus* input)
     row.add("clock_offset_us", measured ? hive::Json(input->clock_offset_us) : hive::Json());
 }
 
-/// The window that would let a video come through: of so many events a second, each asked for a round trip ahead. Null
-/// when the present one does, or when nobody is held up by it.
+/// Null when the present one is wide enough, or when nothing is known of it.
 hive::Json window_advised(const BothEnds& ends)
 {
-    constexpr std::int64_t per_second = 60, most_window = 64;
-    const auto round_trip_us = ends.at_receiver ? ends.at_receiver->round_trip_us : 0;
-    const auto needed = std::min(most_window, round_trip_us * per_second / 1'000'000 + 1);
-    const bool skips = ends.at_sender && ends.at_sender->events.of(Fate::skipped) > 0;
-    const bool waits = ends.options().transfer == hive::Transfer::synchronized && skips;
-    return waits && ends.options().window < needed ? hive::Json(needed) : hive::Json();
+    const auto window =
+        ends.at_sender && ends.at_receiver ? hive::window_that_helps(*ends.at_sender, *ends.at_receiver) : std::nullopt;
+    return window ? hive::Json(*window) : hive::Json();
 }
 
 Row row_of(const BothEnds& ends)

@@ -20,6 +20,7 @@ inline constexpr int refused = 5;      ///< by the drone; its reason is on stder
 inline constexpr int type_mismatch = 6;
 inline constexpr int halted = 7;
 inline constexpr int partly_done = 8;
+inline constexpr int found = 9;  ///< a verb that looks for faults has found one
 inline constexpr int timed_out = 124;
 inline constexpr int interrupted = 130;
 }  // namespace exit_code

@@ -1,20 +1,21 @@
-// Why nothing comes from some outputs.
+// What a verb that gets nothing says.
 #pragma once
 
-#include <hive/stall_search.hpp>
+#include <hive/explain.hpp>
 
 #include <string>
 #include <vector>
 
 namespace hivectl {
 
-/// Asks the drones of the outputs, then those that they receive from, and so on up to the sources.
-hive::Stall stall_behind(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
+/// Why nothing comes from the outputs, asked for half a second at a time: the command is printing meanwhile.
+hive::Explanation explain_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
-/// The same, and where to look further: "axis: no camera: set url; see what is connected: hivectl connections".
+/// In words: "camera has halted; try: hivectl resume camera", or where to look if nothing is found.
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
-/// Prints on stderr what is stalled, if anything is.
-void report_stall(const std::string& verb, hive::Application& application, const std::vector<hive::Endpoint>& outputs);
+/// Prints on stderr what holds the outputs up, if anything does.
+void report_silence(const std::string& verb, hive::Application& application,
+                    const std::vector<hive::Endpoint>& outputs);
 
 }  // namespace hivectl

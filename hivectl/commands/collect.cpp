@@ -89,7 +89,7 @@ int run(const Options& options, Session& session)
                                   .reason = [&] { return reason_for_silence(application, outputs); },
                                   .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
                                   .what = names_text(texts_of(outputs)),
-                                  .silence = [&] { report_stall("collect", application, outputs); }},
+                                  .silence = [&] { report_silence("collect", application, outputs); }},
                                  [&](auto patience) -> std::optional<std::string> {
                                      const auto set = collector->next(patience);
                                      if (set && set->front().identity.lossless)

@@ -71,15 +71,16 @@ void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losse
 /// Throws Errc::refused where nothing would ever come.
 void look_why(const Options& options, hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
-    const auto stall = stall_behind(application, outputs);
-    if (options.notify && stall.held)
+    const auto explanation = explain_silence(application, outputs);
+    const auto text = to_text(explanation);
+    if (options.notify && explanation.has(hive::Cause::What::held))
         throw hive::Error(hive::Errc::refused,
                           "the source is on demand, so results wait for somebody who takes them, and --notify only "
                           "watches: "
-                              + stall.text,
+                              + text,
                           "leave --notify out, or connect a receiver");
-    if (!stall.text.empty())
-        complain("results", "nothing comes: " + stall.text);
+    if (!text.empty())
+        complain("results", "nothing comes: " + text);
 }
 
 int run(const Options& options, Session& session)

@@ -97,8 +97,8 @@ std::optional<hive::Event> await(hive::TiedDrone& writer, hive::Collector& files
             note_progress(progress, application, writer.name(), source);
         if (!told && Clock::now() - since > 3s) {
             told = true;
-            if (const auto stall = stall_behind(application, {output}); !stall.text.empty())
-                complain("save", "what the drones say: " + stall.text);
+            if (const auto explanation = explain_silence(application, {output}); explanation.blocked())
+                complain("save", to_text(explanation));
         }
         if (interrupt::requested() && !std::exchange(ending, true)) {
             application.timeout(limit);

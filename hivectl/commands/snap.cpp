@@ -5,6 +5,7 @@
 #include "../output.hpp"
 #include "../raw_image.hpp"
 #include "../session.hpp"
+#include "../silence.hpp"
 #include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
@@ -52,8 +53,7 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
                           "start its source again");
     if (!event)
         throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time",
-                          "see what it receives: hivectl connections " + output.drone
-                              + ", or allow more time: --timeout SECONDS");
+                          reason_for_silence(session.application(), {output}));
     if (event->body.empty())
         throw hive::Error(hive::Errc::not_found, to_text(output) + " sends events without a body",
                           "read them: hivectl results " + to_text(output));

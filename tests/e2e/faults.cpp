@@ -71,9 +71,9 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
                           const auto silent = swarm.hivectl(all);
                           said = silent.err;
                           CHECK(silent.exit_code == 124);
-                          return (has(said, "camera: " + before)
-                                  || has(said, "camera: " + application.status("camera").condition))
-                                 && (words[0] == "results" || has(said, "ticker: halted"));
+                          return (has(said, "camera reports: " + before)
+                                  || has(said, "camera reports: " + application.status("camera").condition))
+                                 && (words[0] == "results" || has(said, "ticker has halted"));
                       }),
                       said);
     }

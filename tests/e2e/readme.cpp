@@ -56,6 +56,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"export", ""},
                               {"connect", ""},
                               {"connections", ""},
+                              {"explain", ""},
                               {"snap", ""},
                               {"put", "hivectl snap camera photo.jpg; hivectl snap camera photo.png"},
                               {"set", ""},
@@ -87,6 +88,11 @@ TEST_CASE("README: the commands on hivectl's page work as they stand there") { r
 TEST_CASE("README: the commands on the page of the swarm file work as they stand there")
 {
     run_blocks("libhive/docs/swarm-file.md");
+}
+
+TEST_CASE("README: the commands on the page that asks whether it works do so as they stand there")
+{
+    run_blocks("libhive/docs/is-it-working.md");
 }
 
 TEST_CASE("README: hivectl --help has each heading once")

@@ -258,9 +258,10 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     REQUIRE(start("sleeper", {{"name", "worker"}, {"ready_ms", ready_ms}}) == HIVE_OK);
     REQUIRE(hive_application_connect(lab.application, "source", "worker", nullptr, nullptr) == HIVE_OK);
     REQUIRE(hive_application_halt(lab.application, "source") == HIVE_OK);
-    REQUIRE(hive_application_stall(lab.application, R"(["worker.result"])", text.place(), nullptr) == HIVE_OK);
-    CHECK_MESSAGE(text.json().at("text").get<std::string>().find("source: halted") != std::string::npos, text.text());
-    CHECK(hive_application_stall(lab.application, nullptr, text.place(), nullptr) == HIVE_INVALID_ARGUMENT);
+    REQUIRE(hive_application_explain(lab.application, R"(["worker.result"])", text.place(), nullptr) == HIVE_OK);
+    CHECK_MESSAGE(text.json().at("text").get<std::string>().find("source has halted") != std::string::npos,
+                  text.text());
+    CHECK(hive_application_explain(lab.application, nullptr, text.place(), nullptr) == HIVE_INVALID_ARGUMENT);
     for (const char* drone : {"source", "worker"})
         CHECK(hive_application_stop(lab.application, drone) == HIVE_OK);
     CHECK(eventually([&] { return hive_application_stop(lab.application, "source") != HIVE_OK && lab.is_empty(); }));

@@ -210,7 +210,7 @@ class Starting(World):
         words = [os.path.join(PROGRAMS, "hivectl"), "results", "worker", "--timeout", "0.1"]
         said = subprocess.run(words, capture_output=True, text=True, timeout=60).stderr
         why = said.strip().partition("; ")[2]
-        self.assertIn("source: halted", why)
+        self.assertIn("source has halted", why)
         self.assertTrue(str(late.exception).endswith(why), f"{late.exception} is not {said}")
 
     def test_a_long_wait_says_once_in_the_log_why_nothing_comes(self):
@@ -225,7 +225,7 @@ class Starting(World):
                 self.assertIsNone(asyncio.run(wait()))
         self.assertEqual(len(logs.output), 2, logs.output)
         for line in logs.output:
-            self.assertRegex(line, "^WARNING:hive:nothing comes: .*source: halted")
+            self.assertRegex(line, "^WARNING:hive:nothing comes: .*source has halted")
 
 
 if __name__ == "__main__":

@@ -397,10 +397,12 @@ HIVE_API hive_code hive_application_start(hive_application* application, const c
    Until the new one is ready, an error or a cancellation leaves the old one as it was; then it goes on by itself. */
 HIVE_API hive_code hive_application_replace(hive_application* application, const char* drone, const char* options,
                                             char** place);
-/* Why nothing comes from ["face.faces", ...]: {"text": what their drones report, and the drones that these receive
-   from, up to the sources; "" when all moves, "held": lossless events wait for a receiver of bodies}. */
-HIVE_API hive_code hive_application_stall(hive_application* application, const char* outputs, char** json,
-                                          size_t* length);
+/* Why nothing comes from ["face", "face.faces", ...]; of []: from any drone. {"text": one line; "" when nothing holds
+   them up, "causes": [{"what": "halted", "drone", "connection", "text", "evidence", "command", "blocks"}], those that
+   block first, and of these the one nearest to the source, "flows": [{"drone", "received_per_s", "emitted_per_s",
+   "age_us"}]}. Looks twice, 300 ms apart. */
+HIVE_API hive_code hive_application_explain(hive_application* application, const char* outputs, char** json,
+                                            size_t* length);
 HIVE_API hive_code hive_application_halt(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_resume(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_stop(hive_application* application, const char* drone);

@@ -4,7 +4,7 @@
 #include "texts.hpp"
 #include "waiting.hpp"
 
-#include <hive/stall_search.hpp>
+#include <hive/explain.hpp>
 #include <hive/start.hpp>
 
 using namespace hive;
@@ -53,12 +53,6 @@ void give_place(const Started& started, char** place)
         give_json(place_json(started.place), place);
 }
 
-std::string error_text(const Error& error)
-{
-    const std::string advice = error.advice().empty() ? std::string(info(error.code()).advice) : error.advice();
-    return error.what() + (advice.empty() ? "" : "; " + advice);
-}
-
 }  // namespace
 
 hive_code hive_application_start(hive_application* application, const char* kind, const char* options, char** place)
@@ -86,7 +80,7 @@ hive_code hive_application_replace(hive_application* application, const char* dr
     });
 }
 
-hive_code hive_application_stall(hive_application* application, const char* outputs, char** json, size_t* length)
+hive_code hive_application_explain(hive_application* application, const char* outputs, char** json, size_t* length)
 {
     return guarded([&] {
         const auto object = get<ApplicationObject>(application);
@@ -96,8 +90,7 @@ hive_code hive_application_stall(hive_application* application, const char* outp
             std::vector<Endpoint> ends;
             for (const auto& text : names_of(required(outputs, "the outputs"), "the outputs"))
                 ends.push_back(open.endpoint(text));
-            const auto stall = stall_behind(open, ends, error_text);
-            give_json({{"text", stall.text}, {"held", stall.held}}, json, length);
+            give_json(to_json(explain(open, ends)), json, length);
         });
     });
 }

@@ -362,12 +362,12 @@ class Application(Finding):
 
         def why() -> str:
             try:
-                stall = ask_object(lib.hive_application_stall, self._handle, wanted)
+                found = ask_object(lib.hive_application_explain, self._handle, wanted)
             except Error:
                 return ""  # closed, or cancelled
-            if notify and stall["held"]:
-                return f"the source is on demand and waits for a receiver of bodies: {stall['text']}"
-            return str(stall["text"])
+            if notify and any(cause["what"] == "held" for cause in found["causes"]):
+                return f"the source is on demand and waits for a receiver of bodies: {found['text']}"
+            return str(found["text"])
 
         return why
 
@@ -387,6 +387,14 @@ class Application(Finding):
         """
         outputs = [name for drone in flat(*drones) for name in self._result_outputs(drone)]
         return Results(self.collect(outputs, ordered=ordered), ", ".join(outputs), count, timeout)
+
+    def explain(self, *outputs: Names) -> dict[str, Any]:
+        """Why nothing comes, as `hivectl explain --json` prints it: "text" is one line, "" when nothing holds them up;
+        "causes" has "what", "text", "evidence" and "command" of each cause; "flows" the events per second.
+
+        :param outputs: drones or outputs; without any, all drones
+        """
+        return ask_object(lib.hive_application_explain, self._handle, as_json(self._ends(flat(*outputs))))
 
     def exceptions(self, *drones: Names) -> Collector:
         """Receives the exceptions of drones: events whose header has "code", "text", "policy", "input"."""

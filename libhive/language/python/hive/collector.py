@@ -328,7 +328,7 @@ class Results:
         lacking = self._collector.ended
         if lacking is None:
             text = f"no result of {self._names} within {self._timeout} s"
-            raise Error("timeout", "; ".join(filter(None, [text, why()])), "see what is connected: hivectl connections")
+            raise Error("timeout", text, why() or "see what is connected: hivectl connections")
         self._left = 0
         self.close()
         if lacking:

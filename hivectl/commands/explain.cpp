@@ -1,0 +1,115 @@
+// hivectl explain: why nothing comes, or how fast it comes.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../status_line.hpp"
+#include "../table.hpp"
+#include "../targets.hpp"
+#include "../verbs.hpp"
+
+#include <hive/explain.hpp>
+
+#include <algorithm>
+
+namespace hivectl::explain_verb {
+namespace {
+
+using namespace std::chrono_literals;
+
+hive::Explanation explanation_of(const std::vector<std::string>& names, hive::Application& application)
+{
+    std::vector<hive::Endpoint> ends;
+    std::ranges::transform(names, std::back_inserter(ends),
+                           [&](const std::string& name) { return application.endpoint(name); });
+    return ends.size() == 2 ? hive::explain(application, ends[0], ends[1]) : hive::explain(application, ends);
+}
+
+std::string paragraph(const hive::Cause& cause)
+{
+    const auto line = [](const char* label, const std::string& text) {
+        return text.empty() ? "" : std::string("  ") + label + printable(text) + "\n";
+    };
+    return printable(cause.text) + (cause.blocks ? "" : " (slower, but running)") + "\n"
+           + line("evidence: ", cause.evidence) + line("try: ", cause.command);
+}
+
+std::string flow_table(const std::vector<hive::Flow>& flows, const Page& page)
+{
+    std::vector<Row> rows;
+    for (const auto& flow : flows)
+        rows.push_back(Row{{"name", flow.drone},
+                           {"in_per_s", flow.received_per_s},
+                           {"out_per_s", flow.emitted_per_s},
+                           {"age_us", flow.age_us > 0 ? hive::Json(flow.age_us) : hive::Json()}});
+    return table_text({{"NAME", "name"},
+                       {"IN/s", "in_per_s", as_tenths},
+                       {"OUT/s", "out_per_s", as_tenths},
+                       {"AGE", "age_us", as_duration}},
+                      rows, page);
+}
+
+std::string shown(const hive::Explanation& explanation, const std::vector<std::string>& names, Form form)
+{
+    std::string text;
+    for (const auto& cause : explanation.causes)
+        text += (text.empty() ? "" : "\n") + paragraph(cause);
+    if (explanation.blocked())
+        return text;
+    const auto what = names.size() == 2 ? names[0] + " -> " + names[1] : names_text(names);
+    return (text.empty() ? "nothing holds up " + what + "\n" : text) + flow_table(explanation.flows, page_of(form));
+}
+
+int run(const std::vector<std::string>& names, Session& session)
+{
+    if (names.size() > 2)
+        throw hive::Error(hive::Errc::invalid_argument, "explain takes one drone, or a sender and a receiver",
+                          "for the whole swarm: hivectl explain");
+    auto& application = session.application(1s);
+    const auto explanation = explanation_of(names, application);
+    if (session.json)
+        write_out(json_text(to_json(explanation)) + "\n");
+    else if (names.empty() && explanation.causes.empty() && explanation.flows.empty())
+        complain("explain", "no drones in " + session.home().string() + "; start one: hivectl start KIND");
+    else
+        write_out(shown(explanation, names, session.form()));
+    return explanation.blocked() ? exit_code::found : exit_code::done;
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto names = std::make_shared<std::vector<std::string>>();
+    line.option("NAME", *names, "a drone or drone.output; or a sender and a receiver (default: all drones)");
+    return [names, &session] { return run(*names, session); };
+}
+
+}  // namespace
+
+Verb verb()
+{
+    return {.name = "explain",
+            .group = "errors",
+            .usage = "[NAME | SENDER RECEIVER] [options]",
+            .summary = "Says why nothing comes, and which command helps",
+            .details =
+                "Follows the events from what you name back to the sources, and looks at the drones for which these "
+                "wait. Prints what holds them up, with evidence and a command to try; of several causes the one "
+                "nearest to the source comes first. If nothing holds them up, prints the events per second of each "
+                "drone on the way. Looks twice, 300 ms apart.\n\n"
+                "The exit code is 9 if something holds them up, and 0 if they run, even if slowly.\n\n"
+                "--json prints one object: text (one line; empty: nothing), flows (drone, received_per_s, "
+                "emitted_per_s, age_us), and causes with the keys what, drone, connection, text, evidence, command "
+                "and blocks (false: it only slows down). what is one of: not_running, crashed, failed, suspended, "
+                "no_answer, unreachable, refused, starting, halted, set_prepared, throws, stuck, source_ended, "
+                "condition, not_connected, wrong_way, wrong_types, dialing, held, no_receiver, watched, "
+                "receiver_away, waits, slow, slow_connection, small_window, emits_nothing, silent_source.",
+            .examples = "hivectl explain face\n"
+                        "hivectl explain camera face --json | jq .flows",
+            .timeout = "a drone that has not answered by then does not answer (default 1)",
+            .table = true,
+            .operands = {Operand::sender, Operand::receiver},
+            .declare = declare};
+}
+
+}  // namespace hivectl::explain_verb

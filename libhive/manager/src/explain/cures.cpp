@@ -1,0 +1,171 @@
+// Asks few drones, and leaves a command as it is when one does not answer.
+#include "cures.hpp"
+
+#include "../fitting_ports.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace hive::explaining {
+namespace {
+
+using What = Cause::What;
+
+constexpr std::size_t max_completed = 4;
+constexpr std::size_t max_described = 32;
+
+/// Where a drone gets its events from, or puts them.
+constexpr std::array<const char*, 3> places{"source", "url", "file"};
+
+std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
+/// The parameter that names its source, and its value; empty: it has none.
+std::pair<std::string, std::string> source_of(Application& application, const std::string& drone)
+{
+    const auto interface = application.describe(drone);
+    for (const auto* name : places)
+        if (interface.parameter(name))
+            if (const auto values = application.get(drone, {name}); values.at(name).is_string())
+                return {name, values.at(name).get<std::string>()};
+    return {};
+}
+
+void name_source(Application& application, Cause& cause)
+{
+    auto [name, value] = source_of(application, cause.drone);
+    if (name.empty())
+        return;
+    cause.evidence += (cause.evidence.empty() ? "" : ", ") + name + "=" + (value.empty() ? "(empty)" : value);
+    std::string place = name;
+    std::ranges::transform(place, place.begin(), [](unsigned char c) { return std::toupper(c); });
+    cause.command =
+        value.starts_with("/dev/") ? "hivectl devices" : "hivectl set " + cause.drone + " " + name + "=" + place;
+}
+
+using Fit = std::pair<const Port*, const Port*>;
+
+/// The ports of the pair that fits, if there is one pair.
+std::optional<std::pair<std::string, std::string>> fit(const Endpoint& sender, const Interface& from,
+                                                       const Endpoint& receiver, const Interface& to)
+try {
+    const auto [output, input] = fitting_ports(sender, from, receiver, to);
+    return std::pair(output->name, input->name);
+} catch (const Error&) {
+    return std::nullopt;
+}
+
+bool receives_nothing(const StatusAnswer& answer) { return !answer.error && answer.status.why == Reason::no_input; }
+
+bool is_source(const StatusAnswer& answer) { return !answer.error && answer.status.inputs.empty(); }
+
+/// The first drone of the swarm that fits as the other end. @param sends  it is to be the sender
+std::string other_end(Application& application, const std::string& drone, bool sends)
+{
+    const auto own = application.describe(drone);
+    std::size_t described = 0;
+    for (const auto& answer : application.status(application.drones())) {
+        if (answer.drone == drone || !(sends ? is_source(answer) : receives_nothing(answer))
+            || ++described > max_described)
+            continue;
+        const auto other = application.describe(answer.drone);
+        if (sends ? fit({answer.drone, ""}, other, {drone, ""}, own) : fit({drone, ""}, own, {answer.drone, ""}, other))
+            return answer.drone;
+    }
+    return {};
+}
+
+void name_sender(Application& application, Cause& cause)
+{
+    if (const auto sender = other_end(application, cause.drone, true); !sender.empty())
+        cause.command = "hivectl connect " + sender + " " + cause.drone;
+}
+
+/// hivectl itself receives what no drone takes.
+void name_receiver(Application& application, Cause& cause)
+{
+    const auto receiver = other_end(application, cause.drone, false);
+    cause.command =
+        receiver.empty() ? "hivectl results " + cause.drone : "hivectl connect " + cause.drone + " " + receiver;
+}
+
+/// Smaller bodies, where the output can make them.
+void shrink(Application& application, Cause& cause)
+{
+    const auto sender = owner_of(cause.connection.substr(0, cause.connection.find(" -> ")));
+    const auto output = cause.connection.substr(sender.size() + 1, cause.connection.find(" -> ") - sender.size() - 1);
+    const auto interface = application.describe(sender);
+    const auto* port = interface.output(output);
+    cause.command = "hivectl connections " + cause.drone;
+    if (port && std::ranges::find(port->encodings, std::string("jpeg"), &Encoding::word) != port->encodings.end())
+        cause.command = "hivectl connect " + sender + "." + output + " "
+                        + cause.connection.substr(cause.connection.find(" -> ") + 4) + " --encoding jpeg:50";
+}
+
+void complete(Application& application, Cause& cause)
+try {
+    switch (cause.what) {
+    case What::condition: return name_source(application, cause);
+    case What::not_connected: return name_sender(application, cause);
+    case What::held:
+    case What::no_receiver:
+    case What::watched: return name_receiver(application, cause);
+    case What::slow_connection: return shrink(application, cause);
+    default: return;
+    }
+} catch (const Error&) {
+    // A drone that has just ended, or is busy: the command is right without what it would have named.
+}
+
+Cause pair_cause(What what, const Endpoint& receiver, const std::string& text, const std::string& command)
+{
+    return {.what = what, .drone = receiver.drone, .text = text, .evidence = {}, .command = command};
+}
+
+}  // namespace
+
+void complete(Application& application, std::vector<Cause>& causes)
+{
+    for (std::size_t i = 0; i < std::min(causes.size(), max_completed); ++i)
+        complete(application, causes[i]);
+}
+
+std::optional<Cause> unconnected_pair(Application& application, const Endpoint& sender, const Endpoint& receiver)
+{
+    const auto answers = application.status(std::vector{sender.drone, receiver.drone});
+    if (answers[0].error || answers[1].error)
+        return std::nullopt;
+    const auto receives = [](const StatusAnswer& to, const StatusAnswer& from, const std::string& port) {
+        return std::ranges::any_of(to.status.inputs, [&](const InputStatus& input) {
+            return owner_of(input.from) == from.status.name && (port.empty() || input.from.ends_with("." + port));
+        });
+    };
+    if (receives(answers[1], answers[0], sender.port))
+        return std::nullopt;
+    const auto from = application.describe(sender.drone), to = application.describe(receiver.drone);
+    const auto pair = end_text(sender) + " " + end_text(receiver);
+    const auto turned = "hivectl connect " + receiver.drone + " " + sender.drone;
+    if (receives(answers[0], answers[1], ""))
+        return pair_cause(What::wrong_way, receiver,
+                          receiver.drone + " sends to " + sender.drone + ", and not " + sender.drone + " to "
+                              + receiver.drone,
+                          "hivectl explain " + receiver.drone + " " + sender.drone);
+    try {
+        fitting_ports(sender, from, receiver, to);
+    } catch (const Error& error) {
+        if (error.code() == Errc::type_mismatch || error.code() == Errc::not_found)
+            return fit({receiver.drone, ""}, to, {sender.drone, ""}, from)
+                       ? pair_cause(What::wrong_way, receiver,
+                                    std::string(error.what()) + "; the other way round they fit", turned)
+                       : pair_cause(What::wrong_types, receiver, error.what(),
+                                    "hivectl describe " + sender.drone + " " + receiver.drone);
+        // "say which: camera.image face.image, or ..."
+        const auto first = error.advice().substr(error.advice().find(": ") + 2);
+        return pair_cause(What::not_connected, receiver, sender.drone + " is not connected to " + receiver.drone,
+                          "hivectl connect " + first.substr(0, first.find(',')));
+    }
+    return pair_cause(What::not_connected, receiver, sender.drone + " is not connected to " + receiver.drone,
+                      "hivectl connect " + pair);
+}
+
+}  // namespace hive::explaining

@@ -1,0 +1,252 @@
+// What a drone itself reports, and what is known of one that does not answer.
+#include "search.hpp"
+
+#include <hive/duration_text.hpp>
+#include <hive/printable.hpp>
+#include <hive/program.hpp>
+
+#include <algorithm>
+
+namespace hive::explaining {
+namespace {
+
+using What = Cause::What;
+
+constexpr std::int64_t second_us = 1'000'000;
+constexpr std::int64_t recent_us = 3 * second_us;
+
+std::int64_t now_us(const Status& status) { return status.epoch + status.uptime_us; }
+
+std::int64_t newest_emission_us(const Status& status)
+{
+    std::int64_t newest = 0;
+    for (const auto& output : status.outputs)
+        if (output.name != "exceptions")
+            newest = std::max(newest, output.last_emitted_us);
+    return newest;
+}
+
+/// What the code takes for one event; 0: not known yet.
+std::int64_t work_us(const Status& status)
+{
+    const auto done = processed(status, &InputStatus::processed) + processed(status, &InputStatus::abandoned);
+    return done == 0 ? 0 : (status.busy_us - status.busy_for_us) / done;
+}
+
+std::string ago_text(const Status& status, std::int64_t time_us)
+{
+    return duration_text(std::max<std::int64_t>(0, now_us(status) - time_us)) + " ago";
+}
+
+std::string exception_text(const Status& status)
+{
+    const auto& exception = *status.last_exception;
+    return "exception " + ago_text(status, exception.time_us) + ": " + printable(exception.text);
+}
+
+std::string crash_text(const CrashedDrone& crash)
+{
+    return crash.signal + (crash.function.empty() ? "" : " in " + printable(crash.function))
+           + (crash.source.empty() ? "" : " at " + printable(crash.source.substr(crash.source.rfind('/') + 1)));
+}
+
+/// "hivectl ps" in an advice such as "see what runs: hivectl ps".
+std::string command_in(const std::string& advice)
+{
+    const auto at = advice.find("hivectl ");
+    return at == std::string::npos ? "" : advice.substr(at, advice.find_first_of(",;", at) - at);
+}
+
+}  // namespace
+
+Cause& Search::add(What what, const std::string& drone, const std::string& text, const std::string& evidence,
+                   const std::string& command)
+{
+    const auto is_same = [&](const Cause& cause) { return cause.what == what && cause.drone == drone; };
+    if (const auto known = std::ranges::find_if(causes_, is_same);
+        known != causes_.end() && known->text == printable(text))
+        return *known;
+    return causes_.emplace_back(
+        Cause{.what = what, .drone = drone, .text = printable(text), .evidence = evidence, .command = command});
+}
+
+const Status* Search::before(const StatusAnswer& answer) const
+{
+    const auto* earlier = earlier_ ? earlier_->find(answer.drone) : nullptr;
+    return earlier && !earlier->error && earlier->status.epoch == answer.status.epoch ? &earlier->status : nullptr;
+}
+
+bool Search::moves(const StatusAnswer& answer) const
+{
+    const auto* earlier = before(answer);
+    return earlier
+           && (emitted(answer.status) > emitted(*earlier)
+               || processed(answer.status, &InputStatus::processed) > processed(*earlier, &InputStatus::processed));
+}
+
+void Search::silent(const StatusAnswer& answer, const std::string& evidence)
+{
+    const auto& error = *answer.error;
+    const auto suspended = absent_.suspended.find(answer.drone);
+    if (error.code() == Errc::invalid_argument)  // several have this name, and another machine knows which is meant
+        return;
+    if (const auto starting = absent_.starting.find(answer.drone); starting != absent_.starting.end())
+        add(What::starting, answer.drone, answer.drone + " is starting",
+            "process " + std::to_string(starting->second) + " has the name and does not listen yet",
+            "hivectl wait " + answer.drone + " --timeout 60");
+    else if (error.code() == Errc::not_found)
+        not_running(answer.drone, error.what(), evidence);
+    else if (suspended != absent_.suspended.end())
+        add(What::suspended, answer.drone, "the process of " + answer.drone + " is suspended", evidence,
+            "kill -CONT " + std::to_string(suspended->second));
+    else if (is_elsewhere(answer.place) && (error.code() == Errc::timeout || error.code() == Errc::unreachable))
+        add(What::unreachable, answer.drone,
+            answer.drone + " at " + answer.place.host + " does not answer: " + error.what(), evidence,
+            answer.place.ssh.empty() ? "hivectl place list" : "ssh " + answer.place.ssh + " hivectl ps");
+    else if (error.code() == Errc::timeout)
+        add(What::no_answer, answer.drone, error.what(), evidence, "hivectl logs " + answer.drone);
+    else
+        add(What::refused, answer.drone, error.what() + (error.advice().empty() ? "" : "; " + error.advice()), evidence,
+            command_in(error.advice()));
+}
+
+/// @param text  empty: "face is not running"
+void Search::not_running(const std::string& drone, const std::string& text, const std::string& evidence)
+{
+    const auto crash = std::ranges::find(absent_.crashed, drone, &CrashedDrone::drone);
+    const auto failed = std::ranges::find(absent_.failed, drone, &FailedDrone::drone);
+    const auto kind = absent_.kinds.find(drone);
+    const auto command = kind == absent_.kinds.end() ? "hivectl logs " + drone : start_command(kind->second, drone);
+    if (failed != absent_.failed.end())
+        add(What::failed, drone, drone + " crashes again and again: " + failed->reason, evidence,
+            "hivectl logs " + drone);
+    else if (crash != absent_.crashed.end())
+        add(What::crashed, drone, drone + " has crashed: " + crash_text(*crash), evidence, command);
+    else
+        add(What::not_running, drone, text.empty() ? drone + " is not running" : text, evidence,
+            kind == absent_.kinds.end() ? "hivectl ps" : command);
+}
+
+bool Search::own(const StatusAnswer& answer)
+{
+    const auto& name = answer.drone;
+    const auto& status = answer.status;
+    if (status.state == State::starting)
+        add(What::starting, name, name + " is starting", "for " + duration_text(status.uptime_us),
+            "hivectl wait " + name + " --timeout 60");
+    else if (status.state == State::halted || status.why == Reason::halted)
+        add(What::halted, name, name + " has halted",
+            status.last_exception && status.last_exception->policy == "halt" ? exception_text(status) : "",
+            "hivectl resume " + name);
+    else if (status.why == Reason::set_prepared)
+        add(What::set_prepared, name, name + " waits for an application to commit or abort the set that it prepared");
+    else if (status.why == Reason::source_ended)
+        add(What::source_ended, name, name + " has come to the end of its source",
+            std::to_string(emitted(status)) + " events emitted", "hivectl replace " + name);
+    else if (throws(answer) || stuck(answer))
+        return true;
+    else if (!status.condition.empty() && status.why != Reason::no_receiver && status.why != Reason::watched)
+        add(What::condition, name, name + " reports: " + status.condition, "", "hivectl logs " + name).blocks =
+            !moves(answer);
+    else if (status.why == Reason::no_input)
+        add(What::not_connected, name, "nothing is connected to the inputs of " + name, "", "hivectl describe " + name);
+    else
+        return false;
+    return true;
+}
+
+bool Search::throws(const StatusAnswer& answer)
+{
+    const auto& status = answer.status;
+    if (!status.last_exception || now_us(status) - status.last_exception->time_us > recent_us || moves(answer)
+        || newest_emission_us(status) > status.last_exception->time_us)
+        return false;
+    const auto* earlier = before(answer);
+    const auto failed =
+        processed(status, &InputStatus::abandoned) - (earlier ? processed(*earlier, &InputStatus::abandoned) : 0);
+    add(What::throws, answer.drone,
+        answer.drone + (failed > 0 ? " throws at each event: " : " threw, and has emitted nothing since: ")
+            + status.last_exception->text,
+        std::to_string(processed(status, &InputStatus::abandoned)) + " events abandoned, "
+            + std::to_string(processed(status, &InputStatus::processed)) + " processed; last exception "
+            + ago_text(status, status.last_exception->time_us),
+        "hivectl exceptions " + answer.drone);
+    return true;
+}
+
+bool Search::stuck(const StatusAnswer& answer)
+{
+    const auto& status = answer.status;
+    constexpr std::int64_t noticeable_us = 5 * second_us;
+    constexpr int times = 5;  // as long as usual
+    const auto usual = work_us(status);
+    if (status.busy_for_us < std::max(noticeable_us, times * usual) || moves(answer)
+        || now_us(status) - newest_emission_us(status) < noticeable_us)
+        return false;
+    const bool is_main = status.callback == "main";
+    add(What::stuck, answer.drone,
+        answer.drone + " has been " + (is_main ? "in its main function" : "working on one event") + " for "
+            + duration_text(status.busy_for_us),
+        (is_main ? "" : "input " + printable(status.callback) + ", ")
+            + (usual > 0 ? "usually " + duration_text(usual) + " per event" : "nothing processed before"),
+        "hivectl replace " + answer.drone);
+    return true;
+}
+
+Cause& Search::slow(const StatusAnswer& answer, const std::string& evidence)
+{
+    const auto usual = work_us(answer.status);
+    auto& cause = add(What::slow, answer.drone,
+                      usual > 0 ? answer.drone + " takes " + duration_text(usual) + " for one event"
+                                : answer.drone + " works on its first event",
+                      evidence + "; busy for " + duration_text(answer.status.busy_for_us), "hivectl top --once");
+    cause.blocks = false;
+    return cause;
+}
+
+/// Of a drone that nothing holds up, and that reports nothing.
+void Search::quiet(const StatusAnswer& answer, const std::string& port)
+{
+    const auto& status = answer.status;
+    const auto* earlier = before(answer);
+    constexpr int periods = 5;
+    for (const auto& output : status.outputs) {
+        if ((port.empty() ? output.name == "exceptions" : output.name != port) || output.why == Reason::no_receiver)
+            continue;
+        const auto usual = output.produced > 0 ? status.uptime_us / output.produced : 0;
+        if (quiet_us(status, output) < std::max(recent_us, periods * usual))
+            continue;
+        const auto end = answer.drone + "." + output.name;
+        const auto since = "nothing for " + duration_text(quiet_us(status, output)) + ", "
+                           + std::to_string(output.produced) + " events before";
+        if (output.why == Reason::source_ended)
+            add(What::source_ended, answer.drone, end + " has come to its end", since,
+                "hivectl replace " + answer.drone);
+        else if (status.inputs.empty())
+            add(What::silent_source, answer.drone, end + " sends nothing, and the drone does not report why", since,
+                "hivectl logs " + answer.drone);
+        else if (!earlier_
+                 || (earlier
+                     && processed(status, &InputStatus::processed) > processed(*earlier, &InputStatus::processed)))
+            add(What::emits_nothing, answer.drone,
+                answer.drone + " processes events and sends nothing at " + output.name,
+                since + ", " + std::to_string(processed(status, &InputStatus::processed)) + " processed",
+                "hivectl describe " + answer.drone)
+                .blocks = false;
+    }
+}
+
+void Search::unreceived(const StatusAnswer& answer)
+{
+    const auto& status = answer.status;
+    const auto received = [](const OutputStatus& output) {  // now, or by a drone that is gone
+        return output.name != "exceptions" && (output.why != Reason::no_receiver || !output.edges.empty());
+    };
+    if (!status.inputs.empty() || emitted(status) == 0 || std::ranges::any_of(status.outputs, received))
+        return;
+    add(What::no_receiver, answer.drone, "nobody receives what " + answer.drone + " sends",
+        std::to_string(emitted(status)) + " events emitted")
+        .blocks = false;
+}
+
+}  // namespace hive::explaining

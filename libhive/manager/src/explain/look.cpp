@@ -1,0 +1,109 @@
+// Asks in rounds: each answer names further drones.
+#include "look.hpp"
+
+#include <hive/event/home.hpp>
+#include <hive/platform/process.hpp>
+#include <hive/program.hpp>
+#include <hive/stall.hpp>
+
+#include <algorithm>
+
+namespace hive::explaining {
+namespace {
+
+constexpr std::size_t max_asked = 2000;
+
+/// The kind that its state file names, or its own name means.
+std::optional<std::string> kind_of(const event::Home& home, const std::string& drone)
+try {
+    const auto state = home.read_state(drone);
+    const auto kind = state ? Fields(*state, "state").text("kind") : "";
+    return !kind.empty() && program_of(kind) ? kind : kind_by_name(drone);
+} catch (const Error&) {
+    return kind_by_name(drone);  // a damaged file
+}
+
+/// The names that an answer leads to.
+std::vector<std::string> next_to(const StatusAnswer& answer)
+{
+    std::vector<std::string> names;
+    for (const auto& input : answer.status.inputs)  // none of a drone that did not answer
+        names.push_back(owner_of(input.from));
+    for (const auto& output : answer.status.outputs)
+        if (stalls(answer.status, output))
+            for (const auto* edge : awaited(output))
+                names.push_back(owner_of(edge->receiver));
+    return names;
+}
+
+}  // namespace
+
+void Absent::add(Application& application, const std::string& drone)
+{
+    if (!is_name(drone))
+        return;
+    const event::Home home(application.home());
+    const auto pid = home.holder(drone);
+    if (home.alive(drone) && platform::process_is_suspended(pid))
+        suspended[drone] = pid;
+    else if (home.alive(drone) && !std::filesystem::exists(home.path(drone, ".sock")))
+        starting[drone] = pid;
+    if (const auto kind = kind_of(home, drone))
+        kinds[drone] = *kind;
+}
+
+const StatusAnswer* Look::find(const std::string& drone) const
+{
+    const auto exact = std::ranges::find(answers, drone, &StatusAnswer::drone);
+    if (exact != answers.end() && (!exact->error || exact->error->code() != Errc::invalid_argument))
+        return &*exact;
+    const auto same = [&](const StatusAnswer& answer) { return !answer.error && answer.status.name == drone; };
+    const auto found = std::ranges::find_if(answers, same);
+    return found != answers.end() && std::ranges::count_if(answers, same) == 1 ? &*found : nullptr;
+}
+
+Look look_from(Application& application, const std::vector<std::string>& drones)
+{
+    Look look;
+    std::set<std::string> asked;
+    for (auto next = drones; !next.empty() && asked.size() < max_asked;) {
+        std::vector<std::string> fresh;
+        for (const auto& name : next)
+            if (asked.insert(name).second)
+                fresh.push_back(name);
+        next.clear();
+        for (auto& answer : application.status(fresh)) {
+            for (auto& name : next_to(answer))
+                if (!look.find(name))
+                    next.push_back(std::move(name));
+            look.answers.push_back(std::move(answer));
+        }
+        std::erase_if(next, [&](const std::string& name) { return asked.contains(name); });
+    }
+    return look;
+}
+
+std::string owner_of(const std::string& end) { return end.substr(0, end.rfind('.')); }
+
+bool is_elsewhere(const Place& place) { return !place.address.empty() && place.host != Place::here; }
+
+std::vector<const EdgeStatus*> awaited(const OutputStatus& output)
+{
+    std::vector<const EdgeStatus*> edges;
+    for (const auto& edge : output.edges) {
+        if (edge.why != output.why)
+            continue;
+        if (!edge.group)
+            edges.push_back(&edge);
+        else
+            for (const auto& member : output.edges)
+                if (!member.group && member.options.group == edge.options.group)
+                    edges.push_back(&member);
+    }
+    std::ranges::sort(edges);
+    const auto repeated = std::ranges::unique(edges);
+    edges.erase(repeated.begin(), repeated.end());
+    return edges;
+}
+
+}  // namespace hive::explaining

@@ -1,0 +1,41 @@
+// What drones report at one time, and what this machine knows of those that report nothing.
+#pragma once
+
+#include <hive/application.hpp>
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace hive::explaining {
+
+/// Of drones that do not answer.
+struct Absent {
+    std::vector<CrashedDrone> crashed;
+    std::vector<FailedDrone> failed;
+    std::map<std::string, std::int64_t> suspended;  ///< process, by drone
+    std::map<std::string, std::int64_t> starting;   ///< has its name, and is not reachable yet
+    std::map<std::string, std::string> kinds;       ///< by drone, if it can be started
+
+    /// Reads what is known of a drone of this machine.
+    void add(Application& application, const std::string& drone);
+};
+
+struct Look {
+    std::vector<StatusAnswer> answers;
+
+    /// By the name that the application uses, or else by the drone's own name, if one drone alone has it.
+    [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
+};
+
+/// Asks the drones, their senders up to the sources, and the receivers for which these wait.
+Look look_from(Application& application, const std::vector<std::string>& drones);
+
+/// "camera" of "camera.image".
+std::string owner_of(const std::string& end);
+bool is_elsewhere(const Place& place);
+/// Edges for which an output waits: of a group, its members.
+std::vector<const EdgeStatus*> awaited(const OutputStatus& output);
+
+}  // namespace hive::explaining

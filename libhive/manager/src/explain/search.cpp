@@ -1,0 +1,208 @@
+// The walk: from what was asked for against the direction of the events, and then to those for which it waits.
+#include "../directory.hpp"
+#include "search.hpp"
+
+#include <hive/duration_text.hpp>
+#include <hive/stall.hpp>
+
+#include <algorithm>
+
+namespace hive::explaining {
+namespace {
+
+constexpr auto exceptions = "exceptions";
+
+/// Is its port meant?
+bool is_meant(const OutputStatus& output, const std::string& port)
+{
+    return port.empty() ? output.name != exceptions : output.name == port;
+}
+
+bool is_from(const InputStatus& input, const Endpoint& sender)
+{
+    return sender.port.empty() ? owner_of(input.from) == hive::drone_of(sender.drone)
+                               : input.from == hive::drone_of(sender.drone) + "." + sender.port;
+}
+
+}  // namespace
+
+std::int64_t processed(const Status& status, std::int64_t InputStatus::*count)
+{
+    std::int64_t sum = 0;
+    for (const auto* rows : {&status.inputs, &status.left})
+        for (const auto& input : *rows)
+            sum += input.*count;
+    return sum;
+}
+
+std::int64_t quiet_us(const Status& status, const OutputStatus& output)
+{
+    return status.epoch + status.uptime_us - std::max(status.epoch, output.last_emitted_us);
+}
+
+std::int64_t emitted(const Status& status)
+{
+    std::int64_t sum = 0;
+    for (const auto& output : status.outputs)
+        if (output.name != exceptions)
+            sum += output.produced;
+    return sum;
+}
+
+void Search::target(const std::string& drone, const std::string& port)
+{
+    const auto* answer = look_.find(drone);
+    if (above(drone) || !answer || answer->error)
+        return;
+    const auto found = causes_.size();
+    outputs(*answer, port);
+    if (causes_.size() == found)
+        quiet(*answer, port);
+    if (causes_.size() == found)
+        unreceived(*answer);
+}
+
+void Search::connection(const Endpoint& sender, const Endpoint& receiver)
+{
+    const auto* answer = look_.find(receiver.drone);
+    if (!answer)
+        return;
+    above(receiver.drone, &sender);
+    if (answer->error)
+        return;
+    const auto* from = look_.find(sender.drone);
+    if (from && !from->error && causes_.empty())
+        quiet(*from, sender.port);
+}
+
+bool Search::above(const std::string& drone, const Endpoint* only)
+{
+    const auto found = causes_.size();
+    const auto* answer = look_.find(drone);
+    if (!answer || !seen_.insert(answer->drone).second)
+        return false;
+    if (answer->error) {
+        silent(*answer, "");
+        return true;
+    }
+    for (const auto& input : answer->status.inputs)
+        if (!only || is_from(input, *only))
+            link(*answer, input);
+    passed_.push_back(answer->drone);
+    if (!own(*answer) && answer->status.why == Reason::backlog)
+        outputs(*answer, "");
+    return causes_.size() > found;
+}
+
+void Search::link(const StatusAnswer& receiver, const InputStatus& input)
+{
+    const auto* sender = look_.find(owner_of(input.from));
+    const auto port = input.from.substr(input.from.rfind('.') + 1);
+    const auto found = causes_.size();
+    const auto code = sender && sender->error ? std::optional(sender->error->code()) : std::nullopt;
+    // This machine need not know a drone that the receiver knows.
+    const bool unknown = !sender || (code == Errc::not_found && (input.connected || is_elsewhere(receiver.place)));
+    if (!unknown && code) {
+        if (seen_.insert(sender->drone).second)
+            silent(*sender, receiver.drone + "." + input.input + " receives from it");
+        return;
+    }
+    if (!unknown) {
+        above(sender->drone);
+        if (causes_.size() == found)
+            outputs(*sender, port);
+    }
+    if (causes_.size() == found)
+        unconnected(receiver, input);
+    if (causes_.size() == found && !unknown)
+        quiet(*sender, port);
+    if (causes_.size() == found)
+        narrow(receiver, input);
+}
+
+void Search::outputs(const StatusAnswer& answer, const std::string& port)
+{
+    for (const auto& output : answer.status.outputs)
+        if (is_meant(output, port) && stalls(answer.status, output))
+            waits(answer, output);
+}
+
+void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
+{
+    const auto end = answer.drone + "." + output.name;
+    const auto since = "nothing for " + duration_text(quiet_us(answer.status, output));
+    if (output.why == Reason::held)
+        add(Cause::What::held, answer.drone, "lossless events of " + end + " wait for a receiver of bodies", since);
+    else if (output.why == Reason::no_receiver)
+        add(Cause::What::no_receiver, answer.drone, "nobody receives " + end, since);
+    else if (output.why == Reason::watched)
+        add(Cause::What::watched, answer.drone,
+            "only headers of " + end + " are received, and on demand it waits for a receiver of bodies", since);
+    else
+        for (const auto* edge : awaited(output))
+            below(answer, output, *edge);
+}
+
+/// Why a receiver does not take what a sender has for it.
+void Search::below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge)
+{
+    const auto* answer = look_.find(owner_of(edge.receiver));
+    const bool missing = !answer || (answer->error && answer->error->code() == Errc::not_found);
+    if (edge.receiver == self_ || !waited_for_.insert(answer ? answer->drone : edge.receiver).second)
+        return;
+    const Wait wait{sender.drone + "." + output.name, edge, quiet_us(sender.status, output)};
+    const auto found = causes_.size();
+    if (missing) {
+        missing_receiver(sender, wait);
+    } else if (answer->error) {
+        silent(*answer, wait.text());
+    } else {
+        if (!own(*answer))
+            outputs(*answer, "");
+        if (causes_.size() == found)
+            receiver(*answer, wait);
+    }
+}
+
+void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
+{
+    const auto drone = owner_of(wait.edge.receiver);
+    if (wait.edge.connected)  // an application, or a drone that only its sender knows
+        add(Cause::What::waits, sender.drone, wait.edge.receiver + " does not ask for more events of " + wait.end,
+            wait.text(), "hivectl connections " + sender.drone);
+    else if (absent_.kinds.contains(drone))
+        not_running(drone, "", wait.text());
+    else
+        add(Cause::What::receiver_away, drone, wait.edge.receiver + " is away, and " + wait.end + " waits for it",
+            wait.text(), "hivectl disconnect " + wait.end + " " + wait.edge.receiver);
+}
+
+/// Of a receiver that runs, and reports nothing.
+void Search::receiver(const StatusAnswer& answer, const Wait& wait)
+{
+    auto& cause = receiver_cause(answer, wait);
+    cause.connection = wait.end + " -> " + wait.edge.receiver;
+}
+
+Cause& Search::receiver_cause(const StatusAnswer& answer, const Wait& wait)
+{
+    if (!wait.edge.connected)
+        return add(Cause::What::receiver_away, answer.drone,
+                   wait.edge.receiver + " is not connected to " + wait.end + " now", wait.text(),
+                   "hivectl connect " + wait.end + " " + wait.edge.receiver);
+    if (wait.edge.why == Reason::lane_full)
+        return add(Cause::What::slow_connection, answer.drone,
+                   "the connection takes events more slowly than " + wait.end + " makes them", wait.text());
+    if (wait.edge.why == Reason::not_asked && answer.status.state == State::busy)
+        return slow(answer, wait.text());
+    return add(Cause::What::waits, answer.drone,
+               wait.end + " waits for " + wait.edge.receiver + ": " + std::string(sentence(wait.edge.why)), wait.text(),
+               "hivectl connections " + answer.drone);
+}
+
+std::string Search::Wait::text() const
+{
+    return end + " has sent nothing for " + duration_text(quiet) + " and waits for " + edge.receiver;
+}
+
+}  // namespace hive::explaining

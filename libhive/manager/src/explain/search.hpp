@@ -1,0 +1,90 @@
+// Finds in what drones report the causes that hold up some of them. No questions, no clocks.
+#pragma once
+
+#include "look.hpp"
+
+#include <hive/explain.hpp>
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace hive::explaining {
+
+class Search {
+public:
+    /// @param earlier  a look before; null: what only a difference shows is taken for possible
+    /// @param self     the name of the application that asks, which holds up nobody
+    Search(const Look& look, const Look* earlier, const Absent& absent, std::string self)
+        : look_(look), earlier_(earlier), absent_(absent), self_(std::move(self))
+    {
+    }
+
+    /// What holds up the outputs of a drone. @param port  one of them; empty: all
+    void target(const std::string& drone, const std::string& port);
+    /// What holds up the events that one drone gets from another.
+    void connection(const Endpoint& sender, const Endpoint& receiver);
+
+    /// The one nearest to the source first.
+    [[nodiscard]] const std::vector<Cause>& causes() const { return causes_; }
+    /// Drones on the way that answer, sources first.
+    [[nodiscard]] const std::vector<std::string>& passed() const { return passed_; }
+
+private:
+    /// An output that waits for a receiver.
+    struct Wait {
+        std::string end;  ///< "camera.image"
+        const EdgeStatus& edge;
+        std::int64_t quiet;  ///< microseconds
+        [[nodiscard]] std::string text() const;
+    };
+
+    /// The drone, and before it those that it receives from. @return whether a cause was found
+    bool above(const std::string& drone, const Endpoint* only = nullptr);
+    /// One input, from its sender on.
+    void link(const StatusAnswer& receiver, const InputStatus& input);
+    void silent(const StatusAnswer& answer, const std::string& evidence);
+    void not_running(const std::string& drone, const std::string& text, const std::string& evidence);
+    /// What the drone itself reports. @return whether that is a cause
+    bool own(const StatusAnswer& answer);
+    bool throws(const StatusAnswer& answer);
+    bool stuck(const StatusAnswer& answer);
+    void unconnected(const StatusAnswer& answer, const InputStatus& input);
+    void narrow(const StatusAnswer& answer, const InputStatus& input);
+    void outputs(const StatusAnswer& answer, const std::string& port);
+    /// Of a source that runs, and whose events nobody receives.
+    void unreceived(const StatusAnswer& answer);
+    void quiet(const StatusAnswer& answer, const std::string& port);
+    void waits(const StatusAnswer& answer, const OutputStatus& output);
+    void below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge);
+    void missing_receiver(const StatusAnswer& sender, const Wait& wait);
+    void receiver(const StatusAnswer& answer, const Wait& wait);
+    Cause& receiver_cause(const StatusAnswer& answer, const Wait& wait);
+    Cause& slow(const StatusAnswer& answer, const std::string& evidence);
+
+    /// One of this kind, drone and connection is there once.
+    Cause& add(Cause::What what, const std::string& drone, const std::string& text, const std::string& evidence = {},
+               const std::string& command = {});
+    /// The status of the drone at the earlier look, if it is the same run.
+    [[nodiscard]] const Status* before(const StatusAnswer& answer) const;
+    /// Has it emitted or processed anything since the earlier look?
+    [[nodiscard]] bool moves(const StatusAnswer& answer) const;
+
+    const Look& look_;
+    const Look* earlier_;
+    const Absent& absent_;
+    std::string self_;
+    std::set<std::string> seen_, waited_for_;
+    std::vector<std::string> passed_;
+    std::vector<Cause> causes_;
+};
+
+/// Events that its code has dealt with, well or not.
+std::int64_t processed(const Status& status, std::int64_t InputStatus::*count);
+/// How long ago an output sent its newest event, by the drone's own clock; never: since the drone started.
+std::int64_t quiet_us(const Status& status, const OutputStatus& output);
+/// Events that all outputs but that of exceptions have made.
+std::int64_t emitted(const Status& status);
+
+}  // namespace hive::explaining

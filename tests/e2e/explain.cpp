@@ -1,0 +1,245 @@
+// hivectl explain: each fault is made for real, named with its evidence, and gone after the command that is proposed.
+#include "explained.hpp"
+
+#include <hive/printable.hpp>
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+TEST_CASE("explain: a pipeline that runs is said to run, with rates")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"}), worker = swarm.drone("sleeper", "worker");
+    CHECK(found(swarm, "explain source").causes.empty() == false);  // nobody receives it
+    CHECK(found(swarm, "explain source").exit_code == 0);
+    swarm.hivectl_done({"connect", "source", "worker"});
+    Found now;
+    REQUIRE_MESSAGE(eventually([&] { return (now = found(swarm, "explain worker")).runs(); }), now.text());
+    REQUIRE(now.json.at("flows").size() == 2);
+    const auto &first = now.json.at("flows").at(0), &second = now.json.at("flows").at(1);
+    CHECK(first.at("drone") == "source");
+    CHECK(first.at("emitted_per_s").get<double>() > 10);
+    CHECK(second.at("received_per_s").get<double>() > 10);
+    const auto table = swarm.hivectl_done({"explain", "worker"});
+    CHECK_MESSAGE(table.starts_with("nothing holds up worker\n"), table);
+    CHECK(has(table, "source"));
+}
+
+TEST_CASE("explain: halted, suspended or killed, and of two faults the one nearest to the source is named first")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"});
+    auto worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"worker", ""});
+    const auto runs = [&] { return found(swarm, "explain worker").runs(); };
+    REQUIRE(eventually(runs));
+
+    application.halt("worker");
+    application.halt("source");
+    const auto both = found(swarm, "explain worker");
+    REQUIRE_MESSAGE(both.causes == "halted source, halted worker", both.text());
+    CHECK(both.command() == "hivectl resume source");
+    CHECK(found(swarm, "explain").causes == both.causes);
+    CHECK(found(swarm, "explain source worker").causes == both.causes);
+    cure(swarm, both);
+    const auto one = found(swarm, "explain worker");
+    CHECK(one.causes == "halted worker");
+    cure(swarm, one);
+    CHECK(eventually(runs));
+
+    source.signal(SIGSTOP);
+    const auto suspended = found(swarm, "explain worker --timeout 0.5");
+    CHECK_MESSAGE(suspended.causes == "suspended source", suspended.text());
+    cure(swarm, suspended);
+    CHECK(eventually(runs));
+
+    worker.kill();
+    const auto killed = found(swarm, "explain worker");
+    CHECK_MESSAGE(killed.causes == "not_running worker", killed.text());
+    CHECK(killed.command() == "hivectl start sleeper --as worker");
+    CHECK(found(swarm, "explain").causes == "not_running worker");
+    cure(swarm, killed);  // it comes back with its connection
+    CHECK(eventually(runs));
+    CHECK(found(swarm, "explain nobody").causes == "not_running nobody");
+}
+
+TEST_CASE("explain: a sender that is gone is the cause, not the receiver that dials it")
+{
+    const Swarm swarm;
+    auto source = swarm.drone("ticker", "source", {"fps=50"});
+    const auto worker = swarm.drone("sleeper", "worker"), last = swarm.drone("sleeper", "last");
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"worker", ""});
+    application.connect({"worker", ""}, {"last", ""});
+    const auto runs = [&] { return found(swarm, "explain last").runs(); };
+    REQUIRE(eventually(runs));
+    source.kill();
+    Found gone;
+    CHECK_MESSAGE(eventually([&] { return (gone = found(swarm, "explain last")).causes == "not_running source"; }),
+                  gone.text());
+    cure(swarm, gone);
+    CHECK(eventually(runs));
+}
+
+TEST_CASE("explain: what is not connected, the wrong way round, or of types that do not fit")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"}), worker = swarm.drone("sleeper", "worker"),
+               counter = swarm.drone("counter", "counter"), other = swarm.drone("counter", "other");
+    const auto pair = found(swarm, "explain source worker");
+    CHECK_MESSAGE(pair.causes == "not_connected worker", pair.text());
+    CHECK(pair.command() == "hivectl connect source worker");
+    CHECK(found(swarm, "explain other counter").causes == "wrong_types counter");
+    const auto back = found(swarm, "explain worker counter");  // which takes no results, but gives the worker something
+    CHECK_MESSAGE(back.command() == "hivectl connect counter worker", back.text());
+    const auto turned = found(swarm, "explain worker source");
+    CHECK_MESSAGE(turned.causes == "wrong_way source", turned.text());
+    CHECK(turned.command() == pair.command());
+    const auto alone = found(swarm, "explain counter");
+    CHECK_MESSAGE(alone.causes == "not_connected counter", alone.text());
+    CHECK(alone.command() == "hivectl connect source counter");
+    cure(swarm, alone);
+    cure(swarm, turned);
+    CHECK(eventually([&] { return found(swarm, "explain source worker").runs(); }));
+    CHECK(eventually([&] { return found(swarm, "explain counter").runs(); }));
+    CHECK(found(swarm, "explain worker source").causes == "wrong_way source");
+}
+
+TEST_CASE("explain: code that throws at each event, a drone that is starting, and a source that has ended")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"});
+    auto application = swarm.application();
+    const auto worker = swarm.drone("sleeper", "worker", {"throw_every=1"});
+    application.connect({"source", ""}, {"worker", ""});
+    Found thrown;
+    CHECK_MESSAGE(eventually([&] { return (thrown = found(swarm, "explain worker")).causes == "throws worker"; }),
+                  thrown.text());
+    CHECK(has(thrown.text(), "is one of those"));
+    CHECK(has(swarm.run({"/bin/sh", "-c", thrown.command()}).out, "is one of those"));
+    application.set("worker", {{"throw_every", 0}});
+    CHECK(eventually([&] { return found(swarm, "explain worker").runs(); }));
+
+    const Process late({swarm.program("hive-sleeper").string(), "--name", "late", "--set", "start_ms=2500"},
+                       {"HIVE_HOME=" + swarm.home().string()}, swarm.home() / "late.log");
+    Found starting;
+    CHECK_MESSAGE(eventually([&] { return (starting = found(swarm, "explain late")).causes == "starting late"; }),
+                  starting.text());
+    cure(swarm, starting);
+    const auto ready = found(swarm, "explain late");
+    CHECK_MESSAGE(ready.causes == "not_connected late", ready.text());
+
+    const auto clip = swarm.drone("ticker", "clip", {"pace=demand", "count=5"});
+    application.connect({"clip", ""}, {"late", ""});
+    Found held;
+    CHECK_MESSAGE(eventually([&] { return (held = found(swarm, "explain late")).causes == "held late"; }), held.text());
+    CHECK(held.command() == "hivectl results late");
+    CHECK(lines_of(swarm.hivectl_done({"results", "late", "-n", "1"})) == 1);
+    const auto results = application.collect({{"late", "result"}});
+    Found ended;
+    CHECK_MESSAGE(eventually([&] { return (ended = found(swarm, "explain late")).causes == "source_ended clip"; }),
+                  ended.text());
+    cure(swarm, ended);
+    CHECK(eventually([&] { return processed(application, "late") == 10; }));
+}
+
+TEST_CASE("explain: a camera without its source, and one whose file has ended")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"source=http://127.0.0.1:9/none.mjpg"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"camera", "image"}});
+    Found away;
+    CHECK_MESSAGE(eventually([&] { return (away = found(swarm, "explain camera")).causes == "condition camera"; }),
+                  away.text());
+    CHECK(has(away.text(), "source=http://127.0.0.1:9/none.mjpg"));
+    CHECK(away.command() == "hivectl set camera source=SOURCE");
+    const auto snap = swarm.hivectl({"snap", "camera", "x.jpg", "--timeout", "1"});
+    CHECK_MESSAGE(has(snap.err, away.command()), snap.err);
+    swarm.hivectl_done({"set", "camera", "source=scene"});
+    CHECK(eventually([&] { return found(swarm, "explain camera").runs(); }));
+
+    swarm.hivectl_done({"snap", "camera", (swarm.home() / "it's one.png").string()});
+    application.set("camera",
+                    {{"source", (swarm.home() / "it's one.png").string()}, {"loop", false}, {"pace", "demand"}});
+    Found ended;
+    CHECK_MESSAGE(eventually([&] { return (ended = found(swarm, "explain camera")).causes == "source_ended camera"; }),
+                  ended.text());
+    while (collector->next(100ms)) {
+    }
+    cure(swarm, ended);
+    CHECK(collector->next(patient(2000ms)));
+}
+
+TEST_CASE("explain: on demand a source waits for a receiver that is gone, that is slow, or that never asks")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"}), stays = swarm.drone("sleeper", "stays");
+    auto gone = swarm.drone("sleeper", "gone");
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"stays", ""});
+    application.connect({"source", ""}, {"gone", ""});
+    const auto reader = swarm.hivectl_running({"results", "stays", "gone"}, "reader");
+    const auto runs = [&] { return found(swarm, "explain stays").runs(); };
+    REQUIRE(eventually(runs));
+    gone.kill();
+    Found away;
+    CHECK_MESSAGE(eventually([&] { return (away = found(swarm, "explain stays")).causes == "not_running gone"; }),
+                  away.text());
+    CHECK(has(away.evidence(), "source.tick"));
+    const auto silent = swarm.hivectl({"results", "stays", "--timeout", "0.2"});
+    CHECK_MESSAGE(has(silent.err, "gone is not running"), silent.err);
+    CHECK_MESSAGE(has(silent.err, away.command()), silent.err);
+    CHECK(found(swarm, "explain").causes == "not_running gone");
+    std::filesystem::remove(swarm.home() / "gone.state");  // its kind is not known
+    const auto unknown = found(swarm, "explain stays");
+    CHECK_MESSAGE(unknown.causes == "receiver_away gone", unknown.text());
+    cure(swarm, unknown);
+    CHECK(eventually(runs));
+
+    const auto slow = swarm.drone("sleeper", "slow", {"work_ms=4000"});
+    const auto other_reader = swarm.hivectl_running({"results", "slow"}, "other_reader");
+    application.connect({"source", ""}, {"slow", ""});
+    Found slowly;
+    CHECK_MESSAGE(eventually([&] { return (slowly = found(swarm, "explain stays")).causes == "slow slow"; }),
+                  slowly.text());
+    CHECK(slowly.exit_code == 0);
+    application.disconnect({"source", ""}, {"slow", ""});
+
+    const auto collector =
+        application.collect({{"source", "tick"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
+    Found idle;
+    CHECK_MESSAGE(eventually([&] { return (idle = found(swarm, "explain stays")).causes == "waits source"; }),
+                  idle.text());
+    CHECK(has(idle.text(), application.name()));
+    CHECK(swarm.run({"/bin/sh", "-c", idle.command()}).exit_code == 0);
+}
+
+TEST_CASE("explain: a group that has lost its members, and one whose member is suspended")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    auto worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    const auto reader = swarm.hivectl_running({"results", "worker", "--stay"}, "reader");
+    application.connect({"source", ""}, {"worker", ""}, {.group = "workers", .lease = {}});
+    const auto runs = [&] { return found(swarm, "explain source worker").runs(); };
+    REQUIRE(eventually(runs));
+    worker.signal(SIGSTOP);
+    const auto suspended = found(swarm, "explain source worker --timeout 0.5");
+    CHECK_MESSAGE(suspended.causes == "suspended worker", suspended.text());
+    cure(swarm, suspended);
+    CHECK(eventually(runs));
+    worker.kill();
+    Found lost;
+    CHECK_MESSAGE(eventually([&] { return (lost = found(swarm, "explain source")).causes == "not_running worker"; }),
+                  lost.text());
+    cure(swarm, lost);
+    CHECK(eventually(runs));
+}
