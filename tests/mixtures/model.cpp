@@ -66,6 +66,9 @@ Outcome outcome_of(const Event& event, bool failed)
         outcome.text = event.header.value("code", "") + ": " + event.header.value("text", "");
     for (const auto& hop : event.identity.hops)
         outcome.hops.push_back(hop.drone);
+    for (const auto& share : event.identity.shares)
+        if (const auto dot = share.to.rfind('.'); failed && dot != std::string::npos)
+            outcome.hops.push_back(share.to.substr(0, dot));  // of a receiver that was given up
     return outcome;
 }
 

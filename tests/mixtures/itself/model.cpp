@@ -107,3 +107,21 @@ TEST_CASE("mixtures: what is collected in order is in order")
     CHECK(ordered.came(result(1, {"a2"})));
     CHECK_FALSE(any.came(result(1, {"a2"})));
 }
+
+TEST_CASE("mixtures: of two receivers that were given up at one event each has an exception of its own")
+{
+    auto model = begun({plain({"a1", "a2"})});
+    const auto given_up = [](const std::string& receiver) {
+        hive::Event event;
+        event.identity = {.source = "source", .epoch = 1, .sequence = 1, .hops = {}};
+        event.identity.shares = {{.of = "source.tick", .epoch = 1, .turn = 1, .to = receiver}};
+        event.sender = "source";
+        event.header = {{"code", "abandoned"}, {"text", "given up after 3 attempts"}};
+        return outcome_of(event, true);
+    };
+    CHECK_FALSE(model.came(given_up("a1.image")));
+    CHECK(model.missing(1, 1).size() == 1);
+    CHECK_FALSE(model.came(given_up("a2.image")));
+    CHECK(model.missing(1, 1).empty());
+    CHECK(model.came(given_up("a1.image")));
+}
