@@ -28,6 +28,11 @@ public:
 
     /// Since its drones began.
     [[nodiscard]] virtual std::chrono::microseconds age() const = 0;
+    /// Of the ages of events, at most; empty: it is not known.
+    [[nodiscard]] virtual std::optional<std::chrono::microseconds> age_error() const
+    {
+        return std::chrono::microseconds(0);
+    }
     /// A source on demand produces so soon when all have asked.
     [[nodiscard]] virtual std::chrono::milliseconds pace() const { return stillness(); }
 

@@ -32,10 +32,11 @@ public:
 }  // namespace
 
 /// What a live stream has queued stays when its connection is changed to another kind.
-Sizes::Sizes(const Topology& topology) : max_queued_(topology.demand ? max_asked : max_streamed_live)
+Sizes::Sizes(const Topology& topology, std::int64_t guests)
+    : max_queued_(topology.demand ? max_asked : max_streamed_live)
 {
     for (const auto& drone : topology.drones())
-        most_[drone] = {other_edges, other_inputs};
+        most_[drone] = {other_edges + guests, other_inputs};
     for (const auto& edge : topology.edges()) {
         ++most_[edge.sender].edges;
         ++most_[edge.receiver].inputs;

@@ -10,7 +10,8 @@ namespace hive::mixtures {
 /// bounded: queues, events in hand and rows of the status, whatever has happened before.
 class Sizes {
 public:
-    explicit Sizes(const Topology& topology);
+    /// @param guests  receivers that are not in the topology, at most
+    explicit Sizes(const Topology& topology, std::int64_t guests = 0);
     [[nodiscard]] Problems look(const Statuses& statuses) const;
 
 private:
@@ -23,8 +24,9 @@ private:
 };
 
 /// ages: nothing is older than the history, and no time is negative.
-/// @param age  of the history, whose drones have one clock
-/// @param set  the time of day was: events may have been captured before
-Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age, bool set = false);
+/// @param age    of the history
+/// @param error  of the ages of events at most; empty: the clock was set, and they may have any
+Problems impossible_ages(const Statuses& statuses, std::chrono::microseconds age,
+                         std::optional<std::chrono::microseconds> error = std::chrono::microseconds(0));
 
 }  // namespace hive::mixtures

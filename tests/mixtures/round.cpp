@@ -12,7 +12,7 @@ Round::Round(Plan plan, Ground& ground)
       ground_(ground),
       window_(plan_.topology.demand),
       pace_(ground.pace()),
-      sizes_(plan_.topology),
+      sizes_(plan_.topology, std::ssize(plan_.steps) * static_cast<int>(plan_.faults.contains(fault::lie))),
       waits_(plan_.topology.demand),
       idle_(ground.pace())
 {

@@ -84,7 +84,7 @@ Problems Round::watch(const Statuses& statuses)
     add(lease_.look(heard, ground_.now()));
     add(idle_.look(heard, ground_.now()));
     add(wrongly_connected(statuses, model_.wanted()));
-    add(impossible_ages(statuses, ground_.age(), plan_.faults.contains(fault::clock_step)));
+    add(impossible_ages(statuses, ground_.age(), ground_.age_error()));
     if (plan_.topology.demand)
         add(pace_.look(statuses, ground_.fed(), ground_.now()));
     add(ground_.complaints());

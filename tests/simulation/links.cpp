@@ -49,9 +49,13 @@ void Links::thawed(const std::string& name, Time now)
 {
     Freeze& freeze = freezes_[name];
     freeze.until = now;
+    std::vector<Fault> others;
     for (auto& fault : faults_)
         if ((fault.one == name || fault.other == name) && fault.until >= freeze.since && fault.until != Time::max())
             fault.until = std::max(fault.until, now + notice);
+        else if (fault.until >= freeze.since)
+            others.push_back({name, fault.one, now, now + notice});
+    faults_.insert(faults_.end(), others.begin(), others.end());
     mended(name, now);
 }
 
@@ -66,6 +70,8 @@ bool Links::may_end(const std::string& one, const std::string& other, Time now) 
 
 void Links::logged(const std::string& drone, const std::string& line, Time now)
 {
+    if (std::ranges::any_of(liars_, [&](const auto& liar) { return line.find(liar) != std::string::npos; }))
+        return;
     const auto peer = peer_lost(line);
     const bool unexpected = peer ? names_.contains(*peer) && !may_end(drone, *peer, now) : blames(line);
     if (unexpected)

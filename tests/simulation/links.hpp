@@ -24,6 +24,9 @@ public:
         faults_.push_back({one, other, now, now + notice});
     }
 
+    /// That peer may break rules, and have any name.
+    void lies(std::int64_t pid) { liars_.insert("pid " + std::to_string(pid) + ":"); }
+
     void silent(const std::string& one, const std::string& other, Time now, Time until)
     {
         faults_.push_back({one, other, now, until + notice});
@@ -49,7 +52,7 @@ private:
     };
     [[nodiscard]] bool may_end(const std::string& one, const std::string& other, Time now) const;
 
-    std::set<std::string> names_;
+    std::set<std::string> names_, liars_;
     std::vector<Fault> faults_;
     std::map<std::string, Freeze> freezes_;  ///< the last of each
     std::vector<std::string> problems_;

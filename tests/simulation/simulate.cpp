@@ -29,7 +29,8 @@ int main(int argc, char** argv)
         return played;
     };
     const int code = hive::mixtures::play_rounds(
-        app, argc, argv, play, {fault::crash_point, fault::clock_step, fault::forget, fault::silence});
+        app, argc, argv, play,
+        {fault::clocks, fault::clock_step, fault::crash_point, fault::forget, fault::lie, fault::silence});
     const Seconds took = std::chrono::steady_clock::now() - begin;
     std::cout << std::fixed << std::setprecision(0) << "a second: " << static_cast<double>(histories) / took.count()
               << " histories, " << simulated / took << " simulated seconds, "

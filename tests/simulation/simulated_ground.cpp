@@ -60,12 +60,15 @@ SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const
     : world_(world),
       topology_(plan.topology),
       faults_(plan.faults),
+      freezes_(std::ranges::count(plan.steps, mixtures::Verb::freeze, &mixtures::Step::verb) > 0),
       trace_(trace),
       links_(peers(topology_)),
       calls_(Application::Options().timeout),
       waits_(2 * turn_time),
       impatient_calls_(short_timeout)
 {
+    if (has(mixtures::fault::clocks))
+        part_clocks();
     for (const auto& drone : topology_.drones()) {
         start(drone, false);
         born_[drone] = 0;
@@ -79,6 +82,8 @@ SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const
 /// Of a round that failed the drones still run, and they use this.
 SimulatedGround::~SimulatedGround()
 {
+    for (auto* const guest : guests_)
+        world_.kill(*guest);
     for (const auto& [drone, running] : running_)
         world_.kill(*running.process);
     if (world_.current()->dead) {
@@ -87,6 +92,33 @@ SimulatedGround::~SimulatedGround()
     }
     collected_.ending = true;
     until([this] { return collected_.process->dead; });
+}
+
+/// Half of the drones are on a machine whose clock is wrong, and not as fast as that of the other one.
+void SimulatedGround::part_clocks()
+{
+    const auto offset = world_.between(10s, 1h);
+    world_.set_clock(1, {.offset = world_.chance(50) ? offset : -offset,
+                         .drift_ppm = static_cast<std::int64_t>(world_.chance_of(401)) - 200});
+    for (const auto& drone : topology_.drones())
+        machines_[drone] = static_cast<int>(world_.chance_of(2));
+}
+
+int SimulatedGround::machine_of(const std::string& drone) const
+{
+    const auto found = machines_.find(drone);
+    return found == machines_.end() ? 0 : found->second;
+}
+
+/// A peer's clock is read in the middle of a question and its answer. Who is frozen or not heard meanwhile makes that
+/// wrong by half of the time.
+std::optional<std::chrono::microseconds> SimulatedGround::age_error() const
+{
+    if (has(mixtures::fault::clock_step))
+        return std::nullopt;
+    if (!has(mixtures::fault::clocks))
+        return 0us;
+    return freezes_ || has(mixtures::fault::silence) ? 2s : 30ms;
 }
 
 void SimulatedGround::until(const std::function<bool()>& condition)
@@ -112,17 +144,24 @@ void SimulatedGround::start(const std::string& drone, bool remembers, std::optio
     EmbeddedOptions options{.name = drone};
     if (!remembers)
         options.parameters = first_parameters(topology_, drone, fed_);
-    options.log = [this, drone](LogLevel, const std::string& text) {
-        trace_.line(drone, text);
-        if (text.starts_with("the network side threw"))
-            std::abort();  // a crash prints its seed
-        links_.logged(drone, text, world_.now());
-    };
+    options.log = log_of(drone);
     Running& running = running_[drone] = {};
     running.process = &world_.spawn(drone, [this, drone, options] { live(drone, options); });
     running.process->writes_left = writes;
+    running.process->machine = machine_of(drone);
     until([&] { return running.ready || running.process->dead; });
     links_.mended(drone, world_.now());
+}
+
+Log SimulatedGround::log_of(const std::string& drone)
+{
+    return [this, drone](LogLevel, const std::string& text) {
+        trace_.line(drone, text);
+        if (text.starts_with("the network side threw"))
+            std::abort();  // a crash prints its seed
+        if (running_.contains(drone))
+            links_.logged(drone, text, world_.now());
+    };
 }
 
 void SimulatedGround::live(const std::string& name, EmbeddedOptions options)
@@ -171,6 +210,7 @@ std::int64_t SimulatedGround::count()
 std::vector<std::string> SimulatedGround::complaints()
 {
     auto all = links_.take_problems();
+    std::ranges::move(std::exchange(wrong_ages_, {}), std::back_inserter(all));
     for (auto* const more : {&calls_, &waits_, &impatient_calls_})
         std::ranges::move(more->take_problems(), std::back_inserter(all));
     return all;
@@ -178,7 +218,7 @@ std::vector<std::string> SimulatedGround::complaints()
 
 std::vector<std::string> SimulatedGround::fallen()
 {
-    std::vector<std::string> fallen;
+    auto fallen = std::exchange(fallen_, {});
     for (const auto& [drone, running] : running_)
         if (!killed_.contains(drone) && running.process->dead)
             fallen.push_back(drone + " ended by itself: " + running.process->failure);
@@ -198,7 +238,8 @@ std::vector<std::string> SimulatedGround::end()
             left.push_back(drone + (process->dead ? " ended with " + process->failure : " still runs") + " after stop");
     }
     for (const auto& drone : application_->remembered())
-        left.push_back(drone + " is still remembered");
+        if (std::ranges::count(topology_.drones(), drone) > 0)
+            left.push_back(drone + " is still remembered");
     return left;
 }
 
@@ -206,8 +247,23 @@ std::vector<std::string> SimulatedGround::end()
 
 void SimulatedGround::take(const Event& event, bool failed)
 {
+    check_age(event);
     collected_.came.push_back(mixtures::outcome_of(event, failed));
     trace_.line("collector", std::to_string(event.identity.sequence) + ": " + to_text(collected_.came.back()));
+}
+
+/// ages: an event is as old as it says, or does not know.
+void SimulatedGround::check_age(const Event& event)
+{
+    const auto error = age_error();
+    if (!has(mixtures::fault::clocks) || !error || event.identity.captured_us == 0)
+        return;
+    const std::chrono::microseconds captured(event.identity.captured_us);
+    const auto age = world_.age() - world_.age_at(machine_of(mixtures::source), captured - when_it_began);
+    if (std::chrono::abs(event.age() - age) > *error + age / 1000)
+        wrong_ages_.push_back("ages: event " + std::to_string(event.identity.sequence) + " says that it is "
+                              + std::to_string(event.age().count()) + " us old; it is "
+                              + std::to_string(std::chrono::floor<std::chrono::microseconds>(age).count()) + " us old");
 }
 
 void SimulatedGround::collect()

@@ -47,6 +47,7 @@ public:
     {
         return std::chrono::duration_cast<std::chrono::microseconds>(world_.age());
     }
+    [[nodiscard]] std::optional<std::chrono::microseconds> age_error() const override;
     [[nodiscard]] bool all_hear() const override
     {
         return world_.now() > silent_until_ + std::chrono::milliseconds(50);
@@ -87,14 +88,23 @@ private:
     void die_while_writing(Process& process);
     [[nodiscard]] bool has(const std::string& fault) const { return faults_.contains(fault); }
     void live(const std::string& drone, EmbeddedOptions options);
+    [[nodiscard]] Log log_of(const std::string& drone);
     void collect();
     void take(const Event& event, bool failed);
+    void check_age(const Event& event);
+    [[nodiscard]] int machine_of(const std::string& drone) const;
     void perform_now(const mixtures::Step& step);
     void feed(int events);
     void stop(const std::string& drone);
     void freeze(const std::string& drone);
     void ask_impatiently(const std::string& drone);
     void thaw(const std::string& drone, std::chrono::milliseconds least);
+    void part_clocks();
+    void lie_sometimes();
+    Process& spawn_liar(const std::string& name, std::function<void()> main);
+    void receive_as_liar(const std::string& name, const std::string& from);
+    void send_as_liar(const std::string& name);
+    void listen_to_liar(const std::string& name, const std::string& liar);
     void cut_sometimes();
     void set_clock_sometimes();
     void silence_sometimes();
@@ -105,12 +115,18 @@ private:
     World& world_;
     const mixtures::Topology topology_;
     const std::set<std::string> faults_;
+    const bool freezes_;                   ///< some drone is frozen
+    std::map<std::string, int> machines_;  ///< of drones; who is not here is on machine 0
+    std::vector<std::string> wrong_ages_;
     const Trace& trace_;
     std::map<std::string, Running> running_;
     std::map<std::string, Time> frozen_;
     std::set<std::string> killed_;
     std::map<std::string, int> born_;
     int starts_ = 0;
+    int liars_ = 0;
+    std::vector<Process*> guests_;     ///< who is not in the round: liars, and whoever listens to them
+    std::vector<std::string> fallen_;  ///< of them
     std::int64_t fed_ = 1;
     Collected collected_;
     Links links_;

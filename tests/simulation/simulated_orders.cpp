@@ -41,11 +41,14 @@ void SimulatedGround::perform(const Step& step)
     trace_.line("step", to_text(step));
     cut_sometimes();
     set_clock_sometimes();
+    lie_sometimes();
     if (step.verb == Verb::connect || step.verb == Verb::change || step.verb == Verb::disconnect)
         wait_until_heard();
     else
         silence_sometimes();
     perform_now(step);
+    if (has(mixtures::fault::clocks))
+        world_.sleep(20ms);  // until all that the network had for an earlier run has been refused
 }
 
 void SimulatedGround::perform_now(const Step& step)
@@ -130,6 +133,14 @@ void SimulatedGround::freeze(const std::string& drone)
     running_.at(drone).process->frozen = true;
     frozen_[drone] = world_.now();
     links_.frozen(drone, world_.now());
+    if (!has(mixtures::fault::clocks))
+        return;
+    // An application on another machine that takes it for dead would be taken for dead itself (SPEC.md, section 5.5).
+    world_.at(world_.now() + 1300ms,
+              [this, drone, process = running_.at(drone).process, alive = std::weak_ptr(alive_)] {
+                  if (!alive.expired() && std::exchange(process->frozen, false))
+                      links_.thawed(drone, world_.now());
+              });
 }
 
 void SimulatedGround::thaw(const std::string& drone, std::chrono::milliseconds least)

@@ -1,11 +1,14 @@
-// What a process writes after its crash point is not seen, and what is silenced arrives late.
+// What a process writes after its crash point is not seen, what is silenced arrives late, clocks differ, and who lies
+// does so once.
 #include "../drones.hpp"
+#include "../lies.hpp"
 #include "network.hpp"
 #include "world.hpp"
 
 #include <simulation.hpp>
 
 #include <hive/embedded_drone.hpp>
+#include <hive/platform/clock.hpp>
 #include <hive/platform/files.hpp>
 
 #include <doctest/doctest.h>
@@ -108,4 +111,51 @@ TEST_CASE("clock step: a drone that comes back after a crash has a larger epoch,
     world.spawn("drone", live);
     run(world, 1s);
     CHECK(drone->status().epoch > epoch);
+}
+
+TEST_CASE("clocks: each machine has its own, and from what it shows follows when that was")
+{
+    World world(1);
+    world.set_clock(1, {.offset = -1h, .drift_ppm = 200});
+    const auto shown = [&](int machine) {
+        std::chrono::microseconds time{};
+        world
+            .spawn("clock",
+                   [&] {
+                       world.sleep(10s);
+                       time = std::chrono::duration_cast<std::chrono::microseconds>(
+                           platform::WallClock::now().time_since_epoch() - simulation::when_it_began);
+                   })
+            .machine = machine;
+        run(world, 11s);
+        const auto since = std::chrono::abs(world.age_at(machine, time) + 1s - world.age());
+        CHECK(since < 1ms);
+        return time;
+    };
+    const auto here = shown(0), there = shown(1) - 11s;
+    CHECK(std::chrono::abs(there - here + 1h - 4ms) < 1ms);  // 200 ppm of 21 s
+}
+
+TEST_CASE("lie: in one packet of a process one field is a lie, and an honest peer goes on")
+{
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        simulation::enter_empty_home();
+        World world(seed);
+        int lies = 0;
+        auto& liar = world.spawn("liar", [&] {
+            EmbeddedDrone embedded({"sender", "of a test"}, {.name = "liar", .parameters = {{"count", 1'000'000}}});
+            simulation::source(embedded.drone());
+            embedded.run();
+        });
+        simulation::let_lie(liar, static_cast<int>(seed % 6), [&](const std::string&) { ++lies; });
+        auto& receiver = world.spawn("receiver", [&] {
+            EmbeddedDrone embedded({"receiver", "of a test"}, {.name = "receiver", .connect = {"image=liar.tick"}});
+            simulation::worker(embedded.drone());
+            embedded.run();
+        });
+        run(world, 5s);
+        CHECK(lies == 1);
+        CHECK_FALSE(receiver.dead);
+        CHECK_FALSE(liar.dead);
+    }
 }

@@ -120,6 +120,8 @@ void note(Process& process, int end, const std::shared_ptr<Pipe>& pipe, Process&
 {
     std::erase_if(process.connections, [](const auto& each) { return each.pipe.expired(); });
     process.connections.push_back({end, pipe, &peer});
+    if (process.said)
+        pipe->rewrite(end, process.said());
 }
 
 /// When the two hear each other.
@@ -161,7 +163,7 @@ private:
         Process& here = NetworkSide::of(context_).process;
         if (const auto heard = heard_at(here, door->process()); heard > world().now())
             return arrive_at(heard);
-        const bool local = address_.scheme != Address::Scheme::tcp;
+        const bool local = address_.scheme != Address::Scheme::tcp && here.machine == door->process().machine;
         constexpr std::size_t room = 208 * 1024;
         const auto pipe =
             std::make_shared<Pipe>(local ? Pipe::Nature{50us, 100us, room} : Pipe::Nature{2ms, 3ms, room});

@@ -69,6 +69,13 @@ void Pipe::read(int end, asio::mutable_buffer into, std::shared_ptr<Operation> o
     go_on_writing(way, 1 - end);
 }
 
+void Pipe::arrive(Way& way, const std::string& bytes)
+{
+    const auto said = way.said ? way.said(bytes) : bytes;
+    way.unread += said.size() - bytes.size();
+    way.arrived += said;
+}
+
 void Pipe::give(Way& way)
 {
     if (!way.read)
@@ -102,7 +109,7 @@ std::size_t Pipe::write_now(int end, std::span<const asio::const_buffer> from)
     if (size > 0)
         later(end, [this, end, bytes = std::move(bytes)] {
             world().note(bytes);
-            ways_[end].arrived += bytes;
+            arrive(ways_[end], bytes);
             give(ways_[end]);
         });
     return size;

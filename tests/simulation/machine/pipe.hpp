@@ -27,6 +27,8 @@ public:
     void close(int end);
     /// What this end sends arrives after that time.
     void hold(int end, Time until) { ways_[end].last = std::max(ways_[end].last, until); }
+    /// What this end sends from now on arrives as this says.
+    void rewrite(int end, Process::Said said) { ways_[end].said = std::move(said); }
     /// Both ends lose it now, with all that is under way.
     void cut();
 
@@ -40,8 +42,10 @@ private:
         std::shared_ptr<Operation> read, write;
         asio::mutable_buffer into;
         std::span<const asio::const_buffer> from;
+        Process::Said said;
     };
     void later(int end, std::function<void()> what);
+    static void arrive(Way& way, const std::string& bytes);
     static void give(Way& way);
     void go_on_writing(Way& way, int end);
 

@@ -23,8 +23,9 @@ SteadyClock::time_point SteadyClock::now() noexcept { return world().now(); }
 
 WallClock::time_point WallClock::now() noexcept
 {
-    constexpr std::chrono::seconds when_it_began(1'700'000'000);
-    return time_point(std::chrono::duration_cast<duration>(when_it_began + world().time_of_day() + world().age()));
+    const auto* const process = world().current();
+    const auto time = world().wall_clock(process ? process->machine : 0);
+    return time_point(std::chrono::duration_cast<duration>(simulation::when_it_began + time));
 }
 
 std::int64_t own_pid() noexcept { return world().current() ? world().current()->pid : 1; }

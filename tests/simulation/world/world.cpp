@@ -206,6 +206,19 @@ void World::spend(Duration time)
 
 // --- what happens next ---
 
+Duration World::wall_clock(int machine)
+{
+    const auto& clock = clocks_[machine];
+    return time_of_day_ + age() + clock.offset + age() / 1'000'000 * clock.drift_ppm;
+}
+
+Duration World::age_at(int machine, Duration wall_clock)
+{
+    const auto& clock = clocks_[machine];
+    const auto drifted = wall_clock - time_of_day_ - clock.offset;
+    return drifted - drifted / 1'000'000 * clock.drift_ppm;
+}
+
 Duration World::between(Duration least, Duration most)
 {
     return least + Duration(random_() % static_cast<std::uint64_t>((most - least).count() + 1));

@@ -25,8 +25,17 @@ namespace hive::simulation {
 using Time = platform::SteadyClock::time_point;
 using Duration = std::chrono::nanoseconds;
 
+/// By the wall clock.
+inline constexpr std::chrono::seconds when_it_began(1'700'000'000);
+
 /// Thrown through the code of a process that was killed, by all that it calls of the world.
 struct Killed {};
+
+/// How far the clock of a machine is from the time of the world.
+struct MachineClock {
+    Duration offset{};
+    std::int64_t drift_ppm = 0;
+};
 
 class NetworkSide;
 class Pipe;
@@ -102,6 +111,9 @@ public:
     };
     std::vector<Connection> connections;
     std::map<std::int64_t, Time> unheard;  ///< by the pid of a process that gets nothing from here until then
+    int machine = 0;                       ///< two on different ones have different clocks
+    using Said = std::function<std::string(const std::string&)>;
+    std::function<Said()> said = {};  ///< for each connection, what arrives of what is sent from here; empty: all
 };
 
 class World {
@@ -117,6 +129,12 @@ public:
     /// Between the time of day and the age of this world.
     [[nodiscard]] Duration time_of_day() const { return time_of_day_; }
     void set_time_of_day(Duration since_begin) { time_of_day_ = since_begin; }
+    /// Machine 0 has the time of day.
+    void set_clock(int machine, MachineClock clock) { clocks_[machine] = clock; }
+    /// Since this world began, as the clock of that machine shows it.
+    [[nodiscard]] Duration wall_clock(int machine);
+    /// When it showed that, unless it was set since.
+    [[nodiscard]] Duration age_at(int machine, Duration wall_clock);
     std::uint64_t chance_of(std::uint64_t several) { return random_() % several; }
     bool chance(int percent) { return chance_of(100) < static_cast<std::uint64_t>(percent); }
     Duration between(Duration least, Duration most);
@@ -174,6 +192,7 @@ private:
     static constexpr Time begin_{std::chrono::seconds(1'000'000)};
     Time now_ = begin_;
     Duration time_of_day_{};
+    std::map<int, MachineClock> clocks_;
     std::mt19937_64 random_;
     std::vector<Due> due_;
     std::uint64_t due_number_ = 0, handlers_ = 0, digest_ = 14'695'981'039'346'656'037U;
