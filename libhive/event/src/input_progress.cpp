@@ -55,7 +55,9 @@ InputProgress::Delivery* InputProgress::delivery(std::int64_t number)
 
 void InputProgress::heard(std::int64_t generation, std::int64_t number, bool worked, bool done, bool back)
 {
-    forgotten_ -= worked && generation >= 0 && generation < generation_ ? 1 : 0;
+    const bool forgotten = generation >= 0 && generation < generation_;
+    unprocessed_before_ -= forgotten && worked ? 1 : 0;
+    owed_before_ -= forgotten && done ? 1 : 0;
     Delivery* one = generation == generation_ ? delivery(number) : nullptr;
     if (!one)
         return;
@@ -89,9 +91,9 @@ bool InputProgress::urgent(std::int64_t worked, bool more) const
 
 std::optional<Request> InputProgress::news(bool may_ask)
 {
-    const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - forgotten_) : told_.id;
+    const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - unprocessed_before_) : told_.id;
     // A stream asks for nothing: what it has processed lets more lossless events come.
-    const bool tells = (may_ask && forgotten_ == 0) || options_.transfer != Transfer::streaming;
+    const bool tells = (may_ask && unprocessed_before_ == 0) || options_.transfer != Transfer::streaming;
     const auto worked = tells ? worked_ : std::max(told_.worked, done_);
     const bool more = tells && allowed(ask, worked) > allowed_;
     return urgent(worked, more) ? std::optional(tell(ask, worked)) : std::nullopt;
@@ -124,7 +126,8 @@ Request InputProgress::tell(std::int64_t ask, std::int64_t worked)
 void InputProgress::forget()
 {
     ++generation_;
-    forgotten_ = unprocessed();
+    unprocessed_before_ = held(true);
+    owed_before_ = held(false);
     in_hand_.clear();
     worked_ = finished_ = done_;
 }

@@ -118,7 +118,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .options = spec_.options,
                                         .place = progress_.place(),
                                         .taken = {},
-                                        .held = progress_.unprocessed(),
+                                        .held = progress_.held(module_.paused() == Reason::none),
                                         .tried = tried_};
     tried_ = tried_ != 0 ? tried_ : epoch_;
     if (progress_.place() != 0)

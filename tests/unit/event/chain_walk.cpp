@@ -204,7 +204,7 @@ private:
         const bool back = line.shared() && dice_.yes(5);
         if (!back && line.to->filter.first(arrival.event))
             line.to->out ? pass_on(*line.to, arrival.event) : collect(arrival.event);
-        line.progress.heard(arrival.generation, arrival.number, true, back, back);
+        line.progress.heard(arrival.generation, arrival.number, true, false, back);
         flush(line);
     }
     void pass_on(Drone& drone, const Event& event)
@@ -248,7 +248,7 @@ private:
             line.place = ++places_;
         const bool knows = !line.shared() && line.progress.place() == line.place;
         const Subscription::Kept kept{.received = knows ? std::optional(line.progress.arrived()) : std::nullopt,
-                                      .held = line.progress.unprocessed()};
+                                      .held = line.progress.held(!line.to->out || !line.to->out->backlogged())};
         line.id = ++last_id_;
         line.connected = true;
         decide(*line.from, [&](Decisions& to) {

@@ -13,15 +13,15 @@ namespace {
 InputProgress full_at_restarted_sender(const ConnectionOptions& options, std::int64_t events)
 {
     InputProgress input;
-    CHECK_FALSE(input.begin(1, options, 5, 0, input.unprocessed()));
+    CHECK_FALSE(input.begin(1, options, 5, 0, input.held(true)));
     for (std::int64_t i = 0; i < events; ++i) {
         CHECK(input.allows(true));
         input.receive(true, 0);
     }
     CHECK_FALSE(input.allows(true));
     input.lose_place();
-    CHECK(input.unprocessed() == events);
-    CHECK_FALSE(input.begin(2, options, 6, 0, input.unprocessed()));
+    CHECK(input.held(true) == events);
+    CHECK_FALSE(input.begin(2, options, 6, 0, input.held(true)));
     return input;
 }
 
@@ -41,7 +41,7 @@ TEST_CASE("input progress: a full stream takes nothing from a new run of its sen
     REQUIRE(news);
     CHECK(news->worked == 0);
     CHECK(input.allows(true));
-    CHECK(input.unprocessed() == 0);
+    CHECK(input.held(true) == 0);
 }
 
 TEST_CASE("input progress: a full window takes one from a new run of its sender for each that it has processed")
@@ -68,7 +68,7 @@ TEST_CASE("input progress: at the same place it asks only for what it has proces
     for (int i = 0; i < 3; ++i)
         input.receive(true, 0);
     input.heard(input.generation(), 1, true, false, false);
-    CHECK(input.unprocessed() == 2);
+    CHECK(input.held(true) == 2);
     CHECK(input.begin(2, window(3), 5, 3, 2));
     CHECK(input.allows(true));
     input.receive(true, 0);
@@ -78,6 +78,22 @@ TEST_CASE("input progress: at the same place it asks only for what it has proces
     const auto news = input.news(true);
     REQUIRE(news);
     CHECK(news->id == 5);
+}
+
+TEST_CASE("input progress: while it may not ask, what it has processed and not acknowledged takes room, too")
+{
+    auto input = full_at_restarted_sender(streaming(), Credit::most_streamed);
+    for (std::int64_t number = 1; number <= Credit::most_streamed; ++number)
+        input.heard(1, number, true, false, false);
+    CHECK(input.held(true) == 0);
+    CHECK(input.held(false) == Credit::most_streamed);
+    CHECK_FALSE(input.begin(3, streaming(), 7, 0, input.held(false)));
+    CHECK_FALSE(input.allows(true));
+    CHECK_FALSE(input.news(false));
+    input.heard(1, 1, false, true, false);
+    CHECK(input.held(false) == Credit::most_streamed - 1);
+    CHECK(input.news(true));
+    CHECK(input.allows(true));
 }
 
 }  // namespace hive::event

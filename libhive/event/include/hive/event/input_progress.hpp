@@ -17,7 +17,7 @@ class InputProgress {
 public:
     /// Registered: goes on behind what is in hand if the sender does so at the same place.
     /// @param epoch  of the registration
-    /// @param held   what was unprocessed() when it registered, which the sender knows
+    /// @param held   what it was when it registered, which the sender knows
     /// @return       false: the numbering starts again behind `taken`, and what was in hand is forgotten
     bool begin(std::int64_t epoch, const ConnectionOptions& options, std::int64_t place, std::int64_t taken,
                std::int64_t held);
@@ -45,8 +45,12 @@ public:
     void forget();
 
     [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
-    /// Deliveries that are not processed yet, forgotten ones too.
-    [[nodiscard]] std::int64_t unprocessed() const { return forgotten_ + arrived() - finished_; }
+    /// Deliveries that leave room for so many fewer when it registers, forgotten ones too: those that are not
+    /// processed; if it may not ask for more, those that are not acknowledged.
+    [[nodiscard]] std::int64_t held(bool may_ask) const
+    {
+        return may_ask ? unprocessed_before_ + arrived() - finished_ : owed_before_ + arrived() - done_;
+    }
     [[nodiscard]] bool empty() const { return in_hand_.empty(); }
     [[nodiscard]] bool all_worked() const { return worked_ == arrived(); }
     [[nodiscard]] bool lossless_in_hand() const;
@@ -67,11 +71,11 @@ private:
 
     ConnectionOptions options_;
     std::int64_t place_ = 0, generation_ = 0;
-    std::int64_t done_ = 0;         ///< dealt with, from the first on
-    std::int64_t worked_ = 0;       ///< processed, from the first on
-    std::int64_t finished_ = 0;     ///< processed, in any order
-    std::deque<Delivery> in_hand_;  ///< those behind done_
-    std::int64_t forgotten_ = 0;    ///< of earlier numberings, not processed yet
+    std::int64_t done_ = 0;                                  ///< dealt with, from the first on
+    std::int64_t worked_ = 0;                                ///< processed, from the first on
+    std::int64_t finished_ = 0;                              ///< processed, in any order
+    std::deque<Delivery> in_hand_;                           ///< those behind done_
+    std::int64_t unprocessed_before_ = 0, owed_before_ = 0;  ///< of earlier numberings, not processed, or not done with
     std::vector<std::int64_t> back_;
     protocol::Request told_;    ///< last
     std::int64_t allowed_ = 0;  ///< up to this number the sender may give; live events of a stream always
