@@ -39,7 +39,7 @@ constexpr std::array table{
     Entry{Errc::unsupported, "use a hivectl and drones of the same version"},
     Entry{Errc::failed, "see its exceptions: hivectl exceptions DRONE"},
     Entry{Errc::abandoned, "see the exceptions: hivectl exceptions"},
-    Entry{Errc::stopped, "start it again: hivectl start KIND"},
+    Entry{Errc::stopped, ""},
     Entry{Errc::io, ""},
 };
 
@@ -80,42 +80,24 @@ std::string explained(const hive::Error& error, std::string_view subject)
     return printable(error.what() + (advice.empty() ? "" : "; " + advice));
 }
 
-std::string with_advice(const hive::Error& error)
-{
-    const std::string text = error.what();
-    const auto* const between = text.find('\n') == std::string::npos ? "; " : "\n";
-    return error.advice().empty() ? text : text + between + error.advice();
-}
-
-void complain_in_lines(std::string_view verb, const std::string& text)
-{
-    std::istringstream lines(text);
-    std::string indent;
-    for (std::string line; std::getline(lines, line); indent = "  ")
-        complain(verb, indent + printable(line));
-}
-
 void print_failures_as_json() { as_json = true; }
-
-bool is_printed_as_json(const hive::Error& error, std::string_view subject)
-{
-    if (!as_json)
-        return false;
-    const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
-    write_error(json_text(hive::failure_json({error.code(), error.what(), advice}, std::string(subject))) + "\n");
-    return true;
-}
 
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject)
 {
-    if (is_printed_as_json(error, subject))
-        return;
     const std::string_view text = error.what();
-    const auto before = text.find(subject) == std::string_view::npos ? printable(subject) + ": " : "";
+    if (as_json) {
+        const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
+        return write_error(json_text(hive::failure_json({error.code(), error.what(), advice}, std::string(subject)))
+                           + "\n");
+    }
+    const auto before = text.find(subject) == std::string_view::npos ? std::string(subject) + ": " : "";
     if (text.find('\n') == std::string_view::npos)
-        complain(verb, before + explained(error, subject));
-    else
-        complain_in_lines(verb, before + with_advice(error));
+        return complain(verb, printable(before) + explained(error, subject));
+    // The last lines of a log may be among it.
+    std::istringstream lines(before + error.what() + (error.advice().empty() ? "" : "\n" + error.advice()));
+    std::string indent;
+    for (std::string line; std::getline(lines, line); indent = "  ")
+        complain(verb, indent + printable(line));
 }
 
 void Outcome::failed(std::string_view subject, const hive::Error& error)

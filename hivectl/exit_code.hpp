@@ -33,15 +33,10 @@ std::string advice_for_missing(const std::string& drone);
 /// @param subject  the drone or port that it is about, if that is known
 std::string explained(const hive::Error& error, std::string_view subject = {});
 
-/// The error's text and its own advice. The last lines of a log may be among it.
-std::string with_advice(const hive::Error& error);
-/// One line on stderr for each line of the text.
-void complain_in_lines(std::string_view verb, const std::string& text);
 /// From now on, each failure is one line of JSON on stderr, as `hive::failure_in` reads it.
 void print_failures_as_json();
-/// Prints it, if failures are printed so. False: they are not.
-bool is_printed_as_json(const hive::Error& error, std::string_view subject);
 /// Says on stderr what failed and what to do about it.
+/// @param subject  the drone or port that it is about, if that is known
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject = {});
 
 /// How something asked of several drones went, drone by drone. Failures go to stderr as they come.

@@ -6,19 +6,6 @@
 #include "table.hpp"
 
 namespace hivectl {
-namespace {
-
-/// @param before  the error's text
-void complain_about(std::string_view verb, const hive::SwarmFailure& failure, const std::string& before = "")
-{
-    const auto error = failure.error.reworded(before + failure.error.what());
-    if (is_printed_as_json(error, failure.drone))
-        return;
-    const auto text = with_advice(error);
-    complain_in_lines(verb, (text.starts_with(failure.drone) ? "" : failure.drone + ": ") + text);
-}
-
-}  // namespace
 
 SwarmWork::SwarmWork(const std::string& verb)
 {
@@ -38,11 +25,11 @@ void SwarmWork::show() { waiting_.now_for(drones_ + progress_); }
 
 int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {
-    for (const auto& failure : outcome.failures)
-        complain_about(verb, failure);
+    for (const auto& [drone, error] : outcome.failures)
+        complain_about(verb, error, drone);
     const std::string remains = outcome.failures.empty() ? "could not be ended: " : "not undone: ";
-    for (const auto& failure : outcome.remains)
-        complain_about(verb, failure, remains);
+    for (const auto& [drone, error] : outcome.remains)
+        complain_about(verb, error.reworded(remains + error.what()), drone);
     if (interrupt::requested())
         return interrupt::exit_code();
     if (!outcome.failures.empty())

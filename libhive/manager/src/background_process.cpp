@@ -9,7 +9,7 @@
 #include <fcntl.h>
 #include <fstream>
 #include <sys/wait.h>
-#include <unistd.h>
+#include <utility>
 
 namespace hive {
 namespace {
@@ -35,23 +35,18 @@ Child started(const fs::path& program, std::vector<std::string> words, const std
 
 }  // namespace
 
-BackgroundProcess::BackgroundProcess(const fs::path& program, const std::vector<std::string>& arguments,
-                                     const std::vector<std::string>& environment, const fs::path& log, Life life)
-    : BackgroundProcess(program, arguments, environment, log, life, size_or_zero(log))
+LogFromNow::LogFromNow(fs::path file) : file_(std::move(file)), begin_(size_or_zero(file_)) {}
+
+/// A log that is shorter than it was has been cut off by the drone: all of it is of this run.
+std::string LogFromNow::last_lines(std::size_t lines) const
 {
+    return hive::last_lines(file_, lines, begin_ <= size_or_zero(file_) ? begin_ : 0);
 }
 
 BackgroundProcess::BackgroundProcess(const fs::path& program, const std::vector<std::string>& arguments,
-                                     const std::vector<std::string>& environment, const fs::path& log, Life life,
-                                     std::uintmax_t log_begin)
-    : Child(started(program, arguments, environment, log, life == Life::tied)), log_(log), log_begin_(log_begin)
+                                     const std::vector<std::string>& environment, LogFromNow log, Life life)
+    : Child(started(program, arguments, environment, log.file(), life == Life::tied)), log_(std::move(log))
 {
-}
-
-std::string BackgroundProcess::last_words(std::size_t lines) const
-{
-    // A log that is shorter than it was has been cut off by the drone: all of it is of this run.
-    return last_lines(log_, lines, log_begin_ <= size_or_zero(log_) ? log_begin_ : 0);
 }
 
 std::string how_it_ended(int status)

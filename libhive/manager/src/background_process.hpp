@@ -10,6 +10,18 @@
 
 namespace hive {
 
+/// What is written to a log from now on.
+class LogFromNow {
+public:
+    LogFromNow(std::filesystem::path file);
+    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+    [[nodiscard]] std::string last_lines(std::size_t lines) const;
+
+private:
+    std::filesystem::path file_;
+    std::uintmax_t begin_;  ///< what was in it before
+};
+
 class BackgroundProcess : public Child {
 public:
     enum class Life {
@@ -21,20 +33,15 @@ public:
     /// to `log`. `environment` are NAME=VALUE on top of ours. Throws Errc::io.
     /// A tied one ends with the thread that started it: let the main thread do that.
     BackgroundProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const std::vector<std::string>& environment, const std::filesystem::path& log, Life life);
+                      const std::vector<std::string>& environment, LogFromNow log, Life life);
 
     /// A drone ends within two seconds, whatever its code does.
     void end(Clock::time_point kill_at = Clock::now() + std::chrono::seconds(3)) { Child::end(kill_at); }
     /// The last lines that it wrote, at most `lines`.
-    [[nodiscard]] std::string last_words(std::size_t lines) const;
+    [[nodiscard]] std::string last_words(std::size_t lines) const { return log_.last_lines(lines); }
 
 private:
-    BackgroundProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const std::vector<std::string>& environment, const std::filesystem::path& log, Life life,
-                      std::uintmax_t log_begin);
-
-    std::filesystem::path log_;
-    std::uintmax_t log_begin_;  // what was in the log before it
+    LogFromNow log_;
 };
 
 }  // namespace hive

@@ -1,8 +1,6 @@
 // Fork and exec: posix_spawn cannot tie a process to the life of another.
 #include "child.hpp"
 
-#include "environment.hpp"
-
 #include <hive/error.hpp>
 #include <hive/process.hpp>
 
@@ -28,6 +26,30 @@ using transport::Descriptor;
 namespace {
 
 constexpr int unknown_status = 126 << 8;
+
+/// Our environment with some variables replaced: NAME=VALUE.
+std::vector<std::string> environment_with(const std::vector<std::string>& replacements)
+{
+    const auto same_variable = [](const std::string& a, const std::string& b) {
+        return a.substr(0, a.find('=')) == b.substr(0, b.find('='));
+    };
+    std::vector<std::string> result = replacements;
+    for (char** variable = environ; *variable; ++variable)
+        if (std::ranges::none_of(replacements,
+                                 [&](const auto& replacement) { return same_variable(replacement, *variable); }))
+            result.emplace_back(*variable);
+    return result;
+}
+
+/// For exec; valid as long as the texts are.
+std::vector<char*> pointers(const std::vector<std::string>& texts)
+{
+    std::vector<char*> result;
+    for (const auto& text : texts)
+        result.push_back(const_cast<char*>(text.c_str()));  // the interface of exec is older than const
+    result.push_back(nullptr);
+    return result;
+}
 
 /// All that the child needs, made before the fork: afterwards it may allocate nothing.
 struct Beginning {

@@ -10,8 +10,6 @@
 
 #include <algorithm>
 
-#include <sys/wait.h>
-
 namespace hive {
 namespace {
 
@@ -225,10 +223,7 @@ public:
         const auto status = start_.process()->ended();
         if (!status)
             return std::nullopt;
-        const auto code = *status == 0         ? Errc::stopped
-                          : WIFEXITED(*status) ? errc_of_exit(WEXITSTATUS(*status))
-                                               : Errc::failed;
-        return Error(code,
+        return Error(*status == 0 ? Errc::stopped : errc_of_status(*status),
                      name() + " " + how_it_ended(*status) + "; " + log_text(start_.process()->last_words(lines_shown)));
     }
 

@@ -66,6 +66,8 @@ Errc errc_of_exit(int code)
     return Errc::failed;
 }
 
+Errc errc_of_status(int status) { return WIFEXITED(status) ? errc_of_exit(WEXITSTATUS(status)) : Errc::failed; }
+
 std::string log_text(const std::string& last_words)
 {
     const auto end = last_words.find_last_not_of('\n') + 1;
@@ -76,8 +78,7 @@ std::string subject_of(const SwarmDrone& drone) { return (takes_over(drone) ? "t
 
 Error not_ready(const std::string& drone, int status, const std::string& last_words)
 {
-    return {WIFEXITED(status) ? errc_of_exit(WEXITSTATUS(status)) : Errc::failed,
-            drone + " " + how_its_start_ended(status) + "; " + log_text(last_words)};
+    return {errc_of_status(status), drone + " " + how_its_start_ended(status) + "; " + log_text(last_words)};
 }
 
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)

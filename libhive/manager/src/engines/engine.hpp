@@ -74,6 +74,8 @@ std::vector<std::string> arguments_of(const SwarmDrone& drone);
 
 /// The error that has this exit code, as far as a drone can have met it before it was ready.
 Errc errc_of_exit(int code);
+/// The same of a status as of waitpid.
+Errc errc_of_status(int status);
 /// "its log says:" and the last lines that a process wrote.
 std::string log_text(const std::string& last_words);
 /// Why a drone will not run whose process has ended so, as of waitpid.

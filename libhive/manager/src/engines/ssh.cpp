@@ -81,7 +81,7 @@ private:
     void look_at_the_silent(std::vector<Report>& reports);
     void hear_running(const std::string& drone, std::vector<Report>& reports);
     void read_log(const std::string& drone, std::vector<Report>& reports);
-    Place place_of(const std::string& drone, const Json& started);
+    Place place_of(const std::string& drone, const Json& places);
     void await_starts(Clock::time_point until);
     [[nodiscard]] std::optional<Error> stop_there(const std::vector<std::string>& drones,
                                                   Clock::time_point until) const;
@@ -139,15 +139,6 @@ std::vector<std::string> words_to_replace(SwarmDrone drone)
         words.emplace_back("--lose-state");
     drone.take_over_s = 0;
     return words_of(std::move(words), drone);
-}
-
-std::vector<std::string> texts_in(const Json& list)
-{
-    std::vector<std::string> texts;
-    for (const auto& item : list)
-        if (item.is_string())
-            texts.push_back(item.get<std::string>());
-    return texts;
 }
 
 bool SshEngine::may_start() const
@@ -259,13 +250,14 @@ try {
     connected_ = true;
     if (result.exit_code == 0) {
         const Json started = parse_json(result.out);
-        const bool found = Fields(started, "what hivectl start printed").flag_or("found", false);
+        const Fields fields(started, "what hivectl start printed");
+        const bool found = fields.flag_or("found", false);
         if (found)
             begun_.erase(drone);  // somebody else's, or that of a hivectl that was killed: not ours to end
         return {.drone = drone,
-                .place = place_of(drone, started),
+                .place = place_of(drone, fields.array("places")),
                 .found = found,
-                .log = Fields(started, "what hivectl start printed").text_or("log", "")};
+                .log = fields.text_or("log", "")};
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has ended it
@@ -311,12 +303,14 @@ try {
     return error;  // there is no key here
 }
 
-Place SshEngine::place_of(const std::string& drone, const Json& started)
+Place SshEngine::place_of(const std::string& drone, const Json& places)
 {
     if (address_.empty())
         address_ = remote_.address(5s);
-    const auto places = texts_in(Fields(started, "what hivectl start printed").array("places"));
-    return {.drone = drone, .host = remote_.host(), .address = remote_.met_at(places, address_), .ssh = ssh_};
+    std::vector<std::string> texts;
+    for (const auto& place : places)
+        texts.push_back(place.is_string() ? place.get<std::string>() : "");
+    return {.drone = drone, .host = remote_.host(), .address = remote_.met_at(texts, address_), .ssh = ssh_};
 }
 
 /// A start that is under way there goes on when its ssh is ended here, so it is waited for, as long as the hivectl

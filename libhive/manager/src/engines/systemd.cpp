@@ -41,7 +41,7 @@ public:
 
 private:
     struct Unit {
-        std::uintmax_t log_begin = 0;
+        LogFromNow log;
         bool met = false;  ///< reported
     };
     using Words = std::vector<std::string>;
@@ -75,13 +75,6 @@ std::filesystem::path unit_directory()
     const auto config = variable("XDG_CONFIG_HOME");
     return (config.empty() ? std::filesystem::path(variable("HOME")) / ".config" : std::filesystem::path(config))
            / "systemd" / "user";
-}
-
-std::uintmax_t size_of(const std::filesystem::path& file)
-{
-    std::error_code missing;
-    const auto size = std::filesystem::file_size(file, missing);
-    return missing ? 0 : size;
 }
 
 /// "KEY=VALUE" lines, one unit after another with an empty line between them.
@@ -171,12 +164,12 @@ void SystemdEngine::write(const SwarmDrone& drone)
     for (const std::string variable : {"HIVE_KEY", "XDG_CONFIG_HOME"})  // where the key is
         if (const char* const value = std::getenv(variable.c_str()))
             command.environment.push_back(variable + "=" + value);
-    const auto log = home_.path(drone.name, ".log");
-    const auto text = unit_text(drone, command, log);
+    LogFromNow from_now(home_.path(drone.name, ".log"));
+    const auto text = unit_text(drone, command, from_now.file());
     std::error_code problem;
     std::filesystem::create_directories(unit_directory(), problem);
     event::replace_file(unit_directory() / unit_name(drone.name), text);
-    units_[drone.name] = {.log_begin = size_of(log)};
+    units_.insert_or_assign(drone.name, Unit{.log = std::move(from_now)});
 }
 
 /// One call after another; when one fails, nothing that is not met will be.
@@ -200,7 +193,7 @@ void SystemdEngine::fail_all(const Error& error, std::vector<Report>& reports)
 {
     calls_.clear();
     for (const auto& name : names_not_met()) {
-        units_[name].met = true;
+        units_.at(name).met = true;
         reports.push_back({.drone = name, .error = error});
     }
 }
@@ -240,9 +233,7 @@ void SystemdEngine::hear(const std::map<std::string, std::string>& said, std::ve
     const int status = number("ExecMainCode") == exited ? number("ExecMainStatus") << 8 : number("ExecMainStatus");
     auto& [name, unit] = *found;
     unit.met = true;
-    const auto log = home_.path(name, ".log");
-    const auto words = last_lines(log, journal_lines, unit.log_begin <= size_of(log) ? unit.log_begin : 0);
-    reports.push_back({.drone = name, .error = not_ready(name, status, words)});
+    reports.push_back({.drone = name, .error = not_ready(name, status, unit.log.last_lines(journal_lines))});
 }
 
 std::vector<std::string> SystemdEngine::names_not_met() const
