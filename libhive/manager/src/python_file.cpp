@@ -61,16 +61,17 @@ std::vector<fs::path> interpreters()
     return found;
 }
 
-/// Prints which of the modules that a file imports before it does anything else are not there.
+/// Prints which of the modules that a file imports before it does anything else are not there; and in a second line
+/// NumPy, if it is not there and the file seems to use images of Hive, which need it.
 constexpr const char* search_modules = R"(
 import ast, importlib.util, os, sys
 sys.path[0] = os.path.dirname(sys.argv[1])
 try:
-    statements = ast.parse(open(sys.argv[1], "rb").read()).body
+    tree = ast.parse(open(sys.argv[1], "rb").read())
 except (SyntaxError, ValueError):
     sys.exit()
 missing = []
-for place, statement in enumerate(statements):
+for place, statement in enumerate(tree.body):
     if isinstance(statement, ast.Import):
         names = [name.name for name in statement.names]
     elif isinstance(statement, ast.ImportFrom):
@@ -83,27 +84,42 @@ for place, statement in enumerate(statements):
         if module not in [*missing, *sys.modules] and not importlib.util.find_spec(module):
             missing.append(module)
 print(*missing, sep=", ")
+images = any(getattr(node, "attr", "") in ("image", "emit_image") for node in ast.walk(tree))
+print("numpy" if images and not importlib.util.find_spec("numpy") else "")
 )";
 
-/// Why this interpreter cannot run the file; empty: it can, as far as that can be told without running it.
-std::string objection(const fs::path& interpreter, const std::string& file, const std::vector<std::string>& environment)
+struct Objection {
+    std::string text = {};  ///< empty: this interpreter can run the file, as far as that can be told
+    bool without_images = false;
+};
+
+Objection objection(const fs::path& interpreter, const std::string& file, const std::vector<std::string>& environment)
 {
     const auto result = run_command({interpreter.string(), "-c", search_modules, file}, search_time, environment);
     if (result.late || result.exit_code != 0)
-        return interpreter.string() + " does not run: " + (result.late ? "no answer" : last_line(result.err));
-    const auto missing = last_line(result.out);
-    return missing.empty() ? "" : interpreter.string() + " cannot import " + missing;
+        return {interpreter.string() + " does not run: " + (result.late ? "no answer" : last_line(result.err))};
+    std::istringstream lines(result.out);
+    std::string missing, numpy;
+    std::getline(lines, missing);
+    std::getline(lines, numpy);
+    return {missing.empty() ? "" : interpreter.string() + " cannot import " + missing, !numpy.empty()};
 }
 
 fs::path interpreter_for(const std::string& file, const std::vector<std::string>& environment)
 {
     std::string objections;
+    fs::path without_images;
     for (const auto& interpreter : interpreters()) {
-        const auto why = objection(interpreter, file, environment);
-        if (why.empty())
+        const auto found = objection(interpreter, file, environment);
+        if (!found.text.empty())
+            objections += (objections.empty() ? "" : "; ") + found.text;
+        else if (!found.without_images)
             return interpreter;
-        objections += (objections.empty() ? "" : "; ") + why;
+        else if (without_images.empty())
+            without_images = interpreter;
     }
+    if (!without_images.empty())
+        return without_images;
     throw Error(Errc::not_found, fs::path(file).filename().string() + ": " + objections,
                 "install what is missing, or name another interpreter in $HIVE_PYTHON");
 }

@@ -207,6 +207,19 @@ class Programs(World):
             pass
         self.assertEqual(self.start_with(script, PATH=path), "thing\n")  # beside the file it is there for all
 
+    def test_a_file_that_uses_images_is_run_by_the_first_interpreter_that_has_numpy(self):
+        plain = self.interpreter("plain", "", "-S")  # without the packages of the system
+        lines = ["import hive", "drone = hive.Drone('thing')", "drone.parameter('flags', __import__('sys').flags.no_site)"]
+        look = ["@drone.on_event('image', 'image/*')", "def look(event):", "    event.image()"]
+        for more, first in (([], 1), (look, 0)):
+            script = self.script("\n".join([*lines, *more, "drone.run()"]))
+            environment = {**os.environ, "PATH": os.path.dirname(plain) + os.pathsep + os.environ["PATH"]}
+            environment.pop("HIVE_PYTHON", None)
+            hivectl = os.path.join(PROGRAMS, "hivectl")
+            subprocess.run([hivectl, "start", script, "--as", "thing"], check=True, timeout=60, env=environment)
+            self.assertEqual(self.swarm.get("thing")["flags"], first)
+            self.swarm.stop("thing")
+
     def test_replace_asks_for_the_file_of_what_is_no_program(self):
         hivectl = os.path.join(PROGRAMS, "hivectl")
         self.thing()
