@@ -55,21 +55,23 @@ void Reporter::report(const Error& error, const Event* cause)
         own = Share{.of = self_.name + ".exceptions", .epoch = self_.epoch, .turn = ++given_};
     if (module_)
         module_->post([this, emission = std::make_shared<const event::Emission>(std::move(event), true, own)] {
-            count(emission->event().identity);
+            count(emission->event());
             module_->emit(*exceptions_, emission);
         });
 }
 
 /// Live events do not count: their receivers do not get all of them anyway.
-void Reporter::count(const Identity& of)
+void Reporter::count(const Event& exception)
 {
-    constexpr std::size_t most_sources = 64;
+    constexpr std::size_t most_sources = 64, most_shown = 160;
+    const Identity& of = exception.identity;
     if (!of.lossless || (!failures_.contains(of.source) && failures_.size() == most_sources))
         return;
     Failures& failures = failures_[of.source];
     if (of.epoch > failures.epoch)
         failures = {.epoch = of.epoch};
     ++failures.count;
+    last_failure_ = shortened(exception.header.value("text", ""), most_shown);
 }
 
 std::string Reporter::failures(const Event* newest) const
@@ -78,7 +80,9 @@ std::string Reporter::failures(const Event* newest) const
     for (const auto& [source, failures] : failures_)
         if (!newest || newest->identity.source != source || newest->identity.epoch <= failures.epoch)
             count += failures.count;
-    return count == 0 ? "" : self_.name + " failed at " + std::to_string(count) + (count == 1 ? " event" : " events");
+    return count == 0 ? ""
+                      : self_.name + " failed at " + std::to_string(count)
+                            + (count == 1 ? " event: " : " events, at last: ") + last_failure_;
 }
 
 Event Reporter::exception_event(const Error& error, const Event* cause) const

@@ -25,14 +25,15 @@ public:
     /// @param cause  the event that was worked on, or null
     void report(const Error& error, const Event* cause = nullptr);
 
-    /// "face failed at 3 events", counting lossless ones; empty: none. See event::Outlet::Hooks.
+    /// "face failed at 3 events, at last: the image is empty", counting lossless ones; empty: none. See
+    /// event::Outlet::Hooks.
     [[nodiscard]] std::string failures(const Event* newest) const;
 
 private:
     struct Failures {
         std::int64_t epoch = 0, count = 0;
     };
-    void count(const Identity& of);
+    void count(const Event& exception);
     [[nodiscard]] Event exception_event(const Error& error, const Event* cause) const;
 
     const protocol::Hello& self_;
@@ -42,6 +43,7 @@ private:
     event::Outlet* exceptions_ = nullptr;
     event::RateLimits lines_{10, std::chrono::seconds(1)};  ///< of exceptions, by their sender
     std::map<std::string, Failures> failures_;              ///< by source; the network side
+    std::string last_failure_;                              ///< its text
     std::atomic<std::int64_t> given_ = 0;                   ///< turns of exceptions of lossless events
 };
 
