@@ -19,6 +19,7 @@ mkdir -p "$root/try"
 (cd "$place" && cpack --config "$build/CPackConfig.cmake" -G DEB -B "$place/made" -D CPACK_OUTPUT_FILE_PREFIX="$root/try" > "$place/log")
 "$source/scripts/make-wheel" "$build" "$root/try" > "$place/log"
 write_drones "$source" "$root/try"
+block "$source/libhive/docs/installing.md" sh "swarm.collect" > "$root/try/image.sh"
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
 
 cat > "$root/try/in_there.sh" << 'END'
@@ -54,8 +55,14 @@ for drone in in-cpp in-c in-python; do
     [ "$(hivectl results "$drone" -n 2 --json --timeout 30 | grep -c '"mean"')" -eq 2 ] || fail "no results of $drone"
 done
 python3 -m venv venv
-venv/bin/pip install --quiet --no-index --no-deps --disable-pip-version-check ./*.whl
-venv/bin/python -c 'import hive; print("empty_root: the wheel sees", hive.Application().drones())'
+mkdir -p build/release/packages
+mv ./*.whl ./*.deb build/release/packages/
+. venv/bin/activate
+sudo() { "$@" -y; }
+hivectl stop camera > log
+{ . ./image.sh; } > log 2>&1 || { cat log; fail "no image from the wheel"; }
+[ "$(head -c 3 image.jpg | od -An -tx1)" = " ff d8 ff" ] || fail "image.jpg is no JPEG"
+python -c 'import hive; print("empty_root: an image by the wheel, which sees", hive.Application().drones())'
 END
 chroot "$root" bash /try/in_there.sh
 echo "empty_root: nothing of the repository is needed"
