@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 
 namespace {
@@ -16,7 +17,7 @@ using gesture::Hand;
 struct Way {
     std::string name;
     std::function<std::vector<Hand>(const cv::Mat&)> find;
-    int right = 0;
+    std::map<std::string, int> right = {};  ///< by the true number of fingers
 };
 
 std::vector<Hand> by_silhouette(const cv::Mat& picture, const char* from)
@@ -57,6 +58,7 @@ int run(std::vector<std::string> arguments)
     if (arguments.empty())
         throw std::invalid_argument("no picture");
     auto all = ways(cascade);
+    std::map<std::string, int> pictures;  ///< by the true number of fingers
     std::printf("%-34s %7s", "picture", "fingers");
     for (const Way& way : all)
         std::printf(" %7s", way.name.c_str());
@@ -72,17 +74,20 @@ int run(std::vector<std::string> arguments)
         std::printf("%-34s %7s", name.c_str(), truth.c_str());
         for (Way& way : all) {
             const auto hands = way.find(picture);
-            way.right += count_text(hands) == truth ? 1 : 0;
+            way.right[truth] += count_text(hands) == truth ? 1 : 0;
             std::printf(" %7s", count_text(hands).c_str());
             if (!folder.empty() && way.name == "search")
                 draw(folder, name, picture.clone(), hands);
         }
         std::printf("\n");
+        ++pictures[truth];
     }
-    std::printf("%-34s %7zu", "right", arguments.size());
-    for (const Way& way : all)
-        std::printf(" %7d", way.right);
-    std::printf("\n");
+    for (const auto& [truth, count] : pictures) {
+        std::printf("%-34s %7s", ("right of " + std::to_string(count)).c_str(), truth.c_str());
+        for (Way& way : all)
+            std::printf(" %7d", way.right[truth]);
+        std::printf("\n");
+    }
     return 0;
 }
 
