@@ -1,6 +1,7 @@
 // A failure as programs tell it each other: one line, {"error": {"code", "text", "advice", "drone"}}.
 #pragma once
 
+#include <hive/error.hpp>
 #include <hive/json.hpp>
 
 #include <optional>
