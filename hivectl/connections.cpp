@@ -1,11 +1,11 @@
-// Joining the senders' edges with the receivers' connections: by name and by registration.
+// The rows of both ends, with the keys of --json.
 #include "connections.hpp"
 
+#include <hive/connection_ends.hpp>
 #include <hive/explain.hpp>
 
 #include <algorithm>
 #include <array>
-#include <tuple>
 
 namespace hivectl {
 namespace {
@@ -14,75 +14,14 @@ using hive::EdgeStatus;
 using hive::Fate;
 using hive::InputStatus;
 
-/// What each end says of one edge; null when it says nothing.
-struct BothEnds {
-    std::string from, to;
-    const EdgeStatus* at_sender = nullptr;
-    const InputStatus* at_receiver = nullptr;
-    std::string from_host{}, to_host{};  ///< empty: not known
-
-    [[nodiscard]] const hive::ConnectionOptions& options() const
-    {
-        return at_sender ? at_sender->options : at_receiver->options;
-    }
-    [[nodiscard]] bool is_group() const { return at_sender && at_sender->group; }
-    /// The whole group first, then its members.
-    [[nodiscard]] auto order() const { return std::tuple(from, options().group, !is_group(), to); }
-};
-
-/// Two registrations of one name are two edges, unless the receiver is only trying to come back.
-bool same_edge(const BothEnds& ends, const std::string& to, const InputStatus& input)
-{
-    return ends.at_sender && !ends.at_receiver && ends.from == input.from && ends.to == to
-           && (ends.at_sender->registration == input.registration || !input.connected);
-}
-
-/// The host of a drone that the directory knows, whether it answered or not; empty for others, such as applications.
-/// @param end  "camera.image", or the name alone
-std::string host_of(const std::string& end, const std::vector<hive::StatusAnswer>& statuses)
-{
-    const auto knows = [&](const std::string& name) {
-        return std::ranges::find(statuses, name, &hive::StatusAnswer::drone);
-    };
-    auto found = knows(end);
-    if (found == statuses.end())
-        found = knows(end.substr(0, end.rfind('.')));
-    return found == statuses.end() ? "" : found->place.host;
-}
-
-std::vector<BothEnds> joined(const std::vector<hive::StatusAnswer>& statuses)
-{
-    std::vector<BothEnds> edges;
-    for (const auto& answer : statuses)
-        for (const auto& output : answer.status.outputs)
-            for (const auto& edge : output.edges)
-                edges.push_back({answer.drone + "." + output.name, edge.receiver, &edge, nullptr});
-    for (const auto& answer : statuses)
-        for (const auto& input : answer.status.inputs) {
-            const std::string to = answer.drone + "." + input.input;
-            const auto same =
-                std::ranges::find_if(edges, [&](const BothEnds& ends) { return same_edge(ends, to, input); });
-            if (same != edges.end())
-                same->at_receiver = &input;
-            else
-                edges.push_back({input.from, to, nullptr, &input});
-        }
-    for (auto& ends : edges) {
-        ends.from_host = host_of(ends.from, statuses);
-        ends.to_host = ends.is_group() ? "" : host_of(ends.to, statuses);
-    }
-    std::ranges::stable_sort(edges, {}, &BothEnds::order);
-    return edges;
-}
-
-const char* kind_of(const BothEnds& ends)
+const char* kind_of(const hive::ConnectionEnds& ends)
 {
     if (ends.is_group())
         return "group";
     return ends.options().group.empty() ? "receiver" : "member";
 }
 
-const char* state_of(const BothEnds& ends)
+const char* state_of(const hive::ConnectionEnds& ends)
 {
     if (ends.at_sender && !ends.at_sender->connected)
         return ends.at_sender->why == hive::Reason::place_kept ? "place_kept" : "gone";
@@ -90,7 +29,7 @@ const char* state_of(const BothEnds& ends)
 }
 
 /// How the bodies travel: through shared memory, or through the socket; null as long as none did.
-hive::Json way_of(const EdgeStatus* edge)
+hive::Json way_of(const std::optional<EdgeStatus>& edge)
 {
     if (!edge)
         return nullptr;
@@ -100,12 +39,12 @@ hive::Json way_of(const EdgeStatus* edge)
 }
 
 /// Of what came to the edge, or to its receiver, what the receiver's code has not dealt with and never will.
-std::int64_t missing(const BothEnds& ends)
+std::int64_t missing(const hive::ConnectionEnds& ends)
 {
     std::int64_t events = 0;
-    if (const auto* edge = ends.at_sender)
+    if (const auto& edge = ends.at_sender)
         events += edge->events.of(Fate::dropped) + edge->events.of(Fate::abandoned) + edge->events.lost();
-    if (const auto* input = ends.at_receiver)
+    if (const auto& input = ends.at_receiver)
         events += input->dropped + input->abandoned + input->unmatched
                   + (ends.options().group.empty() ? input->discarded : 0);  // a member hands back what it discards
     return events;
@@ -113,14 +52,14 @@ std::int64_t missing(const BothEnds& ends)
 
 hive::Json text_or_null(std::string_view text) { return text.empty() ? hive::Json() : hive::Json(text); }
 
-hive::Json why_of(const BothEnds& ends)
+hive::Json why_of(const hive::ConnectionEnds& ends)
 {
     const auto at_sender = ends.at_sender ? ends.at_sender->why : hive::Reason::none;
     return text_or_null(
         hive::token(at_sender == hive::Reason::none && ends.at_receiver ? ends.at_receiver->why : at_sender));
 }
 
-void add_names(Row& row, const BothEnds& ends)
+void add_names(Row& row, const hive::ConnectionEnds& ends)
 {
     const auto& options = ends.options();
     row.add("from_host", text_or_null(ends.from_host)).add("to_host", text_or_null(ends.to_host));
@@ -132,13 +71,12 @@ void add_names(Row& row, const BothEnds& ends)
     row.add("known_by", !ends.at_receiver ? "sender" : !ends.at_sender ? "receiver" : "both");
 }
 
-void add_sender_counts(Row& row, const EdgeStatus* edge)
+void add_sender_counts(Row& row, const std::optional<EdgeStatus>& edge)
 {
     const auto add = [&](std::string_view key, std::int64_t count) {
         row.add(std::string(key), edge ? hive::Json(count) : hive::Json());
     };
-    const auto nothing = EdgeStatus{};
-    const auto& known = edge ? *edge : nothing;
+    const auto known = edge.value_or(EdgeStatus{});
     add("came", known.events.total());
     for (std::size_t fate = 0; fate < hive::fates; ++fate)
         add(token(static_cast<Fate>(fate)), known.events.of(static_cast<Fate>(fate)));
@@ -149,7 +87,7 @@ void add_sender_counts(Row& row, const EdgeStatus* edge)
     add("fallback", known.fallback);
 }
 
-void add_receiver_counts(Row& row, const InputStatus* input)
+void add_receiver_counts(Row& row, const std::optional<InputStatus>& input)
 {
     using Count = std::pair<const char*, std::int64_t InputStatus::*>;
     constexpr std::array counts{Count{"received", &InputStatus::received},
@@ -163,7 +101,7 @@ void add_receiver_counts(Row& row, const InputStatus* input)
                                 Count{"in_hand", &InputStatus::in_hand},
                                 Count{"age_us", &InputStatus::last_age_us}};
     for (const auto& [key, count] : counts)
-        row.add(key, input ? hive::Json(input->*count) : hive::Json());
+        row.add(key, input ? hive::Json((*input).*count) : hive::Json());
     row.add("error", input ? text_or_null(input->error) : hive::Json());
     const bool measured = input && input->round_trip_us > 0;
     row.add("round_trip_us", measured ? hive::Json(input->round_trip_us) : hive::Json());
@@ -171,14 +109,14 @@ void add_receiver_counts(Row& row, const InputStatus* input)
 }
 
 /// Null when the present one is wide enough, or when nothing is known of it.
-hive::Json window_advised(const BothEnds& ends)
+hive::Json window_advised(const hive::ConnectionEnds& ends)
 {
     const auto window =
         ends.at_sender && ends.at_receiver ? hive::window_that_helps(*ends.at_sender, *ends.at_receiver) : std::nullopt;
     return window ? hive::Json(*window) : hive::Json();
 }
 
-Row row_of(const BothEnds& ends)
+Row row_of(const hive::ConnectionEnds& ends)
 {
     Row row{{"from", ends.from}, {"to", ends.to}};
     add_names(row, ends);
@@ -192,7 +130,7 @@ Row row_of(const BothEnds& ends)
 std::vector<Row> connection_rows(const std::vector<hive::StatusAnswer>& statuses)
 {
     std::vector<Row> rows;
-    for (const auto& ends : joined(statuses))
+    for (const auto& ends : hive::connection_ends(statuses))
         rows.push_back(row_of(ends));
     return rows;
 }

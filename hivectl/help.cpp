@@ -88,7 +88,7 @@ std::string overview(const std::vector<Verb>& all)
              "if that is not set; each writes NAME.log there.\n"
              "exit codes: 0 done, 1 failure, 2 usage, 3 no such drone, port or parameter,\n"
              "4 unreachable, 5 refused, 6 types do not fit, 7 halted, 8 partly done,\n"
-             "9 a fault was found (explain), 124 timed out, 130 interrupted (143 by SIGTERM)\n";
+             "9 a fault was found (audit, explain), 124 timed out, 130 interrupted (143 by SIGTERM)\n";
 }
 
 std::string help_of(const Verb& verb, const CommandLine& line)

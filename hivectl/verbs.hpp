@@ -36,6 +36,7 @@
     VERB(record)                                                                                                       \
     VERB(save)                                                                                                         \
     VERB(replay)                                                                                                       \
+    VERB(audit)                                                                                                        \
     VERB(explain)                                                                                                      \
     VERB(exceptions)                                                                                                   \
     VERB(halt)                                                                                                         \

@@ -51,6 +51,7 @@ struct Verb {
 const std::vector<Verb> verbs{{"start", ""},
                               {"ps", ""},
                               {"describe", "hivectl start face"},
+                              {"audit", ""},
                               {"check", "cp " HIVE_SOURCE_DIR "/scripts/swarms/face.json doorway.json"},
                               {"schema", ""},
                               {"export", ""},

@@ -20,8 +20,8 @@ std::vector<hive::InputStatus> received(std::int64_t events)
 std::vector<hive::StatusAnswer> camera(const hive::Ledger& own)
 {
     hive::OutputStatus output{.name = "image", .type = "image/jpeg"};
-    for (const std::int64_t registration : {own_registration - 1, own_registration})
-        output.edges.push_back({.receiver = own_name, .registration = registration});
+    for (const std::int64_t number : {own_registration - 1, own_registration})
+        output.edges.push_back({.receiver = own_name, .registration = number});
     output.edges[0].events.came(50);
     output.edges[0].events.went(Fate::lost_cut_off, 50);
     output.edges[1].events = own;

@@ -1,0 +1,187 @@
+// hivectl audit: whether anything was lost.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../format.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../verbs.hpp"
+
+#include <hive/audit.hpp>
+
+#include <algorithm>
+
+namespace hivectl::audit_verb {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Options {
+    bool watch = false;
+    double interval_s = 1;
+};
+
+std::string loss_text(const hive::AuditLoss& loss)
+{
+    return std::to_string(loss.events) + " " + loss.fate + " at " + loss.at;
+}
+
+/// What was lost first, then what the connection or the receiver chose to leave out.
+std::string fates_text(const hive::AuditRow& row)
+{
+    std::string text;
+    for (const bool promised : {true, false})
+        for (const auto& loss : row.losses)
+            if (loss.promised == promised)
+                text += (text.empty() ? "" : ", ") + loss_text(loss);
+    return text;
+}
+
+std::string state_text(const hive::AuditRow& row)
+{
+    if (row.ends.is_group())
+        return "group";
+    if (!row.ends.at_sender)
+        return row.sender_answers ? "unknown to the sender" : "sender gone";
+    if (!row.ends.at_sender->connected)
+        return "receiver gone";
+    return row.receiver_answers ? "both ends" : "sender only";
+}
+
+std::string verdict_of(const hive::AuditRow& row)
+{
+    return !row.differences.empty() ? "differs" : row.lost() > 0 ? "lost" : "ok";
+}
+
+hive::Json losses_json(const hive::AuditRow& row)
+{
+    hive::Json losses = hive::Json::array();
+    for (const auto& loss : row.losses)
+        losses.push_back({{"fate", loss.fate}, {"at", loss.at}, {"events", loss.events}, {"promised", loss.promised}});
+    return losses;
+}
+
+Row row_of(const hive::AuditRow& row)
+{
+    const auto& edge = row.ends.at_sender;
+    const auto& input = row.ends.at_receiver;
+    const auto of = [](bool known, std::int64_t count) { return known ? hive::Json(count) : hive::Json(); };
+    const auto events = edge ? edge->events : hive::Ledger();
+    Row result{{"from", row.ends.from}, {"to", row.ends.to}, {"state", state_text(row)}};
+    result.add("came", of(edge.has_value(), events.total()));
+    for (std::size_t fate = 0; fate < hive::fates; ++fate)
+        result.add(std::string(token(static_cast<hive::Fate>(fate))),
+                   of(edge.has_value(), events.of(static_cast<hive::Fate>(fate))));
+    result.add("in_flight", of(edge.has_value(), events.in_flight()));
+    result.add("received", of(input.has_value(), input ? input->received : 0));
+    result.add("processed", of(input.has_value(), input ? input->processed : 0));
+    return result.add("lost", row.lost())
+        .add("fates", fates_text(row))
+        .add("losses", losses_json(row))
+        .add("differences", row.differences)
+        .add("verdict", verdict_of(row));
+}
+
+Colour verdict_colour(const hive::Json& verdict) { return loss_colour(verdict == "ok" ? 0 : 1); }
+
+const std::vector<Column> columns{{"FROM", "from"},
+                                  {"TO", "to"},
+                                  {"STATE", "state"},
+                                  {"CAME", "came"},
+                                  {"ACKNOWLEDGED", "acknowledged"},
+                                  {"IN-FLIGHT", "in_flight"},
+                                  detail({"RECEIVED", "received"}),
+                                  detail({"PROCESSED", "processed"}),
+                                  {"LOST", "lost", nullptr, nothing, loss_colour},
+                                  {"FATES", "fates", nullptr, nothing},
+                                  {"VERDICT", "verdict", nullptr, {}, verdict_colour}};
+
+std::string summary(const hive::Audit& audit)
+{
+    std::int64_t lost = 0;
+    std::size_t different = 0;
+    for (const auto& row : audit.rows) {
+        lost += row.lost();
+        different += row.differences.empty() ? 0 : 1;
+    }
+    return count_text(static_cast<std::int64_t>(audit.rows.size()), "connection") + ": "
+           + (lost == 0 ? "nothing was lost" : count_text(lost, "event") + " lost")
+           + (different == 0 ? ", all counts agree" : ", " + std::to_string(different) + " with counts that differ");
+}
+
+void report(const hive::Audit& audit, Session& session, bool watch)
+{
+    std::vector<Row> rows;
+    std::ranges::transform(audit.rows, std::back_inserter(rows), row_of);
+    if (session.json && watch)
+        return write_out(json_array(rows) + "\n");
+    print_rows(session.form(), columns, rows);
+    if (session.json)
+        return;
+    for (const auto& row : audit.rows)
+        for (const auto& difference : row.differences)
+            complain("audit", printable(row.ends.from + " -> " + row.ends.to + ": " + difference));
+    for (const auto& drone : audit.silent)
+        complain("audit", drone + " does not answer; its connections are known from their other ends only");
+    complain("audit", summary(audit));
+}
+
+int run(const Options& options, Session& session)
+{
+    auto& application = session.application(1s);
+    const interrupt::Deferred deferred;
+    bool clean = true;
+    do {
+        const auto audit = hive::audit(application);
+        clean = audit.clean();
+        report(audit, session, options.watch);
+    } while (options.watch
+             && interrupt::sleep(std::chrono::milliseconds(static_cast<std::int64_t>(options.interval_s * 1000))));
+    return interrupt::requested() && !options.watch ? interrupt::exit_code()
+           : clean                                  ? exit_code::done
+                                                    : exit_code::found;
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto options = std::make_shared<Options>();
+    const auto watch = line.flag("--watch", options->watch, "print the table again and again, until Ctrl-C");
+    line.option("--interval", options->interval_s, "with --watch: time between two tables (default 1)")
+        .type_name("SECONDS")
+        .seconds(0.05, 3600)
+        .needs(watch);
+    return [options, &session] { return run(*options, session); };
+}
+
+}  // namespace
+
+Verb verb()
+{
+    return {.name = "audit",
+            .group = "errors",
+            .usage = "[--watch] [options]",
+            .summary = "Says whether anything was lost, and where",
+            .details =
+                "One row for each connection, and one for each group, with the counts of both ends. CAME is always the "
+                "sum of ACKNOWLEDGED, IN-FLIGHT and the fates of the sender, as hivectl connections explains them. "
+                "FATES says what became of the other events, and which drone counts it. LOST are those of them that "
+                "were promised: dropped, abandoned, lost_connection, lost_killed and lost_cut_off at the sender, "
+                "dropped and abandoned at the receiver. Not promised are events that a connection skips because the "
+                "receiver had not asked, that were under way when the receiver left, that found no partner, or that "
+                "were discarded by halt.\n\n"
+                "All drones are asked three times. What a receiver has processed at the second time is no less than "
+                "what its sender knew of at the first, and no more than what the sender had sent at the third; so "
+                "counts of a running swarm are compared without a false alarm. Where one end was restarted, only what "
+                "both have seen is compared. STATE: both ends; sender only, if the receiver is an application or does "
+                "not answer; receiver gone; sender gone.\n\n"
+                "The exit code is 9 if anything was lost or the ends contradict each other, otherwise 0. With --watch, "
+                "that of the last table.",
+            .examples = "hivectl audit\n"
+                        "hivectl audit --json | jq '.[] | select(.lost > 0)'",
+            .timeout = "a drone that has not answered by then does not answer (default 1)",
+            .table = true,
+            .operands = {},
+            .declare = declare};
+}
+
+}  // namespace hivectl::audit_verb

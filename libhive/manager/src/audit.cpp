@@ -1,0 +1,213 @@
+// Compares the counts of both ends where they must agree, whatever is under way.
+#include <hive/audit.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace hive {
+namespace {
+
+struct Looks {
+    const std::vector<StatusAnswer>&first, &second, &third;
+};
+
+/// One end of a connection in the three answers of a drone; nothing if it did not answer, or was restarted meanwhile.
+using Answers = std::array<const Status*, 3>;
+
+std::optional<Answers> answers_of(const Looks& looks, const std::string& drone)
+{
+    Answers answers{};
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        const auto& look = i == 0 ? looks.first : i == 1 ? looks.second : looks.third;
+        const auto found = std::ranges::find(look, drone, &StatusAnswer::drone);
+        if (found == look.end() || found->error || (i > 0 && found->status.epoch != answers[0]->epoch))
+            return std::nullopt;
+        answers[i] = &found->status;
+    }
+    return answers;
+}
+
+std::string drone_of(const std::string& end) { return end.substr(0, end.rfind('.')); }
+
+/// All edges of an output for one receiver: plain and in each group, since a receiver counts these together.
+struct Sent {
+    std::int64_t acknowledged = 0, sent = 0;
+    bool known = false;      ///< there is such an edge
+    int plain = 0;           ///< edges that are not in a group
+    bool connected = false;  ///< with the registration that was asked for
+};
+
+Sent sent_to(const Status& sender, const ConnectionEnds& ends, std::int64_t registration)
+{
+    Sent sum;
+    for (const auto& output : sender.outputs)
+        for (const auto& edge : output.edges) {
+            if (edge.group || edge.receiver != ends.to || !ends.from.ends_with("." + output.name))
+                continue;
+            sum.acknowledged += edge.events.of(Fate::acknowledged);
+            sum.sent +=
+                edge.events.total() - edge.waiting - edge.events.of(Fate::skipped) - edge.events.of(Fate::dropped);
+            sum.known = true;
+            sum.plain += edge.options.group.empty() ? 1 : 0;
+            sum.connected = sum.connected || (edge.connected && edge.registration == registration);
+        }
+    return sum;
+}
+
+const InputStatus* input_of(const Status& receiver, const ConnectionEnds& ends)
+{
+    const auto found = std::ranges::find_if(receiver.inputs, [&](const InputStatus& input) {
+        return input.from == ends.from && ends.to.ends_with("." + input.input);
+    });
+    return found == receiver.inputs.end() ? nullptr : &*found;
+}
+
+std::int64_t dealt_with(const InputStatus& input) { return input.received - input.queued - input.in_hand; }
+
+/// With connections of this input that have ended.
+std::int64_t dealt_with(const Status& receiver, const InputStatus& input)
+{
+    std::int64_t sum = dealt_with(input);
+    for (const auto& row : receiver.left)
+        if (row.input == input.input)
+            sum += dealt_with(row);
+    return sum;
+}
+
+bool balances(const InputStatus& input)
+{
+    return input.received
+           == input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped + input.unmatched
+                  + input.queued + input.in_hand;
+}
+
+/// Which end started first, by the sender's clock; nothing if the clocks of two machines were not compared.
+struct Started {
+    bool sender_first = false, receiver_first = false;
+};
+
+Started started(const Status& sender, const Status& receiver, const ConnectionEnds& ends, const InputStatus& input)
+{
+    constexpr std::int64_t margin_us = 1'000'000;
+    const bool one_clock = ends.from_host == ends.to_host;
+    if (!one_clock && input.round_trip_us == 0)
+        return {};
+    const auto by_sender_clock = receiver.epoch + (one_clock ? 0 : input.clock_offset_us);
+    const auto margin = one_clock ? 0 : margin_us;
+    return {.sender_first = sender.epoch + margin < by_sender_clock,
+            .receiver_first = by_sender_clock + margin < sender.epoch};
+}
+
+/// What both ends count of the same events. Each end covers the other one's life only if it started first.
+void compare_counts(AuditRow& row, const Answers& sender, const Answers& receiver, const InputStatus& input)
+{
+    const auto before = sent_to(*sender[0], row.ends, input.registration),
+               after = sent_to(*sender[2], row.ends, input.registration);
+    const auto first = started(*sender[0], *receiver[1], row.ends, input);
+    const auto known = dealt_with(*receiver[1], input), worked = input.processed + input.unmatched;
+    if (first.receiver_first && before.plain <= 1 && before.acknowledged > known)
+        row.differences.push_back("the sender counts " + std::to_string(before.acknowledged)
+                                  + " acknowledged events, of which the receiver knows " + std::to_string(known));
+    if (first.sender_first && after.known && worked > after.sent)
+        row.differences.push_back("the receiver has processed " + std::to_string(worked)
+                                  + " events, of which the sender has sent " + std::to_string(after.sent));
+}
+
+/// Only what all three looks show: a connection may be made or ended meanwhile.
+void compare_states(AuditRow& row, const Answers& sender, const Answers& receiver)
+{
+    bool missing = true, unknown = true;
+    for (std::size_t i = 0; i < sender.size(); ++i) {
+        const auto* input = input_of(*receiver[i], row.ends);
+        const auto registration = input                ? input->registration
+                                  : row.ends.at_sender ? row.ends.at_sender->registration
+                                                       : 0;
+        const bool connected = sent_to(*sender[i], row.ends, registration).connected;
+        missing = missing && connected && (!input || !input->connected);
+        unknown = unknown && !connected && input && input->connected;
+    }
+    if (missing)
+        row.differences.emplace_back("the sender has it registered, and the receiver is not connected");
+    if (unknown)
+        row.differences.emplace_back("the receiver is connected, and the sender has no such registration");
+}
+
+void check_ends(AuditRow& row)
+{
+    if (const auto& edge = row.ends.at_sender; edge && (edge->events.in_flight() < edge->waiting || edge->waiting < 0))
+        row.differences.push_back("the sender counts more events than came: " + std::to_string(edge->events.total())
+                                  + " came, " + std::to_string(edge->events.in_flight()) + " are left over");
+    if (const auto& input = row.ends.at_receiver; input && !balances(*input))
+        row.differences.push_back("the receiver's counts do not add up to the " + std::to_string(input->received)
+                                  + " events that it has received");
+}
+
+void add_losses(AuditRow& row)
+{
+    const auto add = [&](std::string_view fate, const std::string& at, std::int64_t events, bool promised) {
+        if (events > 0)
+            row.losses.push_back({std::string(fate), at, events, promised});
+    };
+    const auto sender = drone_of(row.ends.from), receiver = drone_of(row.ends.to);
+    if (const auto& edge = row.ends.at_sender)
+        for (const auto fate : {Fate::skipped, Fate::dropped, Fate::abandoned, Fate::lost_connection, Fate::lost_killed,
+                                Fate::lost_cut_off, Fate::lost_left})
+            add(token(fate), sender, edge->events.of(fate), fate != Fate::skipped && fate != Fate::lost_left);
+    if (const auto& input = row.ends.at_receiver) {
+        add("dropped", receiver, input->dropped, true);
+        add("abandoned", receiver, input->abandoned, true);
+        add("unmatched", receiver, input->unmatched, false);
+        if (row.ends.options().group.empty())  // a member hands back what it discards
+            add("discarded", receiver, input->discarded, false);
+    }
+}
+
+}  // namespace
+
+std::int64_t AuditRow::lost() const
+{
+    std::int64_t sum = 0;
+    for (const auto& loss : losses)
+        sum += loss.promised ? loss.events : 0;
+    return sum;
+}
+
+bool Audit::clean() const
+{
+    return std::ranges::all_of(rows, [](const AuditRow& row) { return row.lost() == 0 && row.differences.empty(); });
+}
+
+Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnswer>& second,
+            const std::vector<StatusAnswer>& third)
+{
+    const Looks looks{first, second, third};
+    Audit audit;
+    for (auto& ends : connection_ends(third)) {
+        AuditRow row{.ends = std::move(ends)};
+        const auto sender = answers_of(looks, drone_of(row.ends.from));
+        const auto receiver = row.ends.is_group() ? std::nullopt : answers_of(looks, drone_of(row.ends.to));
+        row.sender_answers = sender.has_value();
+        row.receiver_answers = receiver.has_value();
+        check_ends(row);
+        add_losses(row);
+        if (sender && receiver) {
+            if (const auto* input = input_of(*(*receiver)[1], row.ends))
+                compare_counts(row, *sender, *receiver, *input);
+            compare_states(row, *sender, *receiver);
+        }
+        audit.rows.push_back(std::move(row));
+    }
+    for (const auto& answer : third)
+        if (answer.error)
+            audit.silent.push_back(answer.drone);
+    return audit;
+}
+
+Audit audit(Application& application)
+{
+    const auto drones = application.drones();
+    const auto first = application.status(drones), second = application.status(drones);
+    return audit(first, second, application.status(drones));
+}
+
+}  // namespace hive
