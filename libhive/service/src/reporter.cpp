@@ -1,26 +1,12 @@
 // Writes the log and makes the exception events of a drone.
 #include "reporter.hpp"
 
+#include "log_line.hpp"
+
 #include <hive/event/emission.hpp>
 #include <hive/printable.hpp>
 
-#include <spdlog/spdlog.h>
-
 namespace hive::service {
-namespace {
-
-spdlog::level::level_enum of_spdlog(LogLevel level)
-{
-    switch (level) {
-    case LogLevel::debug: return spdlog::level::debug;
-    case LogLevel::info: return spdlog::level::info;
-    case LogLevel::warning: return spdlog::level::warn;
-    case LogLevel::error: break;
-    }
-    return spdlog::level::err;
-}
-
-}  // namespace
 
 void Reporter::attach(event::Module& module)
 {
@@ -34,7 +20,7 @@ void Reporter::log(LogLevel level, const std::string& text) const
     if (sink_)
         sink_(level, text);
     else
-        spdlog::log(of_spdlog(level), "{}: {}", self_.name, text);
+        write_log_line(level, self_.name, text);
 }
 
 void Reporter::report(const Error& error, const Event* cause)

@@ -184,8 +184,6 @@ void Staying::crashed(const std::string& drone, Care& care)
 
 void Staying::follow_starts()
 {
-    if (claim_ && claim_is_wanted(application_.home(), plan_->name))
-        give_way();
     for (auto& [drone, care] : cares_) {
         if (!care.starting)
             continue;
@@ -205,6 +203,8 @@ void Staying::follow_starts()
         }
         care.starting.reset();
     }
+    if (claim_ && claim_is_wanted(application_.home(), plan_->name))
+        give_way();
 }
 
 /// What is not ready is ended, so that whoever changes the swarm next meets none that comes up behind its back.
