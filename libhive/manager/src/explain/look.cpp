@@ -101,8 +101,7 @@ std::vector<const EdgeStatus*> awaited(const OutputStatus& output)
                     edges.push_back(&member);
     }
     std::ranges::sort(edges);
-    const auto repeated = std::ranges::unique(edges);
-    edges.erase(repeated.begin(), repeated.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     return edges;
 }
 

@@ -1,8 +1,9 @@
 // Causes as words of JSON, and as one line.
 #include <hive/explain.hpp>
 
+#include <algorithm>
 #include <array>
-#include <ranges>
+#include <span>
 
 namespace hive {
 namespace {
@@ -68,7 +69,8 @@ std::string to_text(const Explanation& explanation)
     constexpr std::size_t max_named = 3;
     std::string text;
     const bool blocked = !explanation.causes.empty() && explanation.causes.front().blocks;
-    for (const auto& cause : explanation.causes | std::views::take(max_named))
+    const std::span causes(explanation.causes);
+    for (const auto& cause : causes.first(std::min(causes.size(), max_named)))
         if (cause.blocks == blocked)
             text += (text.empty() ? "" : "; also: ") + cause.text
                     + (cause.evidence.empty() ? "" : " (" + cause.evidence + ")")
