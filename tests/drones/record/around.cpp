@@ -92,8 +92,7 @@ TEST_CASE("recording around an event: the end of the source ends the file, which
         const auto recorder = swarm.drone("record", "record", settings);
         application.connect({"source", ""}, {"record", ""}, {.window = 64, .group = {}, .lease = {}});
         application.resume("source");
-        REQUIRE(eventually([&] { return std::filesystem::exists(file); }));
-        REQUIRE(eventually([&] { return application.status("record").condition == "waiting for index=20"; }));
+        REQUIRE(eventually([&] { return has(swarm.log("record"), "closed " + file.string()); }));
     }
     const Clip clip(file);
     CHECK(clip.before == 40);
