@@ -249,6 +249,7 @@ void RecordDrone::take(const hive::Event& event)
 
 void RecordDrone::take_around(const hive::Event& event)
 {
+    last_.forget_before(event.received - seconds(before_));
     const bool fits = condition_.holds(event.header);
     if (fits)
         clip_ends_ = Clock::now() + seconds(after_);
@@ -260,7 +261,6 @@ void RecordDrone::take_around(const hive::Event& event)
         hive::recording::append(*writer_, event);
     else
         last_.keep(event);
-    last_.forget_before(event.received - seconds(before_));
 }
 
 bool RecordDrone::clip_is_over() const { return opened_.around && writer_ && Clock::now() >= clip_ends_; }

@@ -71,7 +71,7 @@ void InputProgress::heard(std::int64_t generation, std::int64_t number, bool wor
     worked_ = done_ + (std::ranges::find(in_hand_, false, &Delivery::worked) - in_hand_.begin());
 }
 
-/// What the sender may give when it is told this.
+/// The number up to which the sender may deliver once it has this request.
 std::int64_t InputProgress::allowed(std::int64_t ask, std::int64_t worked) const
 {
     return std::max(allowed_, options_.transfer == Transfer::streaming ? worked + Credit::most_streamed : ask);

@@ -19,7 +19,7 @@ struct Cause {
         suspended,        ///< by SIGSTOP or Ctrl-Z
         no_answer,        ///< runs on this machine, and does not answer
         unreachable,      ///< does not answer from another machine
-        refused,          ///< the drone, or a sender, lets nobody in: a key, a version, a type
+        refused,          ///< the drone or a sender refuses the connection: a key, a version, a type
         starting,         ///< not ready yet
         halted,           ///< until it is resumed
         set_prepared,     ///< an application prepared a set and has not decided it yet

@@ -45,7 +45,7 @@ public:
     void forget();
 
     [[nodiscard]] std::int64_t arrived() const { return done_ + static_cast<std::int64_t>(in_hand_.size()); }
-    /// Deliveries that leave room for so many fewer when it registers, forgotten ones too: those that are not
+    /// Deliveries that count against the window when it registers, forgotten ones too: those that are not
     /// processed; if it may not ask for more, those that are not acknowledged.
     [[nodiscard]] std::int64_t held(bool may_ask) const
     {
