@@ -226,7 +226,7 @@ void Outlet::release_held()
 
 void Outlet::expect(const Subscriber& subscriber, std::optional<Clock::time_point> until)
 {
-    table_.expect(++next_id_, subscriber, until);
+    table_.expect(subscriber, until);
     if (subscriber.pid != 0)
         expected_[subscriber.receiver] = subscriber.pid;
     refresh();

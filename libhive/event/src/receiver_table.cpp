@@ -1,6 +1,8 @@
 // Receivers that come, follow one another and go.
 #include <hive/event/receiver_table.hpp>
 
+#include <hive/platform/process.hpp>
+
 #include <algorithm>
 #include <functional>
 #include <utility>
@@ -14,6 +16,9 @@ bool is_of(const std::string& receiver, const std::string& drone)
 }
 
 bool takes_bodies(const Newcomer& newcomer) { return newcomer.options.delivery == Delivery::data; }
+
+/// Nobody can guess it; not 0, and no larger than an integer of the protocol.
+std::int64_t new_place() { return static_cast<std::int64_t>(platform::entropy() >> 12) + 1; }
 
 }  // namespace
 
@@ -109,14 +114,17 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
     const bool goes_on = subscription.present() || subscription.awaited();
     const auto taken = plain.place == newcomer.place ? newcomer.taken : std::nullopt;
     if (!goes_on)
-        plain.place = epoch_ + static_cast<std::int64_t>(newcomer.id);
+        plain.place = new_place();
     plain.tried = newcomer.tried;
     plain.run = newcomer.run;
     plain.registered.options = newcomer.options;
     plain.registered.newest = newcomer.epoch;
     ++plain.registered.now;
-    seats_[newcomer.id] = {
-        .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .plain = &plain};
+    seats_[newcomer.id] = {.receiver = newcomer.receiver,
+                           .run = newcomer.run,
+                           .registration = newcomer.epoch,
+                           .plain = &plain,
+                           .is_back = goes_on};
     subscription.set_passive(newcomer.guest || !takes_bodies(newcomer));
     const auto behind =
         subscription.attach(newcomer.id, newcomer.options, {taken, newcomer.held}, nullptr, now, decisions);
@@ -156,9 +164,8 @@ void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Dec
     for (Plain& plain : plain_)
         if (seat.group && plain.receiver == newcomer.receiver && !plain.subscription.present())
             seat.subscription().adopt(std::move(plain.subscription), now, decisions);
-    const bool has_them = seat.plain && seat.plain->place != epoch_ + static_cast<std::int64_t>(newcomer.id);
     for (auto& [name, group] : groups_)
-        if (&group != seat.group && was_last(group, newcomer) && !has_them)
+        if (&group != seat.group && was_last(group, newcomer) && !seat.is_back)
             seat.subscription().adopt(std::move(group.subscription), now, decisions);
 }
 
@@ -360,7 +367,7 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
         group.subscription.tick(now, decisions);
 }
 
-void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until)
+void ReceiverTable::expect(const Subscriber& subscriber, std::optional<Clock::time_point> until)
 {
     if (!subscriber.group.empty()) {
         Group& group = group_named(subscriber.group);
@@ -372,7 +379,7 @@ void ReceiverTable::expect(Id id, const Subscriber& subscriber, std::optional<Cl
         Plain{.receiver = subscriber.receiver,
               .subscription = Subscription({.receiver = subscriber.receiver, .application = !unique}),
               .unique = unique});
-    plain.place = epoch_ + static_cast<std::int64_t>(id);
+    plain.place = new_place();
     plain.registered.gone = ++order_;
     if (subscriber.dormant)
         plain.subscription.go_on_missing(subscriber.missed);

@@ -9,10 +9,10 @@ using namespace std::chrono_literals;
 
 namespace {
 
-void expect(World& world, ReceiverId id, const std::string& receiver, const std::string& group = "",
+void expect(World& world, const std::string& receiver, const std::string& group = "",
             std::optional<Clock::duration> patience = 30s)
 {
-    world.table.expect(id, {.output = "image", .receiver = receiver, .group = group},
+    world.table.expect({.output = "image", .receiver = receiver, .group = group},
                        patience ? std::optional(world.now + *patience) : std::nullopt);
 }
 
@@ -26,8 +26,8 @@ Newcomer drone(ReceiverId id, const std::string& receiver, const ConnectionOptio
 TEST_CASE("expect: each that an earlier run had gets every event, whoever comes first")
 {
     World world;
-    expect(world, 1, "x.image");
-    expect(world, 2, "y.image");
+    expect(world, "x.image");
+    expect(world, "y.image");
     CHECK(world.table.why() == Reason::place_kept);
     CHECK(world.table.fans_out());
     CHECK(world.offer(1, true).empty());
@@ -43,8 +43,8 @@ TEST_CASE("expect: each that an earlier run had gets every event, whoever comes 
 TEST_CASE("expect: two applications of one name, and a third that nobody expected")
 {
     World world;
-    expect(world, 1, "hivectl");
-    expect(world, 2, "hivectl");
+    expect(world, "hivectl");
+    expect(world, "hivectl");
     world.offer(1, true);
     CHECK(world.add(3, "hivectl", window(1)) == Got{{3, {1}}});
     CHECK(world.add(4, "hivectl", window(1)) == Got{{4, {1}}});
@@ -56,8 +56,8 @@ TEST_CASE("expect: two applications of one name, and a third that nobody expecte
 TEST_CASE("expect: one that does not come is waited for as long as was said, and its events are counted as lost")
 {
     World world;
-    expect(world, 1, "x.image");
-    expect(world, 2, "y.image", "", std::nullopt);
+    expect(world, "x.image");
+    expect(world, "y.image", "", std::nullopt);
     world.offer(1, true);
     world.pass(29s);
     CHECK(world.table.subscribers().size() == 2);
@@ -89,7 +89,7 @@ TEST_CASE("expect: what a receiver missed is counted on when its sender crashes"
     before.offer(2, true);
     CHECK(before.table.timed());  // so that the count is soon written down
     for (const auto& subscriber : before.table.subscribers())
-        after.table.expect(subscriber.dormant ? 1 : 2, subscriber, after.now + 30s);
+        after.table.expect(subscriber, after.now + 30s);
     CHECK(after.offer(3, true).empty());  // y is waited for, x is not
     CHECK(after.add(drone(3, "y.image")) == Got{{3, {3}}});
     after.ask(3, {2, 1, 1});
@@ -112,7 +112,7 @@ TEST_CASE("expect: what an application misses of a live source is not remembered
 TEST_CASE("expect: a live source waits for nobody")
 {
     World world;
-    expect(world, 1, "x.image");
+    expect(world, "x.image");
     world.offer(1);
     CHECK(world.table.why() == Reason::no_receiver);
     CHECK(world.add(drone(2, "x.image")).empty());
@@ -122,14 +122,14 @@ TEST_CASE("expect: a live source waits for nobody")
 TEST_CASE("expect: a group is there when the first of its members is, and gives up what waits when none comes")
 {
     World world;
-    expect(world, 1, "x.image", "workers");
-    expect(world, 2, "y.image", "workers");
+    expect(world, "x.image", "workers");
+    expect(world, "y.image", "workers");
     world.offer(1, true);
     CHECK(world.table.why() == Reason::group_awaited);
     CHECK(world.add(drone(3, "y.image", sharing(1))) == Got{{3, {1}}});
     CHECK(world.table.subscribers().size() == 2);
     World alone;
-    expect(alone, 1, "x.image", "workers");
+    expect(alone, "x.image", "workers");
     alone.offer(1, true);
     alone.pass(31s);
     CHECK(alone.failed == Sequences{1});

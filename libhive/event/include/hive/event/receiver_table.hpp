@@ -99,7 +99,7 @@ public:
     void tick(Clock::time_point now, Decisions& decisions);
     /// An earlier run of this drone had this one.
     /// @param until  wait so long for it; empty: until it is there
-    void expect(Id id, const Subscriber& subscriber, std::optional<Clock::time_point> until);
+    void expect(const Subscriber& subscriber, std::optional<Clock::time_point> until);
     /// The registrations of this drone, or of one input of it.
     [[nodiscard]] std::vector<Id> registered(const std::string& drone) const;
     /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
@@ -164,6 +164,7 @@ private:
         std::int64_t run = 0;
         std::int64_t registration = 0;
         Plain* plain = nullptr;
+        bool is_back = false;      ///< `plain` went on, and did not begin with it
         Group* group = nullptr;    ///< one of the two
         std::optional<Id> heir{};  ///< it was followed by this one, and deals with what it has in hand
 
