@@ -25,6 +25,7 @@
     VERB(connect)                                                                                                      \
     VERB(disconnect)                                                                                                   \
     VERB(connections)                                                                                                  \
+    VERB(graph)                                                                                                        \
     VERB(set)                                                                                                          \
     VERB(get)                                                                                                          \
     VERB(results)                                                                                                      \

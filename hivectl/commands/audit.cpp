@@ -21,65 +21,18 @@ struct Options {
     double interval_s = 1;
 };
 
-std::string loss_text(const hive::AuditLoss& loss)
-{
-    return std::to_string(loss.events) + " " + loss.fate + " at " + loss.at;
-}
-
-/// What was lost first, then what the connection or the receiver chose to leave out.
-std::string fates_text(const hive::AuditRow& row)
-{
-    std::string text;
-    for (const bool promised : {true, false})
-        for (const auto& loss : row.losses)
-            if (loss.promised == promised)
-                text += (text.empty() ? "" : ", ") + loss_text(loss);
-    return text;
-}
-
-std::string state_text(const hive::AuditRow& row)
-{
-    if (row.ends.is_group())
-        return "group";
-    if (!row.ends.at_sender)
-        return row.sender_answers ? "unknown to the sender" : "sender gone";
-    if (!row.ends.at_sender->connected)
-        return "receiver gone";
-    return row.receiver_answers ? "both ends" : "sender only";
-}
-
-std::string verdict_of(const hive::AuditRow& row)
-{
-    return !row.differences.empty() ? "differs" : row.lost() > 0 ? "lost" : "ok";
-}
-
-hive::Json losses_json(const hive::AuditRow& row)
-{
-    hive::Json losses = hive::Json::array();
-    for (const auto& loss : row.losses)
-        losses.push_back({{"fate", loss.fate}, {"at", loss.at}, {"events", loss.events}, {"promised", loss.promised}});
-    return losses;
-}
-
+/// In the order in which a person reads them.
 Row row_of(const hive::AuditRow& row)
 {
-    const auto& edge = row.ends.at_sender;
-    const auto& input = row.ends.at_receiver;
-    const auto of = [](bool known, std::int64_t count) { return known ? hive::Json(count) : hive::Json(); };
-    const auto events = edge ? edge->events : hive::Ledger();
-    Row result{{"from", row.ends.from}, {"to", row.ends.to}, {"state", state_text(row)}};
-    result.add("came", of(edge.has_value(), events.total()));
+    const auto json = to_json(row);
+    Row result;
+    for (const auto* key : {"from", "to", "state", "came"})
+        result.add(key, json.at(key));
     for (std::size_t fate = 0; fate < hive::fates; ++fate)
-        result.add(std::string(token(static_cast<hive::Fate>(fate))),
-                   of(edge.has_value(), events.of(static_cast<hive::Fate>(fate))));
-    result.add("in_flight", of(edge.has_value(), events.in_flight()));
-    result.add("received", of(input.has_value(), input ? input->received : 0));
-    result.add("processed", of(input.has_value(), input ? input->processed : 0));
-    return result.add("lost", row.lost())
-        .add("fates", fates_text(row))
-        .add("losses", losses_json(row))
-        .add("differences", row.differences)
-        .add("verdict", verdict_of(row));
+        result.add(std::string(token(static_cast<hive::Fate>(fate))), json.at(token(static_cast<hive::Fate>(fate))));
+    for (const auto* key : {"in_flight", "received", "processed", "lost", "fates", "losses", "differences", "verdict"})
+        result.add(key, json.at(key));
+    return result;
 }
 
 Colour verdict_colour(const hive::Json& verdict) { return loss_colour(verdict == "ok" ? 0 : 1); }

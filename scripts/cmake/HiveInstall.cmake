@@ -97,7 +97,7 @@ set(CPACK_DEBIAN_LIBHIVE0_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/package/trig
 set(CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_SECTION libdevel)
 string(APPEND CPACK_DEBIAN_LIBHIVE-DEV_PACKAGE_DEPENDS
   ", nlohmann-json3-dev, libopencv-core-dev, libopencv-imgproc-dev, libpng-dev, libturbojpeg0-dev")
-set(CPACK_DEBIAN_HIVECTL_PACKAGE_SUGGESTS "hive")
+set(CPACK_DEBIAN_HIVECTL_PACKAGE_SUGGESTS "hive, graphviz")
 string(APPEND CPACK_DEBIAN_HIVE-FACE_PACKAGE_DEPENDS ", opencv-data")
 string(APPEND CPACK_DEBIAN_HIVE-GESTURE_PACKAGE_DEPENDS ", opencv-data")
 foreach(package hivectl ${drones})

@@ -162,6 +162,28 @@ void add_losses(AuditRow& row)
     }
 }
 
+/// What was lost first, then what the connection or the receiver chose to leave out.
+std::string fates_text(const AuditRow& row)
+{
+    std::string text;
+    for (const bool promised : {true, false})
+        for (const auto& loss : row.losses)
+            if (loss.promised == promised)
+                text += (text.empty() ? "" : ", ") + std::to_string(loss.events) + " " + loss.fate + " at " + loss.at;
+    return text;
+}
+
+std::string state_of(const AuditRow& row)
+{
+    if (row.ends.is_group())
+        return "group";
+    if (!row.ends.at_sender)
+        return row.sender_answers ? "unknown to the sender" : "sender gone";
+    if (!row.ends.at_sender->connected)
+        return "receiver gone";
+    return row.receiver_answers ? "both ends" : "sender only";
+}
+
 }  // namespace
 
 std::int64_t AuditRow::lost() const
@@ -201,6 +223,42 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
         if (answer.error)
             audit.silent.push_back(answer.drone);
     return audit;
+}
+
+Json to_json(const AuditRow& row)
+{
+    const auto& edge = row.ends.at_sender;
+    const auto& input = row.ends.at_receiver;
+    const auto of = [](bool known, std::int64_t count) { return known ? Json(count) : Json(); };
+    const auto events = edge ? edge->events : Ledger();
+    Json losses = Json::array();
+    for (const auto& loss : row.losses)
+        losses.push_back({{"fate", loss.fate}, {"at", loss.at}, {"events", loss.events}, {"promised", loss.promised}});
+    Json json{{"from", row.ends.from},
+              {"to", row.ends.to},
+              {"state", state_of(row)},
+              {"came", of(edge.has_value(), events.total())},
+              {"in_flight", of(edge.has_value(), events.in_flight())},
+              {"received", of(input.has_value(), input ? input->received : 0)},
+              {"processed", of(input.has_value(), input ? input->processed : 0)},
+              {"lost", row.lost()},
+              {"fates", fates_text(row)},
+              {"losses", losses},
+              {"differences", row.differences},
+              {"verdict", !row.differences.empty() ? "differs"
+                          : row.lost() > 0         ? "lost"
+                                                   : "ok"}};
+    for (std::size_t fate = 0; fate < fates; ++fate)
+        json[token(static_cast<Fate>(fate))] = of(edge.has_value(), events.of(static_cast<Fate>(fate)));
+    return json;
+}
+
+Json to_json(const Audit& audit)
+{
+    Json rows = Json::array();
+    for (const auto& row : audit.rows)
+        rows.push_back(to_json(row));
+    return {{"clean", audit.clean()}, {"connections", rows}, {"silent", audit.silent}};
 }
 
 Audit audit(Application& application)

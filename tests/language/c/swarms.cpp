@@ -262,6 +262,12 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     CHECK_MESSAGE(text.json().at("text").get<std::string>().find("source has halted") != std::string::npos,
                   text.text());
     CHECK(hive_application_explain(lab.application, nullptr, text.place(), nullptr) == HIVE_INVALID_ARGUMENT);
+    REQUIRE(hive_application_audit(lab.application, text.place(), nullptr) == HIVE_OK);
+    CHECK(text.json().at("clean") == true);
+    CHECK(text.json().at("connections").at(0).at("verdict") == "ok");
+    REQUIRE(hive_application_graph(lab.application, text.place(), nullptr) == HIVE_OK);
+    CHECK(text.json().at("drones").size() == 2);
+    CHECK(text.json().at("connections").at(0).at("to") == "worker.image");
     for (const char* drone : {"source", "worker"})
         CHECK(hive_application_stop(lab.application, drone) == HIVE_OK);
     CHECK(eventually([&] { return hive_application_stop(lab.application, "source") != HIVE_OK && lab.is_empty(); }));

@@ -5,11 +5,14 @@
 #include <hive/protocol/connect_text.hpp>
 #include <hive/swarm_export.hpp>
 
+#include <process.hpp>
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
 using namespace hive;
+using hive::test::has;
 
 namespace {
 
@@ -48,8 +51,6 @@ std::string file_of(const std::vector<ExportedFile>& files, const std::string& n
     REQUIRE_MESSAGE(found != files.end(), name);
     return found->text;
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

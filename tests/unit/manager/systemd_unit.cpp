@@ -3,13 +3,11 @@
 
 #include <hive/error.hpp>
 
+#include <process.hpp>
+
 #include <doctest/doctest.h>
 
-namespace {
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-}  // namespace
+using hive::test::has;
 
 TEST_CASE("systemd unit: what systemd would read otherwise is quoted")
 {

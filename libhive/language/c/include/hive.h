@@ -403,6 +403,15 @@ HIVE_API hive_code hive_application_replace(hive_application* application, const
    "age_us"}]}. Looks twice, 300 ms apart. */
 HIVE_API hive_code hive_application_explain(hive_application* application, const char* outputs, char** json,
                                             size_t* length);
+/* Whether anything was lost: {"clean": false if it was, "connections": [{"from", "to", "state", "came", a count for
+   each fate, "in_flight", "received", "processed", "lost", "fates": a text, "losses": [{"fate", "at", "events",
+   "promised"}], "differences": [text], "verdict": "ok", "lost" or "differs"}], "silent": [drones that did not answer]}.
+   A count is null if its end did not answer. Asks all drones three times. */
+HIVE_API hive_code hive_application_audit(hive_application* application, char** json, size_t* length);
+/* What the swarm is made of: {"drones": [{"name", "host", "kind", "state"}], "connections": [{"from", "to", "group",
+   "connected"}]}. "host" is "local" for this machine, and "" for an application; "state" is "silent" if a drone did not
+   answer. */
+HIVE_API hive_code hive_application_graph(hive_application* application, char** json, size_t* length);
 HIVE_API hive_code hive_application_halt(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_resume(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_stop(hive_application* application, const char* drone);

@@ -1,10 +1,9 @@
-// A drone in the background, a process that takes over from one, and why nothing comes from one.
+// A drone in the background, and a process that takes over from one.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
 #include "waiting.hpp"
 
-#include <hive/explain.hpp>
 #include <hive/start.hpp>
 
 using namespace hive;
@@ -77,20 +76,5 @@ hive_code hive_application_replace(hive_application* application, const char* dr
         wanted.drone.kind = given.text("kind");
         wanted.drone.lose_state = given.flag("lose_state");
         give_place(replace(open, wanted), place);
-    });
-}
-
-hive_code hive_application_explain(hive_application* application, const char* outputs, char** json, size_t* length)
-{
-    return guarded([&] {
-        const auto object = get<ApplicationObject>(application);
-        object->with([&](Application& open) {
-            const OwnTimeout looking(open, std::min<std::chrono::milliseconds>(500ms, object->timeout()),
-                                     object->timeout());
-            std::vector<Endpoint> ends;
-            for (const auto& text : names_of(required(outputs, "the outputs"), "the outputs"))
-                ends.push_back(open.endpoint(text));
-            give_json(to_json(explain(open, ends)), json, length);
-        });
     });
 }

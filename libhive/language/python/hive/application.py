@@ -396,6 +396,16 @@ class Application(Finding):
         """
         return ask_object(lib.hive_application_explain, self._handle, as_json(self._ends(flat(*outputs))))
 
+    def audit(self) -> dict[str, Any]:
+        """Whether anything was lost: "clean"; "connections", each as `hivectl audit --json` prints it; "silent", the
+        drones that did not answer."""
+        return ask_object(lib.hive_application_audit, self._handle)
+
+    def graph(self) -> dict[str, Any]:
+        """What the swarm is made of, as `hivectl graph --json` prints it: "drones" have "name", "host", "kind" and
+        "state", "connections" have "from", "to", "group" and "connected"."""
+        return ask_object(lib.hive_application_graph, self._handle)
+
     def exceptions(self, *drones: Names) -> Collector:
         """Receives the exceptions of drones: events whose header has "code", "text", "policy", "input"."""
         return Collector(ask_handle(lib.hive_application_exceptions, self._handle, as_json(self._named(flat(*drones)))))

@@ -43,4 +43,11 @@ Audit audit(Application& application);
 Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnswer>& second,
             const std::vector<StatusAnswer>& third);
 
+/// {"from", "to", "state", "came", a count for each fate, "in_flight", "received", "processed", "lost", "fates": a
+/// text, "losses": [{"fate", "at", "events", "promised"}], "differences": [text], "verdict": "ok", "lost" or
+/// "differs"}; a count is null if its end did not answer.
+Json to_json(const AuditRow& row);
+/// {"clean": flag, "connections": [rows as above], "silent": [drones]}
+Json to_json(const Audit& audit);
+
 }  // namespace hive

@@ -1,0 +1,102 @@
+// hivectl graph: what the swarm is made of.
+#include "../command_line.hpp"
+#include "../exit_code.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../verbs.hpp"
+
+#include <hive/graph.hpp>
+#include <hive/process.hpp>
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace hivectl::graph_verb {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A text as a file without a name: dot reads none from its command line.
+class Unnamed {
+public:
+    explicit Unnamed(const std::string& text) : descriptor_(::memfd_create("graph", 0))
+    {
+        if (descriptor_ < 0 || ::write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+            throw hive::Error(hive::Errc::io, "no memory for a graph of " + std::to_string(text.size()) + " bytes");
+    }
+    ~Unnamed() { ::close(descriptor_); }
+    Unnamed(const Unnamed&) = delete;
+    Unnamed& operator=(const Unnamed&) = delete;
+    [[nodiscard]] std::string path() const
+    {
+        return "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(descriptor_);
+    }
+
+private:
+    int descriptor_;
+};
+
+std::string svg_of(const std::string& dot)
+{
+    const Unnamed file(dot);
+    const auto drawn = [&] {
+        try {
+            return hive::run_command({"dot", "-Tsvg", file.path()}, 30s);
+        } catch (const hive::Error& error) {
+            throw hive::Error(hive::Errc::not_found, "dot cannot be run: " + std::string(error.what()),
+                              "install Graphviz (apt install graphviz)");
+        }
+    }();
+    if (drawn.exit_code != 0)
+        throw hive::Error(hive::Errc::failed, "dot failed: " + printable(drawn.err),
+                          "see what it read: hivectl graph --as dot");
+    return drawn.out;
+}
+
+int run(const std::string& form, Session& session)
+{
+    auto& application = session.application(1s);
+    const auto graph = hive::graph(application);
+    if (session.json || form == "json")
+        write_out(json_text(to_json(graph)) + "\n");
+    else if (form == "dot")
+        write_out(to_dot(graph));
+    else if (form == "svg")
+        write_out(svg_of(to_dot(graph)));
+    else if (graph.drones.empty())
+        complain("graph", "no drones in " + session.home().string() + "; start one: hivectl start KIND");
+    else
+        write_out(to_text(graph));
+    return exit_code::done;
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto form = std::make_shared<std::string>("text");
+    line.option("--as", *form, "text (default), dot (for Graphviz), svg (drawn by Graphviz) or json")
+        .type_name("FORM")
+        .one_of({"text", "dot", "svg", "json"});
+    return [form, &session] { return run(*form, session); };
+}
+
+}  // namespace
+
+Verb verb()
+{
+    return {.name = "graph",
+            .group = "connections",
+            .usage = "[--as text|dot|svg|json] [options]",
+            .summary = "Shows what the swarm is made of: machines, drones and connections",
+            .details =
+                "Each drone stands under its machine (local: this one), with its kind, its state and what it sends "
+                "to whom. In dot and svg machines are frames, applications are dashed, and connections that are "
+                "not there now are dotted. svg needs the package graphviz. json has drones (name, host, kind, "
+                "state) and connections (from, to, group, connected); host is empty for an application.",
+            .examples = "hivectl graph\n"
+                        "hivectl graph --as dot > swarm.dot",
+            .timeout = "a drone that has not answered by then is shown as silent (default 1)",
+            .operands = {},
+            .declare = declare};
+}
+
+}  // namespace hivectl::graph_verb

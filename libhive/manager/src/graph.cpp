@@ -1,0 +1,156 @@
+// What a swarm is made of, from the status of its drones. Draws nothing: Graphviz makes the picture.
+#include <hive/graph.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace hive {
+namespace {
+
+/// The drone of "camera.image" among those of the graph, or the whole text: an application.
+std::string owner_of(const std::string& end, const std::set<std::string>& drones)
+{
+    auto name = end.substr(0, end.rfind('.'));
+    return drones.contains(name) ? name : end;
+}
+
+bool is_there(const ConnectionEnds& ends)
+{
+    const bool registered = ends.at_sender && (ends.at_sender->connected || ends.at_sender->why == Reason::place_kept);
+    return !ends.is_group() && (registered || ends.at_receiver);
+}
+
+bool is_connected(const ConnectionEnds& ends)
+{
+    return (!ends.at_sender || ends.at_sender->connected) && (!ends.at_receiver || ends.at_receiver->connected);
+}
+
+std::string quoted(const std::string& text)
+{
+    std::string result = "\"";
+    for (const char c : text)
+        result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    return result + "\"";
+}
+
+std::string port_of(const std::string& end, const std::string& drone)
+{
+    return end == drone ? "" : end.substr(drone.size() + 1);
+}
+
+std::string details_of(const GraphDrone& drone)
+{
+    return drone.kind.empty() ? drone.state.empty() ? "application" : drone.state : drone.kind + ", " + drone.state;
+}
+
+std::set<std::string> names_of(const SwarmGraph& graph)
+{
+    std::set<std::string> names;
+    for (const auto& drone : graph.drones)
+        names.insert(drone.name);
+    return names;
+}
+
+std::string group_text(const ConnectionEnds& ends)
+{
+    return ends.options().group.empty() ? "" : " (group " + ends.options().group + ")";
+}
+
+/// Red: it does not answer; yellow: it does nothing until somebody lets it.
+std::string_view style_of(const GraphDrone& drone)
+{
+    return drone.host.empty()                                     ? "style=dashed"
+           : drone.kind.empty()                                   ? "fillcolor=mistyrose"
+           : drone.state == "halted" || drone.state == "stopping" ? "fillcolor=lightyellow"
+                                                                  : "fillcolor=white";
+}
+
+/// "\\n" is a line end of Graphviz, so it is not quoted.
+std::string node_text(const GraphDrone& drone)
+{
+    auto label = quoted(drone.name);
+    label.insert(label.size() - 1, "\\n" + details_of(drone));
+    return quoted(drone.name) + " [label=" + label + ", " + std::string(style_of(drone)) + "];\n";
+}
+
+}  // namespace
+
+SwarmGraph graph(Application& application) { return graph(application.status(application.drones())); }
+
+SwarmGraph graph(const std::vector<StatusAnswer>& statuses)
+{
+    SwarmGraph graph;
+    std::set<std::string> names;
+    for (const auto& answer : statuses) {
+        names.insert(answer.drone);
+        graph.drones.push_back({.name = answer.drone,
+                                .host = answer.place.host,
+                                .kind = answer.error ? "" : answer.status.kind,
+                                .state = answer.error ? "silent" : std::string(token(answer.status.state))});
+    }
+    for (auto& ends : connection_ends(statuses)) {
+        if (!is_there(ends))
+            continue;
+        for (const auto& end : {ends.from, ends.to})
+            if (const auto owner = owner_of(end, names); names.insert(owner).second)
+                graph.drones.push_back({.name = owner, .host = {}, .kind = {}, .state = {}});
+        graph.connections.push_back(std::move(ends));
+    }
+    std::ranges::sort(graph.drones, {}, [](const GraphDrone& drone) { return std::tie(drone.host, drone.name); });
+    return graph;
+}
+
+std::string to_dot(const SwarmGraph& graph)
+{
+    const auto names = names_of(graph);
+    std::map<std::string, std::string> machines;
+    for (const auto& drone : graph.drones)
+        machines[drone.host] += "    " + node_text(drone);
+    std::string text =
+        "digraph swarm {\n  rankdir=LR;\n  node [shape=box, style=\"rounded,filled\", fontname=\"sans-serif\"];\n  "
+        "edge [fontname=\"sans-serif\", fontsize=10];\n  graph [fontname=\"sans-serif\", style=rounded, color=gray];\n";
+    for (const auto& [host, nodes] : machines)
+        text += host.empty() ? nodes
+                             : "  subgraph " + quoted("cluster " + host) + " {\n    label=" + quoted(host) + ";\n"
+                                   + nodes + "  }\n";
+    for (const auto& ends : graph.connections) {
+        const auto from = owner_of(ends.from, names), to = owner_of(ends.to, names);
+        text += "  " + quoted(from) + " -> " + quoted(to)
+                + " [label=" + quoted(port_of(ends.from, from) + group_text(ends))
+                + (is_connected(ends) ? "" : ", style=dotted") + "];\n";
+    }
+    return text + "}\n";
+}
+
+std::string to_text(const SwarmGraph& graph)
+{
+    const auto names = names_of(graph);
+    std::string text, host;
+    for (const auto& drone : graph.drones) {
+        if (drone.host.empty())
+            continue;  // it is named where something is sent to it
+        if (drone.host != host)
+            text += (text.empty() ? "" : "\n") + (host = drone.host) + ":\n";
+        text += "  " + drone.name + " (" + details_of(drone) + ")\n";
+        for (const auto& ends : graph.connections)
+            if (owner_of(ends.from, names) == drone.name)
+                text += "    " + port_of(ends.from, drone.name) + " -> " + ends.to + group_text(ends)
+                        + (is_connected(ends) ? "" : ", not connected") + "\n";
+    }
+    return text;
+}
+
+Json to_json(const SwarmGraph& graph)
+{
+    Json drones = Json::array(), connections = Json::array();
+    for (const auto& drone : graph.drones)
+        drones.push_back({{"name", drone.name}, {"host", drone.host}, {"kind", drone.kind}, {"state", drone.state}});
+    for (const auto& ends : graph.connections)
+        connections.push_back(
+            {{"from", ends.from}, {"to", ends.to}, {"group", ends.options().group}, {"connected", is_connected(ends)}});
+    return {{"drones", drones}, {"connections", connections}};
+}
+
+}  // namespace hive
