@@ -22,6 +22,7 @@ bool as_it_was_sent(const hive::Event& event)
 
 void sleeper(hive::Drone& drone)
 {
+    bool emits = true;
     int start_ms = 0, work_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
     drone.parameter("start_ms", start_ms, hive::between(0, 600'000).in("ms"),
                     "how long it takes at the next start until it is ready");
@@ -34,6 +35,7 @@ void sleeper(hive::Drone& drone)
                     "throws once, on the first event with this sequence number or a later one; 0: never");
     drone.parameter("throw_every", throw_every, hive::at_least(0),
                     "throws on each event whose sequence number it divides, at every attempt; 0: never");
+    drone.parameter("emits", emits, {}, "gives a result for each event");
     const auto result = drone.output("result", "application/json",
                                      "in the header: seq and index of the input, its age when the work was done");
     drone.on_start([&] { std::this_thread::sleep_for(std::chrono::milliseconds(start_ms)); });
@@ -55,6 +57,8 @@ void sleeper(hive::Drone& drone)
             if (event.body.size() == event.size && event.header.contains("sum") && !as_it_was_sent(event))
                 throw std::runtime_error("the bytes of event " + std::to_string(event.identity.sequence)
                                          + " have changed on the way");
+            if (!emits)
+                return;
             result.emit({{"seq", event.identity.sequence},
                          {"index", event.header.value("index", std::int64_t{0})},
                          {"age_us", event.age().count()}});

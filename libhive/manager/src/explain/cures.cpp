@@ -20,6 +20,16 @@ constexpr std::array<const char*, 3> places{"source", "url", "file"};
 
 std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
+Endpoint endpoint(const std::string& end) { return {owner_of(end), end.substr(owner_of(end).size() + 1)}; }
+
+/// Of the connection in which it lies.
+std::pair<Endpoint, Endpoint> ends_of(const Cause& cause)
+{
+    const std::string arrow = " -> ";
+    const auto at = cause.connection.find(arrow);
+    return {endpoint(cause.connection.substr(0, at)), endpoint(cause.connection.substr(at + arrow.size()))};
+}
+
 /// The parameter that names its source, and its value; empty: it has none.
 std::pair<std::string, std::string> source_of(Application& application, const std::string& drone)
 {
@@ -92,19 +102,26 @@ void name_receiver(Application& application, Cause& cause)
 /// Smaller bodies, where the output can make them.
 void shrink(Application& application, Cause& cause)
 {
-    const auto sender = owner_of(cause.connection.substr(0, cause.connection.find(" -> ")));
-    const auto output = cause.connection.substr(sender.size() + 1, cause.connection.find(" -> ") - sender.size() - 1);
-    const auto interface = application.describe(sender);
-    const auto* port = interface.output(output);
+    const auto [from, to] = ends_of(cause);
+    const auto interface = application.describe(from.drone);
+    const auto* port = interface.output(from.port);
     cause.command = "hivectl connections " + cause.drone;
     if (port && std::ranges::find(port->encodings, std::string("jpeg"), &Encoding::word) != port->encodings.end())
-        cause.command = "hivectl connect " + sender + "." + output + " "
-                        + cause.connection.substr(cause.connection.find(" -> ") + 4) + " --encoding jpeg:50";
+        cause.command = "hivectl connect " + end_text(from) + " " + end_text(to) + " --encoding jpeg:50";
+}
+
+/// A connection that its sender will always refuse has to go.
+void withdraw(Application& application, Cause& cause)
+{
+    const auto [from, to] = ends_of(cause);
+    if (!fit(from, application.describe(from.drone), to, application.describe(to.drone)))
+        cause.command = "hivectl disconnect " + end_text(from) + " " + end_text(to);
 }
 
 void complete(Application& application, Cause& cause)
 try {
     switch (cause.what) {
+    case What::refused: return cause.connection.empty() ? void() : withdraw(application, cause);
     case What::condition: return name_source(application, cause);
     case What::not_connected: return name_sender(application, cause);
     case What::held:

@@ -213,12 +213,14 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
     for (const auto& output : status.outputs) {
         if ((port.empty() ? output.name == "exceptions" : output.name != port) || output.why == Reason::no_receiver)
             continue;
-        const auto usual = output.produced > 0 ? status.uptime_us / output.produced : 0;
+        const auto usual = output.produced > 0 ? (output.last_emitted_us - status.epoch) / output.produced : 0;
         if (quiet_us(status, output) < std::max(recent_us, periods * usual))
             continue;
         const auto end = answer.drone + "." + output.name;
         const auto since = "nothing for " + duration_text(quiet_us(status, output)) + ", "
                            + std::to_string(output.produced) + " events before";
+        if (output.why == Reason::source_ended && status.why == Reason::source_ended)
+            continue;  // the drone itself is named
         if (output.why == Reason::source_ended)
             add(What::source_ended, answer.drone, end + " has come to its end", since,
                 "hivectl replace " + answer.drone);

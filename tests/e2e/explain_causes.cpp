@@ -1,0 +1,193 @@
+// hivectl explain: drones that die, hang or say nothing, each made for real and named.
+#include "explained.hpp"
+
+#include <free_port.hpp>
+#include <possible.hpp>
+#include <raw_peer.hpp>
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <fcntl.h>
+#include <thread>
+#include <unistd.h>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// The explanation, once it is this one.
+Found awaited(const Swarm& swarm, const std::string& words, const std::string& causes, Milliseconds patience = 15'000ms)
+{
+    Found now;
+    CHECK_MESSAGE(eventually([&] { return (now = found(swarm, words)).causes == causes; }, patience), now.text());
+    return now;
+}
+
+bool runs(const Swarm& swarm, const std::string& words)
+{
+    return eventually([&] { return found(swarm, words).runs(); });
+}
+
+}  // namespace
+
+TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a build without sanitizers)")
+{
+    if (!possible(missing_if_sanitized()))
+        return;
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=20"}), fragile = swarm.drone("crasher", "fragile");
+    swarm.hivectl_done({"connect", "source", "fragile"});
+    const auto crashed = awaited(swarm, "explain fragile", "crashed fragile");
+    CHECK_MESSAGE(has(crashed.text(), "SIGSEGV in crasher::write_to_null"), crashed.text());
+    CHECK(crashed.command() == "hivectl start crasher --as fragile");
+    CHECK(found(swarm, "explain").causes == "crashed fragile");
+    CHECK(swarm.run({"/bin/sh", "-c", crashed.command() + " how=none"}).exit_code == 0);
+    CHECK(runs(swarm, "explain source fragile"));
+}
+
+TEST_CASE("explain: a drone that its swarm starts again and again")
+{
+    const Swarm swarm;
+    const auto file = (swarm.home() / "falls.json").string();
+    std::ofstream(file) << R"({"swarm": "fall", "drones": {"falls": {"kind": "ticker", "restart": "on-failure"}}})";
+    const auto up = swarm.hivectl_running({"up", file, "--stay"}, "up");
+    REQUIRE(eventually([&] { return has(swarm.log("up"), "falls"); }));
+    auto application = swarm.application();
+    std::int64_t last = 0;
+    for (int fall = 0; fall < 6; ++fall) {
+        REQUIRE_MESSAGE(eventually([&] {
+                            const auto answer = application.status(std::vector<std::string>{"falls"}).at(0);
+                            const bool again = !answer.error && answer.status.pid != last
+                                               && answer.status.state != hive::State::starting;
+                            last = again ? answer.status.pid : last;
+                            return again;
+                        }),
+                        swarm.log("up"));
+        ::kill(static_cast<pid_t>(last), SIGKILL);
+    }
+    const auto failed = awaited(swarm, "explain", "failed falls");
+    CHECK_MESSAGE(has(failed.text(), "crashed 6 times in a row"), failed.text());
+    cure(swarm, failed);
+    CHECK(eventually([&] { return found(swarm, "explain falls").causes != "failed falls"; }, 20'000ms));
+}
+
+TEST_CASE("explain: a drone of this machine that does not answer, and one of another that is gone")
+{
+    const Swarm near, far;
+    raw::Listener listener(near.home() / "mute.sock");
+    const int lock = ::open((near.home() / "mute.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    REQUIRE(::fcntl(lock, F_OFD_SETLK, &whole) == 0);
+    std::atomic<bool> over = false;
+    std::thread mute([&] {
+        std::vector<raw::Peer> peers;
+        while (!over)
+            if (auto peer = listener.accept(50ms)) {
+                peer->send(raw::hello_packet("mute", "camera"));
+                peers.push_back(std::move(*peer));
+            }
+    });
+    const auto silent = awaited(near, "explain mute --timeout 0.5", "no_answer mute");
+    over = true;
+    mute.join();
+    ::close(lock);
+    CHECK(silent.command() == "hivectl logs mute");
+
+    auto source =
+        far.drone("ticker", "source", {}, {"--listen", "tcp://127.0.0.1:" + std::to_string(free_port()), "--insecure"});
+    const auto places = far.application().status("source").places;
+    const auto port =
+        std::ranges::find_if(places, [](const std::string& place) { return place.starts_with("tcp://"); });
+    REQUIRE(port != places.end());
+    near.hivectl_done({"place", "add", "source", *port});
+    const auto worker = near.drone("sleeper", "worker");
+    near.hivectl_done({"connect", "source", "worker"});
+    CHECK(runs(near, "explain worker"));
+    source.kill();
+    const auto gone = awaited(near, "explain worker", "unreachable source");
+    CHECK_MESSAGE(has(gone.text(), "source at 127.0.0.1 does not answer"), gone.text());
+    CHECK(gone.command() == "hivectl place list");
+}
+
+TEST_CASE("explain: a sender that refuses a connection, and why")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=20"}),
+               worker = swarm.drone("sleeper", "worker", {}, {"--connect", "image=source.tock"});
+    const auto refused = awaited(swarm, "explain worker", "refused worker");
+    CHECK_MESSAGE(has(refused.text(), "tock"), refused.text());
+    CHECK_MESSAGE(has(refused.command(), "hivectl disconnect source.tock worker.image"), refused.text());
+    cure(swarm, refused);
+    cure(swarm, awaited(swarm, "explain worker", "not_connected worker"));
+    CHECK(runs(swarm, "explain worker"));
+}
+
+TEST_CASE("explain: a set that is prepared and not decided")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=20"}), worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "source", "worker"});
+    CHECK(runs(swarm, "explain worker"));
+    auto asker = raw::Peer::meet(swarm.home() / "worker.sock", "undecided");
+    REQUIRE(
+        raw::error_of(asker.ask(raw::set, {{"parameters", {{"work_ms", 1}}}, {"prepare", 7}, {"deadline_ms", 20'000}}))
+        == "");
+    std::atomic<bool> over = false;
+    std::thread alive([&] {
+        while (!over)
+            asker.next(50ms);
+    });
+    const auto prepared = found(swarm, "explain worker");
+    CHECK_MESSAGE(prepared.causes == "set_prepared worker", prepared.text());
+    over = true;
+    alive.join();
+    asker.close();
+    CHECK(runs(swarm, "explain worker"));
+}
+
+TEST_CASE("explain: on demand, a source that is only watched")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    const auto watcher = swarm.hivectl_running({"results", "source", "--notify"}, "watcher");
+    const auto watched = awaited(swarm, "explain source", "watched source");
+    CHECK(watched.command() == "hivectl results source");
+    CHECK(lines_of(swarm.hivectl_done({"results", "source", "-n", "5"})) == 5);
+}
+
+TEST_CASE("explain: code that has been busy with one event for far longer than usual, and one that emits nothing")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"}), worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    const auto results = swarm.hivectl_running({"results", "worker", "--stay"}, "results");
+    application.connect({"source", ""}, {"worker", ""});
+    CHECK(runs(swarm, "explain worker"));
+    application.set("worker", {{"work_ms", 120'000}});
+    const auto stuck = awaited(swarm, "explain worker", "stuck worker", 30'000ms);
+    CHECK_MESSAGE(has(stuck.evidence(), "input image"), stuck.text());
+    CHECK(stuck.command() == "hivectl replace worker");
+    CHECK(swarm.run({"/bin/sh", "-c", stuck.command() + " work_ms=0"}).exit_code == 0);
+    CHECK(runs(swarm, "explain worker"));
+
+    CHECK(eventually([&] { return processed(application, "worker") > 300; }));  // often enough to be usual
+    application.set("worker", {{"emits", false}});
+    const auto mute = awaited(swarm, "explain worker", "emits_nothing worker");
+    CHECK(mute.exit_code == 0);
+    CHECK_MESSAGE(has(mute.text(), "processes events and sends nothing at result"), mute.text());
+}
+
+TEST_CASE("explain: a source that makes nothing and does not say why")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50", "count=20", "ends=false"});
+    const auto worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "source", "worker"});
+    const auto silent = awaited(swarm, "explain worker", "silent_source source");
+    CHECK(silent.command() == "hivectl logs source");
+    CHECK(found(swarm, "explain").causes == "silent_source source");
+}
