@@ -38,7 +38,9 @@ refuse "zlib belongs to recording" 'zlib' protocol libhive/transport libhive/dis
 refuse "curl belongs to the drones that fetch" 'curl/' protocol libhive hivectl
 refuse "OpenSSL belongs to transport" 'openssl/' protocol libhive/discovery libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
 refuse "Avahi belongs to discovery" 'avahi-' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision libhive/recording libhive/language hivectl drones
-refuse "libmicrohttpd belongs to the drones that serve" 'microhttpd' protocol libhive hivectl
+mapfile -t no_http < <(find libhive -mindepth 1 -maxdepth 1 -not -name http)
+refuse "libmicrohttpd belongs to http" 'microhttpd' protocol "${no_http[@]}" hivectl drones
+refuse "http knows nothing else of Hive" 'hive/([a-z_]+\.hpp|[a-gi-z][a-z]*/)' libhive/http
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
     protocol/include/hive/*.hpp libhive/transport/include/hive/key.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
 

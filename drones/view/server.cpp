@@ -1,372 +1,51 @@
-// Runs GNU libmicrohttpd in a loop of ours. Everything but wake() happens on one thread, so nothing here needs a lock.
-// A request for a picture is suspended until the encoder has that, a stream until it has a newer one.
+// A request for a picture waits until the encoder has that, a stream until it has a newer one.
 #include "server.hpp"
 
 #include "answer.hpp"
 #include "encoder.hpp"
-#include "listener.hpp"
 #include "stream.hpp"
 
-#include <microhttpd.h>
-
-#include <atomic>
-#include <csignal>
-#include <poll.h>
-#include <set>
-#include <stdexcept>
-#include <sys/eventfd.h>
-#include <sys/socket.h>
-#include <thread>
-#include <unistd.h>
-#include <unordered_map>
-
 namespace view {
-namespace {
 
-using Clock = std::chrono::steady_clock;
-using Response = std::unique_ptr<MHD_Response, decltype(&MHD_destroy_response)>;
-
-constexpr auto tick = std::chrono::milliseconds(500);
-constexpr std::size_t request_bytes = 16 * 1024;  // of a request's head, and of what is on its way to one browser
-constexpr std::size_t on_their_way = 64;          // connections that are being closed, while others come
-constexpr int socket_bytes = 64 * 1024;  // in the kernel: what a slow browser sees is not much older than it is slow
-
-/// One connection is one request; and other pages may do nothing with ours.
-constexpr std::pair<const char*, const char*> headers[]{
-    {"Allow", "GET"},
-    {"Cache-Control", "no-store"},
-    {"Connection", "close"},
-    {"Content-Security-Policy",
-     "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"},
-    {"Cross-Origin-Resource-Policy", "same-origin"},
-    {"Referrer-Policy", "no-referrer"},
-    {"X-Content-Type-Options", "nosniff"},
-};
-
-Response response_of(const std::string& body)
-{
-    return {MHD_create_response_from_buffer(body.size(), const_cast<char*>(body.data()), MHD_RESPMEM_MUST_COPY),
-            MHD_destroy_response};
-}
-
-Response response_of(Jpeg jpeg)
-{
-    auto kept = std::make_unique<Jpeg>(std::move(jpeg));
-    Response response(MHD_create_response_from_buffer_with_free_callback_cls(
-                          (*kept)->size(), const_cast<unsigned char*>((*kept)->data()),
-                          [](void* of_response) { delete static_cast<Jpeg*>(of_response); }, kept.get()),
-                      MHD_destroy_response);
-    if (response)
-        kept.release();  // until the response is destroyed
-    return response;
-}
-
-}  // namespace
-
-class Server::Core {
+class Server::Core final : public hive::http::Site {
 public:
-    Core(const Settings& settings, const Exchange& exchange);
-    ~Core();
-    void wake() noexcept;
-    [[nodiscard]] int port() const noexcept { return port_; }
+    Core(const Settings& settings, const Exchange& exchange)
+        : settings_(settings), exchange_(exchange), encoder_(exchange, [this] { wake(); }), server_(settings, *this)
+    {
+    }
+    [[nodiscard]] int port() const noexcept { return server_.port(); }
 
 private:
-    /// One connection, which is one request.
-    struct Visitor {
-        int socket = -1;
-        Clock::time_point since;
-        enum { asking, waiting, answering, streaming, ended } doing = asking;
-        std::uint64_t version = 0;  ///< of the newest picture when it had asked
-    };
-    /// The answer to one request for the stream.
-    struct Streaming {
-        Core& core;
-        MHD_Connection* connection;
-        Stream stream;
-    };
+    std::optional<hive::http::Answer> answer(const Request& request, hive::http::Visit& visit) override;
 
-    void loop();
-    int patience() const;
-    void resume();
-    void end_the_late();
-    void make_room();
-    [[nodiscard]] bool full() const;
-    MHD_Result answer(MHD_Connection* connection, const Request& request);
-    MHD_Result send(MHD_Connection* connection, const Answer& answer, Jpeg jpeg);
-    void suspend(MHD_Connection* connection);
-    Response begin_stream(MHD_Connection* connection, bool plain);
-    void visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what);
-
-    static MHD_Result on_request(void* core, MHD_Connection* connection, const char* path, const char* method,
-                                 const char*, const char*, std::size_t* uploaded, void** state);
-    static void on_visit(void* core, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode what);
-    static ssize_t on_read(void* streaming, std::uint64_t, char* to, std::size_t size);
-    static void on_stream_end(void* streaming);
-
-    Settings settings_;
+    const Settings settings_;
     const Exchange& exchange_;
-    Address address_;
-    Descriptor wakes_;
     Encoder encoder_;
-    int port_ = 0;
-    Pass pass_{"", 0};
-    MHD_Daemon* daemon_ = nullptr;
-    std::unordered_map<MHD_Connection*, Visitor> visitors_;
-    std::set<MHD_Connection*> waiting_;  ///< suspended
-    std::size_t streams_ = 0;
-    bool deserted_ = false;  ///< nobody was there when the library last had its turn
-    Clock::time_point ticked_{};
-    std::atomic<bool> ending_{false};
-    std::thread thread_;
+    hive::http::Server server_;
 };
 
-Server::Core::Core(const Settings& settings, const Exchange& exchange)
-    : settings_(settings),
-      exchange_(exchange),
-      address_(settings.bind, settings.port),
-      wakes_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      encoder_(exchange, [this] { wake(); })
+std::optional<hive::http::Answer> Server::Core::answer(const Request& request, hive::http::Visit& visit)
 {
-    Descriptor socket = listen_at(address_, url_of(settings_.bind, settings_.port));
-    port_ = port_of(socket);
-    pass_ = Pass(settings_.token, port_);
-    daemon_ = MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Core::on_request, this,
-                               MHD_OPTION_LISTEN_SOCKET, socket.get(), MHD_OPTION_CONNECTION_LIMIT,
-                               static_cast<unsigned>(settings_.connections + settings_.strangers + on_their_way),
-                               MHD_OPTION_CONNECTION_MEMORY_LIMIT, request_bytes, MHD_OPTION_CONNECTION_TIMEOUT,
-                               static_cast<unsigned>(settings_.stalled.count()), MHD_OPTION_NOTIFY_CONNECTION,
-                               &Core::on_visit, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
-    if (!daemon_)
-        throw std::runtime_error("cannot serve HTTP at " + url_of(settings_.bind, port_));
-    socket.release();  // the daemon closes it
-    thread_ = std::thread([this] { loop(); });
+    if (!visit.again)
+        visit.mark = exchange_.newest(visit.now).version;
+    auto answer = answer_to(request, exchange_, visit.bind, visit.pass, {visit.streams, settings_.streams});
+    if (answer.what == Answer::text)
+        return answer;
+    auto picture = encoder_.newest(answer.plain, visit.now);
+    if (!picture.jpeg || picture.version < visit.mark)
+        return visit.late ? std::optional<hive::http::Answer>(not_ready()) : std::nullopt;
+    if (answer.what == Answer::picture)
+        answer.bytes = std::move(picture.jpeg);
+    else
+        answer.hive::http::Answer::stream = std::make_shared<Stream>(
+            [this, plain = answer.plain](Exchange::Time now) { return encoder_.newest(plain, now); }, settings_.repeat);
+    return answer;
 }
 
-Server::Core::~Core()
+Server::Server(Settings settings, const Exchange& exchange)
 {
-    ending_ = true;
-    wake();
-    thread_.join();
-    resume();  // what is suspended cannot be closed
-    MHD_stop_daemon(daemon_);
-}
-
-void Server::Core::wake() noexcept
-{
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wakes_.get(), &one, sizeof one);  // full means that it is awake
-}
-
-/// Where nobody is connected there is nothing to look after, once the library has had a turn to accept others again.
-int Server::Core::patience() const
-{
-    MHD_UNSIGNED_LONG_LONG milliseconds = 0;
-    const int ours = deserted_ && visitors_.empty() ? -1 : static_cast<int>(tick.count());
-    if (MHD_get_timeout(daemon_, &milliseconds) != MHD_YES)
-        return ours;
-    const int theirs = static_cast<int>(std::min<MHD_UNSIGNED_LONG_LONG>(milliseconds, 60'000));
-    return ours < 0 ? theirs : std::min(ours, theirs);
-}
-
-void Server::Core::loop()
-{
-    sigset_t all;
-    sigfillset(&all);
-    for (const int crash : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT})
-        sigdelset(&all, crash);
-    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the drone's own threads
-    const int events = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
-    while (!ending_) {
-        pollfd ready[]{{events, POLLIN, 0}, {wakes_.get(), POLLIN, 0}};
-        ::poll(ready, std::size(ready), patience());
-        std::uint64_t wakes = 0;
-        const bool woken = ::read(wakes_.get(), &wakes, sizeof wakes) > 0;
-        if (woken || Clock::now() - ticked_ >= tick) {
-            ticked_ = Clock::now();
-            end_the_late();
-            resume();
-        }
-        deserted_ = visitors_.empty();
-        MHD_run(daemon_);
-    }
-}
-
-void Server::Core::suspend(MHD_Connection* connection)
-{
-    waiting_.insert(connection);
-    MHD_suspend_connection(connection);
-}
-
-/// All of them; who still has to wait is suspended again.
-void Server::Core::resume()
-{
-    for (auto* connection : std::exchange(waiting_, {}))
-        MHD_resume_connection(connection);
-}
-
-/// A sender of single bytes is never idle, so the library's own timeout does not meet it.
-void Server::Core::end_the_late()
-{
-    for (const auto& [connection, visitor] : visitors_) {
-        const auto limit = visitor.doing == Visitor::asking ? settings_.asking : settings_.answering;
-        if (visitor.doing != Visitor::waiting && visitor.doing != Visitor::streaming
-            && Clock::now() - visitor.since > limit)
-            ::shutdown(visitor.socket, SHUT_RDWR);
-    }
-}
-
-void Server::Core::visit(MHD_Connection* connection, MHD_ConnectionNotificationCode what)
-{
-    if (what == MHD_CONNECTION_NOTIFY_CLOSED) {
-        visitors_.erase(connection);
-        return;
-    }
-    const int socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
-    ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &socket_bytes, sizeof socket_bytes);
-    visitors_[connection] = {socket, Clock::now()};
-    make_room();
-}
-
-/// Of those who say nothing, or not yet, the oldest goes: whoever means to ask does so at once.
-void Server::Core::make_room()
-{
-    std::size_t asking = 0;
-    Visitor* oldest = nullptr;
-    for (auto& [connection, visitor] : visitors_) {
-        if (visitor.doing != Visitor::asking)
-            continue;
-        ++asking;
-        if (!oldest || visitor.since < oldest->since)
-            oldest = &visitor;
-    }
-    if (asking <= settings_.strangers)
-        return;
-    ::shutdown(oldest->socket, SHUT_RDWR);
-    oldest->doing = Visitor::ended;
-}
-
-/// Are all places of those who may look taken, with that of whoever is answered now?
-bool Server::Core::full() const
-{
-    const auto answered = std::ranges::count_if(visitors_, [](const auto& row) {
-        return row.second.doing != Visitor::asking && row.second.doing != Visitor::ended;
-    });
-    return static_cast<std::size_t>(answered) > settings_.connections;
-}
-
-/// Called again when a request that waits for a picture is resumed.
-MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
-{
-    auto& visitor = visitors_.at(connection);
-    const bool again = visitor.doing == Visitor::waiting;
-    const auto now = Clock::now();
-    if (!again) {
-        visitor.doing = Visitor::answering;
-        visitor.since = now;
-        visitor.version = exchange_.newest(now).version;
-    }
-    const Answer answer = !again && full()
-                              ? Answer{503, "text/plain; charset=utf-8", "Too many are looking.\n"}
-                              : answer_to(request, exchange_, address_, pass_, {streams_, settings_.streams});
-    Encoded picture;
-    if (answer.what != Answer::text)
-        picture = encoder_.newest(answer.plain, now);
-    const bool ready = answer.what == Answer::text || (picture.jpeg && picture.version >= visitor.version);
-    if (!ready && now - visitor.since < settings_.preparing) {
-        visitor.doing = Visitor::waiting;
-        suspend(connection);
-        return MHD_YES;
-    }
-    visitor.doing = Visitor::answering;
-    visitor.since = now;
-    return send(connection, ready ? answer : not_ready(), std::move(picture.jpeg));
-}
-
-MHD_Result Server::Core::send(MHD_Connection* connection, const Answer& answer, Jpeg jpeg)
-{
-    const Response response = answer.what == Answer::stream    ? begin_stream(connection, answer.plain)
-                              : answer.what == Answer::picture ? response_of(std::move(jpeg))
-                                                               : response_of(answer.body);
-    if (!response)
-        return MHD_NO;
-    MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
-    for (const auto& [name, value] : headers)
-        MHD_add_response_header(response.get(), name, value);
-    if (!answer.cookie.empty()) {
-        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_SET_COOKIE, answer.cookie.c_str());
-        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_LOCATION, "/");
-    }
-    return MHD_queue_response(connection, answer.code, response.get());
-}
-
-Response Server::Core::begin_stream(MHD_Connection* connection, bool plain)
-{
-    auto newest = [this, plain](Clock::time_point now) { return encoder_.newest(plain, now); };
-    auto streaming =
-        std::make_unique<Streaming>(Streaming{*this, connection, Stream(std::move(newest), settings_.repeat)});
-    Response response(MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, request_bytes / 2, &Core::on_read,
-                                                        streaming.get(), &Core::on_stream_end),
-                      MHD_destroy_response);
-    if (response) {
-        streaming.release();  // until on_stream_end
-        ++streams_;
-        visitors_.at(connection).doing = Visitor::streaming;
-    }
-    return response;
-}
-
-ssize_t Server::Core::on_read(void* state, std::uint64_t, char* to, std::size_t size)
-{
-    auto& [core, connection, stream] = *static_cast<Streaming*>(state);
-    if (core.ending_)
-        return MHD_CONTENT_READER_END_OF_STREAM;
-    try {
-        const auto count = stream.read({to, size}, Clock::now());
-        if (count == 0)
-            core.suspend(connection);
-        return static_cast<ssize_t>(count);
-    } catch (const std::exception&) {  // no memory: this stream ends, the others go on
-        return MHD_CONTENT_READER_END_WITH_ERROR;
-    }
-}
-
-void Server::Core::on_stream_end(void* state)
-{
-    const std::unique_ptr<Streaming> streaming(static_cast<Streaming*>(state));
-    streaming->core.waiting_.erase(streaming->connection);
-    --streaming->core.streams_;
-}
-
-/// Called when the head of a request is complete, before any body: it is answered then, with or without one.
-MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
-                                    const char*, const char*, std::size_t*, void**)
-{
-    auto& core = *static_cast<Core*>(self);
-    if (core.ending_)
-        return MHD_NO;
-    const auto value = [&](MHD_ValueKind kind, const char* name) -> std::optional<std::string_view> {
-        const char* const text = MHD_lookup_connection_value(connection, kind, name);
-        return text ? std::optional<std::string_view>(text) : std::nullopt;
-    };
-    try {
-        return core.answer(connection, {.method = method,
-                                        .path = path,
-                                        .host = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST),
-                                        .token = value(MHD_GET_ARGUMENT_KIND, "token").value_or(""),
-                                        .cookie = value(MHD_COOKIE_KIND, core.pass_.cookie_name().c_str()).value_or(""),
-                                        .site = value(MHD_HEADER_KIND, "Sec-Fetch-Site").value_or("")});
-    } catch (const std::exception&) {  // no memory: this connection ends, the others go on
-        return MHD_NO;
-    }
-}
-
-void Server::Core::on_visit(void* self, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode what)
-{
-    static_cast<Core*>(self)->visit(connection, what);
-}
-
-Server::Server(const Settings& settings, const Exchange& exchange) : core_(std::make_unique<Core>(settings, exchange))
-{
+    settings.cookie = "hive-view";
+    core_ = std::make_unique<Core>(settings, exchange);
 }
 Server::~Server() = default;
 int Server::port() const noexcept { return core_->port(); }

@@ -4,6 +4,8 @@
 
 #include "encoder.hpp"
 
+#include <hive/http/answer.hpp>
+
 #include <functional>
 #include <span>
 #include <utility>
@@ -11,7 +13,7 @@
 namespace view {
 
 /// The bytes for one reader. For one thread.
-class Stream {
+class Stream final : public hive::http::EndlessBody {
 public:
     static constexpr const char* type = "multipart/x-mixed-replace; boundary=picture";
 
@@ -21,8 +23,7 @@ public:
     /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that
     /// readers that are gone are noticed
     Stream(Newest newest, std::chrono::milliseconds repeat) : newest_(std::move(newest)), repeat_(repeat) {}
-    /// Copies the next bytes; returns how many. 0: nothing to send at this time.
-    std::size_t read(std::span<char> to, Exchange::Time now);
+    std::size_t read(std::span<char> to, Exchange::Time now) override;
 
 private:
     bool begin_part(Exchange::Time now);

@@ -2,8 +2,8 @@
 #include "view_drone.hpp"
 
 #include "display.hpp"
-#include "host.hpp"
 
+#include <hive/http/host.hpp>
 #include <hive/vision/image.hpp>
 
 #include <opencv2/core/utility.hpp>
@@ -83,7 +83,7 @@ void ViewDrone::serve()
         if (http_ != 0) {
             server_ =
                 std::make_unique<Server>(Server::Settings{.bind = bind_, .port = http_, .token = token}, exchange_);
-            drone_.log("serving browsers on " + url_of(bind_, http_)
+            drone_.log("serving browsers on " + hive::http::url_of(bind_, http_)
                        + (token_.empty() ? "?token=" + drawn_token_ : ""));
         }
     } catch (const std::runtime_error& error) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "exchange.hpp"
-#include "pass.hpp"
 #include "server.hpp"
 #include "window.hpp"
 
@@ -41,7 +40,7 @@ private:
     std::string bind_ = "127.0.0.1", token_, window_ = "auto";
     bool overlay_ = true, display_ = false;
 
-    const std::string drawn_token_ = Pass::draw_token();
+    const std::string drawn_token_ = hive::http::Pass::draw_token();
     Exchange exchange_;
     Rate rate_;
     std::tuple<std::string, int, std::string> served_;  ///< address, port and token; port 0: none

@@ -9,10 +9,10 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
+#include <hive/http/pass.hpp>
+
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <sys/random.h>
 
 namespace hivectl::view_verb {
 namespace {
@@ -41,26 +41,13 @@ hive::Endpoint output_of(hive::Application& application, const std::string& from
     return output;
 }
 
-/// 128 bits of chance, as text.
-std::string drawn_token()
-{
-    std::array<unsigned char, 16> chance{};
-    if (::getrandom(chance.data(), chance.size(), 0) != static_cast<ssize_t>(chance.size()))
-        throw hive::Error(hive::Errc::io, "the system has no random numbers");
-    std::string token;
-    for (const unsigned byte : chance)
-        for (const unsigned digit : {byte >> 4, byte & 15})
-            token += "0123456789abcdef"[digit];
-    return token;
-}
-
 /// Has the page served, and returns the address that a browser has to open; empty when there is a window instead. The
 /// token goes to the drone over its socket: command lines are for everybody to read.
 std::string serve(const Options& options, hive::Application& application, const std::string& viewer)
 {
     if (options.port == 0)
         return "";
-    const auto token = drawn_token();
+    const auto token = hive::http::Pass::draw_token();
     application.set(viewer, {{"http", options.port}, {"token", token}});
     return "http://127.0.0.1:" + std::to_string(options.port) + "/?token=" + token;
 }

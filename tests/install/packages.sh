@@ -48,8 +48,8 @@ grep -q libavahi-client3 "$place/recommended" || fail "libhive0 does not recomme
 for package in libhive0 hivectl; do
     ! grep -Eq 'opencv|libav|curl' "$place/$package.depends" || fail "$package depends on what drones need: $(cat "$place/$package.depends")"
 done
-[ "$(grep -lE 'highgui|[Qq]t5|libx11|microhttpd|hive-view' "$place"/*.depends)" = "$place/hive-view.depends" ] \
-    || fail "these depend on what hive-view needs: $(grep -lE 'highgui|[Qq]t5|libx11|microhttpd|hive-view' "$place"/*.depends)"
+[ "$(grep -lE 'highgui|[Qq]t5|libx11|hive-view' "$place"/*.depends)" = "$place/hive-view.depends" ] \
+    || fail "these depend on what hive-view needs: $(grep -lE 'highgui|[Qq]t5|libx11|hive-view' "$place"/*.depends)"
 for drone in annotate record replay track zones; do
     ! grep -Eq 'opencv-(dnn|video|imgcodecs|highgui)|libav' "$place/hive-$drone.depends" || fail "hive-$drone depends on more than it needs"
 done

@@ -35,7 +35,7 @@ public:
 
 private:
     view::Address bind_{"127.0.0.1", 8080};
-    view::Pass pass_{"secret", 8080};
+    view::Pass pass_{"secret", "hive-view-8080"};
 };
 
 /// The JSON example of the drone's page.
@@ -145,7 +145,7 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
 
 TEST_CASE("answer: a page without a token is for nobody, and each token is drawn anew")
 {
-    const view::Pass closed("", 8080);
+    const view::Pass closed("", "hive-view-8080");
     const view::Request request{.method = "GET", .path = "/", .host = "127.0.0.1"};
     CHECK_FALSE(closed.in_cookie(request));
     CHECK_FALSE(closed.in_address(request));

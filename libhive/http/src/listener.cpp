@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <unistd.h>
 
-namespace view {
+namespace hive::http {
 
 Descriptor::~Descriptor()
 {
@@ -36,4 +36,4 @@ int port_of(const Descriptor& socket)
     return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
 
-}  // namespace view
+}  // namespace hive::http

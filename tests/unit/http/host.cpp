@@ -1,11 +1,11 @@
 // Who may ask, by the Host header.
-#include "host.hpp"
+#include <hive/http/host.hpp>
 
 #include <doctest/doctest.h>
 
 #include <stdexcept>
 
-using view::Address, view::host_fits;
+using hive::http::Address, hive::http::host_fits;
 
 TEST_CASE("host: at a loopback address, that address and localhost are answered, with any port or none")
 {
@@ -46,6 +46,6 @@ TEST_CASE("address: what is not one is refused with the text")
 
 TEST_CASE("address: the url is written as a browser wants it")
 {
-    CHECK(view::url_of("127.0.0.1", 8080) == "http://127.0.0.1:8080/");
-    CHECK(view::url_of("::1", 8080) == "http://[::1]:8080/");
+    CHECK(hive::http::url_of("127.0.0.1", 8080) == "http://127.0.0.1:8080/");
+    CHECK(hive::http::url_of("::1", 8080) == "http://[::1]:8080/");
 }

@@ -1,12 +1,12 @@
 // A TCP socket that listens.
 #pragma once
 
-#include "host.hpp"
+#include <hive/http/host.hpp>
 
 #include <string>
 #include <utility>
 
-namespace view {
+namespace hive::http {
 
 /// Closes it.
 class Descriptor {
@@ -26,4 +26,4 @@ private:
 Descriptor listen_at(const Address& address, const std::string& url);
 int port_of(const Descriptor& socket);
 
-}  // namespace view
+}  // namespace hive::http

@@ -1,14 +1,15 @@
 // Uses inet_pton, and knows what is special about some addresses.
-#include "host.hpp"
+#include <hive/http/host.hpp>
 
 #include <algorithm>
 #include <arpa/inet.h>
+#include <cctype>
 #include <cstring>
 #include <netinet/in.h>
 #include <optional>
 #include <stdexcept>
 
-namespace view {
+namespace hive::http {
 namespace {
 
 const in_addr& v4(const sockaddr* address) { return reinterpret_cast<const sockaddr_in*>(address)->sin_addr; }
@@ -100,4 +101,4 @@ std::string url_of(const std::string& bind, int port)
     return "http://" + (six ? "[" + bind + "]" : bind) + ":" + std::to_string(port) + "/";
 }
 
-}  // namespace view
+}  // namespace hive::http

@@ -1,16 +1,16 @@
 // Compares what a request brings with the token.
-#include "pass.hpp"
+#include <hive/http/answer.hpp>
 
-#include "answer.hpp"
-
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <stdexcept>
 #include <sys/random.h>
 #include <utility>
 
-namespace view {
+namespace hive::http {
 
-Pass::Pass(std::string token, int port) : token_(std::move(token)), name_("hive-view-" + std::to_string(port)) {}
+Pass::Pass(std::string token, std::string cookie_name) : token_(std::move(token)), name_(std::move(cookie_name)) {}
 
 std::string Pass::draw_token()
 {
@@ -32,6 +32,14 @@ bool Pass::cross_site(const Request& request)
 bool Pass::in_address(const Request& request) const { return is_token(request.token); }
 bool Pass::in_cookie(const Request& request) const { return is_token(request.cookie); }
 
+bool Pass::in_header(const Request& request) const
+{
+    constexpr std::string_view scheme = "bearer ";
+    const auto said = request.authorization.substr(0, scheme.size());
+    return std::ranges::equal(said, scheme, {}, [](unsigned char c) { return std::tolower(c); })
+           && is_token(request.authorization.substr(scheme.size()));
+}
+
 std::string Pass::cookie() const { return name_ + "=" + token_ + "; Path=/; HttpOnly; SameSite=Strict"; }
 
 /// Takes as long for any text of the right length.
@@ -45,4 +53,4 @@ bool Pass::is_token(std::string_view text) const
     return difference == 0;
 }
 
-}  // namespace view
+}  // namespace hive::http

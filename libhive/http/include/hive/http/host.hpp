@@ -5,7 +5,7 @@
 #include <string_view>
 #include <sys/socket.h>
 
-namespace view {
+namespace hive::http {
 
 /// An IPv4 or IPv6 address and a port.
 class Address {
@@ -30,4 +30,4 @@ bool host_fits(std::string_view host, const Address& bind);
 /// "http://127.0.0.1:8080/", "http://[::1]:8080/"
 std::string url_of(const std::string& bind, int port);
 
-}  // namespace view
+}  // namespace hive::http

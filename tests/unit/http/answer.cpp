@@ -1,0 +1,44 @@
+// Who may look, by what a request brings.
+#include <hive/http/answer.hpp>
+
+#include <doctest/doctest.h>
+
+using hive::http::Pass, hive::http::Request;
+
+TEST_CASE("pass: the token is taken from the header Authorization, with any spelling of the scheme")
+{
+    const Pass pass("secret", "name-1");
+    const auto said = [&](std::string_view header) {
+        return pass.in_header({.method = "GET", .path = "/", .host = "x", .authorization = header});
+    };
+    CHECK(said("Bearer secret"));
+    CHECK(said("bearer secret"));
+    for (const auto* header : {"", "secret", "Bearer", "Bearer ", "Bearer Secret", "Bearer secret ", "Bearer  secret",
+                               "Basic secret", "Bearersecret"})
+        CHECK_FALSE_MESSAGE(said(header), header);
+    CHECK_FALSE(Pass("", "name-1").in_header({.method = "GET", .path = "/", .host = "x", .authorization = "Bearer "}));
+}
+
+TEST_CASE("refusal: a page wants an address as its host, no other page, the token, and GET, in this order")
+{
+    const Pass pass("secret", "name-1");
+    const hive::http::Address bind("127.0.0.1", 80);
+    Request request{.method = "POST", .path = "/", .host = "evil.example", .site = "cross-site"};
+    const auto code = [&] {
+        const auto refused = refusal(request, bind, pass, "No token.");
+        return refused ? refused->code : 0;
+    };
+    CHECK(refusal(request, bind, pass, "")->body == "Open this page by its address.\n");
+    request.host = "localhost";
+    CHECK(refusal(request, bind, pass, "")->body == "Other pages may not look.\n");
+    request.site = "none";
+    CHECK(refusal(request, bind, pass, "No token.")->body == "No token.\n");
+    request.authorization = "Bearer secret";  // is for programs
+    CHECK(code() == 403);
+    request.cookie = "secret";
+    CHECK(code() == 405);
+    request.method = "GET";
+    CHECK(code() == 0);
+    request.host.reset();
+    CHECK(code() == 400);
+}
