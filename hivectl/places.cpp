@@ -8,6 +8,13 @@
 
 namespace hivectl {
 
+std::string host_of(const std::string& address)
+{
+    const auto begin = address.find("//");
+    const auto text = begin == std::string::npos ? address : address.substr(begin + 2);
+    return text.substr(0, text.rfind(':'));
+}
+
 bool is_elsewhere(const hive::Place& place) { return !place.address.empty() && place.host != hive::Place::here; }
 
 std::string place_text(const hive::Place& place)

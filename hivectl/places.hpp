@@ -7,6 +7,8 @@
 
 namespace hivectl {
 
+/// "cam1" of tcp://cam1:7700.
+std::string host_of(const std::string& address);
 /// On another machine?
 bool is_elsewhere(const hive::Place& place);
 /// "tcp://cam1:7700 (cam1)"

@@ -39,6 +39,7 @@
     VERB(replay)                                                                                                       \
     VERB(audit)                                                                                                        \
     VERB(explain)                                                                                                      \
+    VERB(metrics)                                                                                                      \
     VERB(exceptions)                                                                                                   \
     VERB(halt)                                                                                                         \
     VERB(resume)                                                                                                       \

@@ -47,14 +47,6 @@ int list(Session& session)
     return exit_code::done;
 }
 
-/// "cam1" of tcp://cam1:7700.
-std::string host_of(const std::string& address)
-{
-    const auto begin = address.find("//");
-    const auto text = begin == std::string::npos ? address : address.substr(begin + 2);
-    return text.substr(0, text.rfind(':'));
-}
-
 /// The same run of the same drone, at a place that is known already.
 std::optional<hive::Place> known_as(hive::Application& application, const hive::StatusAnswer& added)
 {

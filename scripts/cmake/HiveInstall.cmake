@@ -57,6 +57,11 @@ add_custom_target(documents ALL DEPENDS ${CMAKE_BINARY_DIR}/share/made)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion ${CMAKE_BINARY_DIR}/share/zsh
   ${CMAKE_BINARY_DIR}/share/fish DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT hivectl PATTERN "hive-*.1.gz" EXCLUDE)
 
+# What watches a swarm with Prometheus.
+install(FILES ${PROJECT_SOURCE_DIR}/hivectl/monitoring/hive.rules.yml ${PROJECT_SOURCE_DIR}/hivectl/monitoring/grafana.json
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/hive COMPONENT hivectl)
+install(FILES ${PROJECT_SOURCE_DIR}/hivectl/monitoring/hive-metrics.service DESTINATION lib/systemd/user COMPONENT hivectl)
+
 # The Debian packages.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME hive)

@@ -58,6 +58,7 @@ const std::vector<Verb> verbs{{"start", ""},
                               {"connect", ""},
                               {"connections", ""},
                               {"explain", ""},
+                              {"metrics", "echo secret > metrics.token"},
                               {"snap", ""},
                               {"put", "hivectl snap camera photo.jpg; hivectl snap camera photo.png"},
                               {"set", ""},
@@ -94,6 +95,11 @@ TEST_CASE("README: the commands on the page of the swarm file work as they stand
 TEST_CASE("README: the commands on the page that asks whether it works do so as they stand there")
 {
     run_blocks("libhive/docs/is-it-working.md");
+}
+
+TEST_CASE("README: the commands on the page of metrics work as they stand there")
+{
+    run_blocks("libhive/docs/metrics.md");
 }
 
 TEST_CASE("README: hivectl --help has each heading once")

@@ -38,6 +38,9 @@ for file in "$architecture"/{libhive.so.0,libhive-c.so.0,libhive.so,cmake/hive/h
     python3/dist-packages/hive/__init__.py; do
     [ -e "$root/usr/lib/$file" ] || fail "no package has lib/$file"
 done
+for file in share/hive/{hive.rules.yml,grafana.json} lib/systemd/user/hive-metrics.service; do
+    [ -e "$root/usr/$file" ] || fail "no package has $file"
+done
 [ -z "$(grep -E 'bin/(hive-)?(ticker|sleeper|counter|crasher|fork|join)$' "$place/files")" ] || fail "drones of the tests are in a package"
 for word in libssl libstdc++ elfutils; do
     grep -q "$word" "$place/libhive0.depends" || fail "libhive0 does not depend on $word: $(cat "$place/libhive0.depends")"
