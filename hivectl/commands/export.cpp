@@ -21,6 +21,7 @@ namespace {
 struct Options {
     std::vector<std::string> names;
     std::string swarm, form, folder, image = "hive:latest";
+    bool metrics = false;
     SwarmInput from;
 };
 
@@ -71,7 +72,8 @@ void write_form(const hive::SwarmPlan& plan, const Options& options, bool json)
     const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
     for (const auto& note : hive::export_notes(plan, options.form))
         complain("export", note);
-    const auto files = hive::export_swarm(plan, options.form, {.programs = programs, .image = options.image});
+    const auto files = hive::export_swarm(plan, options.form,
+                                          {.programs = programs, .image = options.image, .metrics = options.metrics});
     if (options.folder.empty() && files.size() > 1 && !json)
         throw hive::Error(hive::Errc::invalid_argument,
                           options.form + " takes " + std::to_string(files.size()) + " files",
@@ -131,6 +133,9 @@ Run declare(CommandLine& line, Session& session)
         .type_name("FOLDER")
         .needs(form);
     line.option("--image", options->image, "of the containers (default hive:latest)").type_name("NAME");
+    line.flag("--metrics", options->metrics,
+              "with compose and kubernetes: add a container that serves hivectl metrics to Prometheus")
+        .needs(form);
     return [options, &session] { return run(*options, session); };
 }
 

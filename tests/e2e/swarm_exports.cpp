@@ -57,7 +57,8 @@ std::vector<fs::path> written(const Swarm& swarm, const SwarmPlan& plan, const s
 {
     const auto programs = swarm.program("hivectl").parent_path().string();
     std::vector<fs::path> paths;
-    for (const auto& file : export_swarm(plan, form, {.programs = programs})) {
+    const bool metrics = form == "compose" || form == "kubernetes";
+    for (const auto& file : export_swarm(plan, form, {.programs = programs, .metrics = metrics})) {
         paths.push_back(swarm.home() / form / plan.name / file.name);
         fs::create_directories(paths.back().parent_path());
         std::ofstream(paths.back()) << file.text;

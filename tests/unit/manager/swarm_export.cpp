@@ -210,6 +210,29 @@ TEST_CASE("export: a compose file has the devices, and the key unless nobody nee
     CHECK_FALSE(has(file_of(export_swarm(plan, "compose"), "compose.yaml"), "key"));
 }
 
+TEST_CASE("export: containers with one that Prometheus scrapes")
+{
+    auto plan = doorway();
+    plan.drones.resize(1);
+    plan.connections.clear();
+    const ExportOptions with_metrics{.metrics = true};
+    const std::string command = R"(command: ["hivectl","metrics","--http","0.0.0.0:9464","--insecure",)"
+                                R"("--place","camera=tcp://camera:7700"])";
+    const auto compose = file_of(export_swarm(plan, "compose", with_metrics), "compose.yaml");
+    CHECK(has(compose,
+              "  hive-metrics:\n    image: \"hive:latest\"\n    " + command + "\n    restart: \"always\"\n    user:"));
+    const auto manifests = file_of(export_swarm(plan, "kubernetes", with_metrics), "doorway.yaml");
+    CHECK(has(manifests, command));
+    CHECK(
+        has(manifests, "annotations:\n        prometheus.io/scrape: \"true\"\n        prometheus.io/port: \"9464\"\n"));
+    CHECK(has(manifests, "containerPort: 9464"));
+    CHECK_THROWS_WITH_AS(export_swarm(plan, "systemd", with_metrics),
+                         "only a swarm of containers is written with its metrics", Error);
+    CHECK_FALSE(has(file_of(export_swarm(plan, "compose"), "compose.yaml"), "metrics"));
+    plan.drones[0].name = "hive-metrics";
+    CHECK_THROWS_AS(export_swarm(plan, "compose", with_metrics), Error);
+}
+
 TEST_CASE("export: manifests of Kubernetes, with names that it takes")
 {
     auto plan = doorway();

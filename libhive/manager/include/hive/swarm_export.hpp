@@ -19,6 +19,7 @@ struct ExportedFile {
 struct ExportOptions {
     std::string programs = "/usr/bin";  ///< where hive-KIND is, for what needs whole paths
     std::string image = "hive:latest";  ///< of containers
+    bool metrics = false;  ///< with a container that serves the metrics of the swarm to Prometheus; for containers only
 };
 
 /// "systemd", "compose", "kubernetes", "slurm", "shell".

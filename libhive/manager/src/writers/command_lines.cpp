@@ -138,6 +138,20 @@ std::string CommandLines::connection(const SwarmConnection& connection, const Sw
     return protocol::to_text({sender.name, connection.from.port, place, connection.to.port, connection.options});
 }
 
+std::vector<std::string> CommandLines::metrics() const
+{
+    if (drones_.contains(metrics_name))
+        throw Error(Errc::invalid_argument,
+                    std::string("a drone is called ") + metrics_name + ", as the container of the metrics",
+                    "give it another name");
+    // Scrapers of containers know no token; the network is that of the containers.
+    std::vector<std::string> words{"hivectl", "metrics", "--http", "0.0.0.0:" + std::to_string(metrics_port),
+                                   "--insecure"};
+    for (const auto& drone : plan_.drones)
+        words.insert(words.end(), {"--place", drone.name + "=" + address(drone)});
+    return words;
+}
+
 std::vector<std::string> CommandLines::of(const SwarmDrone& drone) const
 {
     auto told = as_started(plan_, drone);

@@ -24,6 +24,11 @@ public:
     /// Errc::invalid_argument when an output is not known, or a sender cannot be found from another machine.
     [[nodiscard]] std::vector<std::string> of(const SwarmDrone& drone) const;
 
+    /// The words of what serves the metrics of all drones, each on a machine of its own, at metrics_port.
+    [[nodiscard]] std::vector<std::string> metrics() const;
+
+    static constexpr std::uint16_t metrics_port = 9464;
+    static constexpr const char* metrics_name = "hive-metrics";
     /// Of a machine of its own.
     static constexpr std::uint16_t only_port = 7700;
 

@@ -27,17 +27,23 @@ const char* compose_restart(Restart restart)
     return "always";
 }
 
-OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+OrderedJson container_of(const std::vector<std::string>& words, Restart restart, bool key, const ExportOptions& options)
 {
     OrderedJson service{{"image", options.image}, {"command", OrderedJson::array()}};
-    for (const auto& word : lines.of(drone))
+    for (const auto& word : words)
         service["command"].push_back(compose_word(word));
-    service["restart"] = compose_restart(drone.restart);
-    if (!drone.insecure) {
+    service["restart"] = compose_restart(restart);
+    if (key) {
         service["user"] = "${HIVE_UID:-0}:${HIVE_GID:-0}";
         service["environment"] = {{"HIVE_KEY", "/run/secrets/hive-key"}};
         service["secrets"] = {"hive-key"};
     }
+    return service;
+}
+
+OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+{
+    auto service = container_of(lines.of(drone), drone.restart, !drone.insecure, options);
     for (const auto& [name, value] : drone.set.items())
         if (value.is_string() && value.get<std::string>().starts_with("/dev/"))
             service["devices"].push_back(compose_word(value.get<std::string>() + ":" + value.get<std::string>()));
@@ -56,8 +62,11 @@ ExportedFiles write_compose(const SwarmPlan& plan, const ExportOptions& options)
     OrderedJson file{{"services", OrderedJson::object()}};
     for (const auto& drone : plan.drones)
         file["services"][drone.name] = compose_service(drone, lines, options);
+    const bool key = std::ranges::any_of(plan.drones, [](const SwarmDrone& drone) { return !drone.insecure; });
+    if (options.metrics)
+        file["services"][CommandLines::metrics_name] = container_of(lines.metrics(), Restart::always, key, options);
     std::string head = "# The swarm " + plan.name + ", a container for each drone. Start it:\n";
-    if (std::ranges::any_of(plan.drones, [](const SwarmDrone& drone) { return !drone.insecure; })) {
+    if (key) {
         file["secrets"] = {{"hive-key", {{"file", "./swarm.key"}}}};
         head += "#   cp ~/.config/hive/swarm.key .\n"
                 "#   HIVE_UID=$(id -u) HIVE_GID=$(id -g) docker-compose -p "

@@ -56,24 +56,30 @@ OrderedJson probe(const SwarmDrone& drone, int period_s)
             {"timeoutSeconds", 6}};
 }
 
-OrderedJson container(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+OrderedJson container(const std::vector<std::string>& words, int port, bool key, const ExportOptions& options)
 {
     OrderedJson result{{"name", "drone"}, {"image", options.image}, {"command", OrderedJson::array()}};
-    for (const auto& word : lines.of(drone)) {
+    for (const auto& word : words) {
         std::string text;
         for (const char c : word)
             text += c == '$' ? "$$" : std::string(1, c);  // $(NAME) is a variable there
         result["command"].push_back(text);
     }
-    result["ports"] = {{{"name", "hive"}, {"containerPort", CommandLines::only_port}}};
+    result["ports"] = {{{"name", "hive"}, {"containerPort", port}}};
+    if (key) {
+        result["env"] = {{{"name", "HIVE_KEY"}, {"value", "/etc/hive/swarm.key"}}};
+        result["volumeMounts"] = {{{"name", "key"}, {"mountPath", "/etc/hive"}, {"readOnly", true}}};
+    }
+    return result;
+}
+
+OrderedJson drone_container(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+{
+    auto result = container(lines.of(drone), CommandLines::only_port, !drone.insecure, options);
     result["startupProbe"] = probe(drone, 2);
     result["startupProbe"]["failureThreshold"] = 30;
     result["livenessProbe"] = probe(drone, 10);
     result["resources"] = {{"requests", {{"cpu", "250m"}, {"memory", "128Mi"}}}};
-    if (!drone.insecure) {
-        result["env"] = {{{"name", "HIVE_KEY"}, {"value", "/etc/hive/swarm.key"}}};
-        result["volumeMounts"] = {{{"name", "key"}, {"mountPath", "/etc/hive"}, {"readOnly", true}}};
-    }
     return result;
 }
 
@@ -111,6 +117,19 @@ OrderedJson workload(const SwarmPlan& plan, const SwarmDrone& drone, OrderedJson
             {"spec", {{"backoffLimit", tries}, {"template", std::move(the_pod)}}}};
 }
 
+/// A Deployment, which Prometheus finds by the annotations of its pod.
+OrderedJson metrics_workload(const SwarmPlan& plan, const CommandLines& lines, const ExportOptions& options)
+{
+    const bool insecure = std::ranges::all_of(plan.drones, &SwarmDrone::insecure);
+    const SwarmDrone server{.name = CommandLines::metrics_name, .restart = Restart::always, .insecure = insecure};
+    auto result = workload(plan, server, container(lines.metrics(), CommandLines::metrics_port, !insecure, options));
+    result["spec"]["template"]["metadata"]["annotations"] = {
+        {"prometheus.io/scrape", "true"},
+        {"prometheus.io/port", std::to_string(CommandLines::metrics_port)},
+        {"prometheus.io/path", "/metrics"}};
+    return result;
+}
+
 OrderedJson service_of(const SwarmPlan& plan, const SwarmDrone& drone)
 {
     return {{"apiVersion", "v1"},
@@ -139,7 +158,9 @@ ExportedFiles write_kubernetes(const SwarmPlan& given, const ExportOptions& opti
     std::string manifests;
     for (const auto& drone : plan.drones)
         manifests += "---\n" + yaml_text(service_of(plan, drone)) + "---\n"
-                     + yaml_text(workload(plan, drone, container(drone, lines, options)));
+                     + yaml_text(workload(plan, drone, drone_container(drone, lines, options)));
+    if (options.metrics)
+        manifests += "---\n" + yaml_text(metrics_workload(plan, lines, options));
     return {{"kustomization.yaml", head + "#   kubectl apply -k .\n" + yaml_text(kustomization)},
             {plan.name + ".yaml", manifests}};
 }

@@ -30,6 +30,9 @@ ExportedFiles export_swarm(const SwarmPlan& plan, std::string_view form, const E
 {
     constexpr std::array writers{write_systemd, write_compose, write_kubernetes, write_slurm, write_shell};
     const auto found = std::ranges::find(export_forms(), form);
+    if (options.metrics && form != "compose" && form != "kubernetes")
+        throw Error(Errc::invalid_argument, "only a swarm of containers is written with its metrics",
+                    "start them with the user's units: systemctl --user enable --now hive-metrics");
     if (found != export_forms().end()) {
         auto files = writers.at(static_cast<std::size_t>(found - export_forms().begin()))(plan, options);
         if (!files.empty())
