@@ -102,7 +102,8 @@ int run(const Options& options, Session& session)
     if (!options.http.empty())
         return serve(options, application);
     const auto form = options.form == "openmetrics" ? hive::MetricsForm::openmetrics : hive::MetricsForm::prometheus;
-    write_out(hive::to_text(hive::metrics(application), form));
+    const auto metrics = hive::metrics(application);
+    write_out(session.json ? json_text(hive::to_json(metrics)) + "\n" : hive::to_text(metrics, form));
     return exit_code::done;
 }
 

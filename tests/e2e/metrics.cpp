@@ -69,6 +69,13 @@ public:
         return done.out;
     }
 
+    /// The exit code after SIGTERM, as systemd sends it.
+    std::optional<int> stop()
+    {
+        server_.signal(SIGTERM);
+        return server_.wait(patient(5'000ms));
+    }
+
 private:
     [[nodiscard]] std::string log_name() const { return "metrics-" + std::to_string(port_); }
     [[nodiscard]] std::vector<std::string> words(const std::string& address, const std::vector<std::string>& more) const
@@ -189,7 +196,7 @@ TEST_CASE("metrics: within one run of a drone no counter goes back, while connec
 TEST_CASE("metrics: over HTTP the scraper chooses the form, and pages of other sites read nothing")
 {
     const Busy busy;
-    const Scraped scraped(busy.swarm);
+    Scraped scraped(busy.swarm);
     const auto plain = scraped.get("/metrics");
     CHECK(plain.ends_with("\n200 text/plain; version=0.0.4; charset=utf-8"));
     CHECK(has(plain, "hive_drone_up{drone=\"source\",host=\"local\"} 1\n"));
@@ -199,6 +206,8 @@ TEST_CASE("metrics: over HTTP the scraper chooses the form, and pages of other s
     CHECK(scraped.get("/x").ends_with("\n404 text/plain; charset=utf-8"));
     CHECK(has(scraped.get("/metrics", {"Host: evil.example"}), "403"));
     CHECK(has(scraped.get("/metrics", {"Sec-Fetch-Site: cross-site"}), "403"));
+    CHECK(scraped.stop() == 143);  // a success for the unit that is installed
+    CHECK(has(text_of(HIVE_SOURCE_DIR "/hivectl/monitoring/hive-metrics.service"), "SuccessExitStatus=143\n"));
 }
 
 TEST_CASE("metrics: other machines read only with the token, unless all may")

@@ -119,6 +119,20 @@ TEST_CASE("metrics: the text form 0.0.4, to the letter")
              "# EOF\n");
 }
 
+TEST_CASE("metrics: as JSON")
+{
+    const Metrics all{{.name = "hive_x_events",
+                       .type = Type::counter,
+                       .unit = "events",
+                       .help = "X.",
+                       .samples = {{{{"drone", "a"}}, 3, epoch}}},
+                      {.name = "hive_y", .type = Type::gauge, .help = "Y.", .samples = {{{}, 0.5}}}};
+    CHECK(to_json(all) == Json::parse(R"([
+              {"name": "hive_x_events", "type": "counter", "unit": "events", "help": "X.",
+               "samples": [{"labels": {"drone": "a"}, "value": 3.0, "created_us": 1700000000250000}]},
+              {"name": "hive_y", "type": "gauge", "help": "Y.", "samples": [{"labels": {}, "value": 0.5}]}])"));
+}
+
 TEST_CASE("metrics: OpenMetrics for a scraper that knows it, with the exact type")
 {
     CHECK(metrics_form("") == MetricsForm::prometheus);

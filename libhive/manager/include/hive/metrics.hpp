@@ -41,6 +41,9 @@ Metrics metrics(const std::vector<StatusAnswer>& answers, const std::vector<std:
 /// The text form 0.0.4 of Prometheus, or OpenMetrics 1.0.0.
 enum class MetricsForm { prometheus, openmetrics };
 std::string to_text(const Metrics& metrics, MetricsForm form);
+/// [{"name", "type": "counter", "unit", "help", "samples": [{"labels": {}, "value", "created_us"}]}]; what is empty or
+/// not known is left out.
+Json to_json(const Metrics& metrics);
 /// As HTTP needs it. Prometheus 3 refuses a scrape of another type.
 std::string_view media_type(MetricsForm form) noexcept;
 /// The form that a scraper prefers.

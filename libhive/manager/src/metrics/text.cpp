@@ -1,4 +1,4 @@
-// Writes families in the two forms, which differ in suffixes, units, start times and the end.
+// Writes families in the two text forms, which differ in suffixes, units, start times and the end, and as JSON.
 #include <hive/metrics.hpp>
 
 #include <array>
@@ -89,6 +89,27 @@ std::string to_text(const Metrics& metrics, MetricsForm form)
     for (const auto& family : metrics)
         append(text, family, open);
     return open ? text + "# EOF\n" : text;
+}
+
+Json to_json(const Metrics& metrics)
+{
+    Json families = Json::array();
+    for (const auto& family : metrics) {
+        Json samples = Json::array();
+        for (const auto& sample : family.samples) {
+            Json labels = Json::object();
+            for (const auto& [name, value] : sample.labels)
+                labels[name] = value;
+            samples.push_back({{"labels", std::move(labels)}, {"value", sample.value}});
+            if (sample.created_us > 0)
+                samples.back()["created_us"] = sample.created_us;
+        }
+        families.push_back({{"name", family.name}, {"type", type_name(family.type, true)}, {"help", family.help}});
+        if (!family.unit.empty())
+            families.back()["unit"] = family.unit;
+        families.back()["samples"] = std::move(samples);
+    }
+    return families;
 }
 
 std::string_view media_type(MetricsForm form) noexcept
