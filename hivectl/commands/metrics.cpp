@@ -75,10 +75,10 @@ try {
     while (interrupt::sleep(1h)) {
     }
     return interrupt::exit_code();
-} catch (const std::runtime_error& error) {
-    if (dynamic_cast<const hive::Error*>(&error))
-        throw;
-    throw hive::Error(hive::Errc::io, error.what());  // it cannot listen
+} catch (const hive::Error&) {
+    throw;
+} catch (const std::runtime_error& error) {  // the server cannot listen there
+    throw hive::Error(hive::Errc::io, error.what());
 }
 
 /// "camera=tcp://camera:7700"; unlike hivectl place add, without asking whether it answers yet.

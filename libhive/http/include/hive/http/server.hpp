@@ -18,7 +18,7 @@ struct Visit {
     std::size_t streams = 0;  ///< that are being read
     Clock::time_point now{};
     bool again = false;   ///< it was asked before, and had no answer yet
-    bool late = false;    ///< it has to be answered now
+    bool late = false;    ///< it has to be answered at this call
     std::uint64_t& mark;  ///< for the site: 0 at first, and then what it was set to
 };
 
@@ -30,14 +30,15 @@ public:
     Site(const Site&) = delete;
     Site& operator=(const Site&) = delete;
 
-    /// On the thread of the server. Nothing: asked again after wake(), and from time to time, until the visit is late.
+    /// On the thread of the server: other clients wait as long as this takes. Nothing: asked again after wake(), and
+    /// from time to time, until the visit is late.
     virtual std::optional<Answer> answer(const Request& request, Visit& visit) = 0;
     /// There is something new for visits that wait, and for streams. From any thread.
     void wake() noexcept;
 
 private:
     friend class Server;
-    const int wakes_;  ///< an eventfd: whoever wakes the site need not know whether there is a server
+    const int wakes_;  ///< an eventfd, so that the site can be woken whether it has a server or not
 };
 
 /// One thread serves all clients and never waits for one of them. A request is small and soon complete; each connection
