@@ -1,10 +1,12 @@
 #include "result_format.hpp"
 
 #include "event_row.hpp"
+#include "format.hpp"
 #include "output.hpp"
 
 #include <hive/error.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <utility>
 
@@ -30,12 +32,29 @@ void make_folder(const fs::path& folder)
         throw hive::Error(hive::Errc::io, "cannot create " + folder.string() + ": " + error.message());
 }
 
+/// The next command: the header says which columns there can be.
+std::string field_advice(const hive::Json& header)
+{
+    constexpr std::size_t max_fields = 6;
+    std::string names;
+    const auto fields = hive::recording::single_fields(header);
+    for (std::size_t i = 0; i < std::min(fields.size(), max_fields); ++i)
+        names += (i == 0 ? "" : ",") + fields[i];
+    return names.empty() ? "see what is in it: --as json"
+                         : "name fields of the header: --fields " + names + (fields.size() > max_fields ? ",..." : "");
+}
+
 bool in_a_folder(const std::string& form) { return form == "coco" || form == "yolo"; }
 
 }  // namespace
 
-ResultFormat::ResultFormat(std::string form, const std::string& folder) : form_(std::move(form)), folder_(folder)
+ResultFormat::ResultFormat(std::string form, const std::string& folder, const std::string& fields)
+    : form_(std::move(form)), folder_(folder)
 {
+    if (!fields.empty() && form_ != "csv")
+        throw hive::Error(hive::Errc::invalid_argument, "--fields goes with --as csv", "json has all fields");
+    if (!fields.empty())
+        table_.emplace(fields);
     if (in_a_folder(form_) && folder.empty())
         throw hive::Error(hive::Errc::invalid_argument, "--as " + form_ + " writes files: name a folder, -o FOLDER");
     if (!in_a_folder(form_) && !folder.empty())
@@ -50,17 +69,44 @@ std::string ResultFormat::text(const hive::Event& event)
 {
     if (form_ == "json")
         return event_row(event).json() + "\n";
-    const auto image = hive::recording::detections_in(event);
     if (form_ == "csv")
-        return (std::exchange(headed_, true) ? "" : hive::recording::csv_heading()) + hive::recording::csv_rows(image);
-    repeated_ += dataset_.add(image) == Dataset::Added::other_capture;
+        return csv_lines(event);
+    repeated_ += dataset_.add(hive::recording::detections_in(event)) == Dataset::Added::other_capture;
     return "";
+}
+
+std::string ResultFormat::csv_lines(const hive::Event& event)
+{
+    ++events_;
+    last_header_ = event.header;
+    const bool headed = std::exchange(headed_, true);
+    if (table_)
+        return (headed ? "" : table_->heading()) + table_->row(event);
+    try {
+        const auto image = hive::recording::detections_in(event);
+        boxes_ += image.detections.size();
+        return (headed ? "" : hive::recording::csv_heading()) + hive::recording::csv_rows(image);
+    } catch (const hive::Error& error) {
+        throw hive::Error(error.code(), error.what(), field_advice(event.header));
+    }
+}
+
+void ResultFormat::say_what_is_missing() const
+{
+    if (events_ == 0)
+        return;
+    if (!table_ && boxes_ == 0)
+        complain("results", "no boxes in " + count_text(static_cast<std::int64_t>(events_), "result") + "; "
+                                + printable(field_advice(last_header_)));
+    for (const auto& field : table_ ? table_->missing() : std::vector<std::string>{})
+        complain("results",
+                 "no result has the field " + printable(field) + "; " + printable(field_advice(last_header_)));
 }
 
 void ResultFormat::finish() const
 {
     if (!in_a_folder(form_))
-        return;
+        return say_what_is_missing();
     make_folder(folder_);
     form_ == "coco" ? write_coco() : write_yolo();
     if (repeated_ > 0)

@@ -41,8 +41,8 @@ hive::Json counts_header(const Counter& counter, const Frame& frame, Moment now)
     hive::Json header{{"zones", hive::Json::array()},
                       {"lines", hive::Json::array()},
                       {"tracks", frame.boxes},
-                      {"width", frame.width},
-                      {"height", frame.height}};
+                      {"width", std::llround(frame.width)},
+                      {"height", std::llround(frame.height)}};
     for (const Zone& zone : counter.zones())
         header["zones"].push_back(zone_json(zone, now));
     for (const Line& line : counter.lines())

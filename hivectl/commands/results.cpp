@@ -23,7 +23,7 @@ struct Options {
     std::int64_t count = 0;  // 0: without end
     bool ordered = false, notify = false, sync = false, stay = false;
     int window = 0;  // 0: not said
-    std::string as = "json", folder;
+    std::string as = "json", folder, fields;
 };
 
 hive::CollectOptions collecting(const Options& options)
@@ -87,7 +87,7 @@ int run(const Options& options, Session& session)
 {
     auto& application = session.application();
     Outcome outcome("results");
-    ResultFormat format(options.as, options.folder);
+    ResultFormat format(options.as, options.folder, options.fields);
     const auto outputs = outputs_named(application, options.names, "application/json", outcome);
     if (outputs.empty())
         return outcome.exit_code();
@@ -139,6 +139,9 @@ Run declare(CommandLine& line, Session& session)
         .type_name("FORM")
         .one_of({"json", "csv", "coco", "yolo"});
     line.option("-o,--output", options->folder, "with --as coco or yolo: new folder for the files").type_name("FOLDER");
+    line.option("--fields", options->fields,
+                "with --as csv: fields of the header instead of boxes, a line for each result")
+        .type_name("FIELD,...");
     line.flag("--ordered", options->ordered,
               "print results in the order of capture, however many drones share the work");
     line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
@@ -169,13 +172,16 @@ Verb verb()
                 "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
                 "missing that were promised: with --ordered, or when the source produces on demand. An event at "
                 "which a drone failed has an exception instead: hivectl exceptions shows them. "
-                "With --as csv each box is a line; coco writes dataset.json and results.json, yolo classes.txt and "
+                "With --as csv each box is a line, and with --fields each result: a.b is the field b of a, or of the "
+                "object "
+                "in the array a whose name is b. coco writes dataset.json and results.json, yolo classes.txt and "
                 "labels/NAME.txt. An image is named after its file, or else after the video or source and the number "
                 "of the capture; its size is the width and height in the header. A result without boxes, and for "
                 "coco and yolo one without that size, is refused.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header\n"
-                        "hivectl results face -n 5 --as coco -o faces",
+                        "hivectl results face -n 5 --as coco -o faces\n"
+                        "hivectl results face -n 5 --as csv --fields width,faces.0.x",
             .timeout = "give up after this long without a result (default: never)",
             .operands = {Operand::sender},
             .declare = declare};

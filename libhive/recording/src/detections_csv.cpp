@@ -1,22 +1,13 @@
 // Writes detections as comma-separated values.
-#include <hive/recording/dataset.hpp>
+#include "csv.hpp"
 
-#include <algorithm>
+#include <hive/recording/dataset.hpp>
 
 namespace hive::recording {
 namespace {
 
-/// Control characters could steer a terminal, and would break lines.
-std::string field(std::string text)
-{
-    std::ranges::replace_if(
-        text, [](unsigned char letter) { return letter < 32 || letter == 127; }, ' ');
-    if (text.find_first_of(",\"") == std::string::npos)
-        return text;
-    for (auto at = text.find('"'); at != std::string::npos; at = text.find('"', at + 2))
-        text.insert(at, 1, '"');
-    return '"' + text + '"';
-}
+using csv::field;
+using csv::joined;
 
 template <class Value>
 std::string field(const std::optional<Value>& value)
@@ -25,14 +16,6 @@ std::string field(const std::optional<Value>& value)
 }
 
 std::string size_field(std::int64_t size) { return size > 0 ? std::to_string(size) : ""; }
-
-std::string joined(const std::vector<std::string>& fields)
-{
-    std::string line;
-    for (const auto& one : fields)
-        line += (&one == &fields.front() ? "" : ",") + one;
-    return line;
-}
 
 }  // namespace
 

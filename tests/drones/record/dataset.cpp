@@ -1,6 +1,7 @@
 // Boxes of events as CSV, COCO and YOLO.
 #include <hive/error.hpp>
 #include <hive/recording/dataset.hpp>
+#include <hive/recording/field_table.hpp>
 
 #include <doctest/doctest.h>
 
@@ -151,4 +152,21 @@ TEST_CASE("dataset: two drones on one capture are one image; another capture of 
     CHECK(dataset.add(detections_in(event(header(dog, "1.jpg"), 13))) == Dataset::Added::other_capture);
     CHECK(dataset.size() == 1);
     CHECK(dataset.coco_results().size() == 2);
+}
+
+TEST_CASE("fields: a column for each that is named, by keys, names and places; what an event has not is empty")
+{
+    const Json counts = Json::parse(R"({"zones":[{"name":"door","occupancy":2},{"name":"a.b","occupancy":3}],
+                                        "note":"a, \"b\"","none":null,"corners":[[0,1],[2,3]]})");
+    FieldTable table(
+        "zones.door.occupancy,zones.a.b.occupancy,zones.1.name,note,none,corners,corners.1.0,zones.9.name");
+    CHECK(table.heading()
+          == "source,epoch,seq,time_us,sender,output,zones.door.occupancy,zones.a.b.occupancy,zones.1.name,note,none,"
+             "corners,corners.1.0,zones.9.name\n");
+    CHECK(table.row(event(counts)) == "camera,5,12,77,face-1,faces,2,3,a.b,\"a, \"\"b\"\"\",,\"[[0,1],[2,3]]\",2,\n");
+    CHECK(table.missing() == std::vector<std::string>{"zones.9.name"});
+    CHECK(single_fields(Json::parse(R"({"a":{"b":1},"zones":[{"name":"door","in":1}],"points":[[0,1]]})"))
+          == std::vector<std::string>{"a.b", "points", "zones.door.in", "zones.door.name"});
+    CHECK_THROWS_WITH_AS(FieldTable("a,,b"), "\"a,,b\" has an empty field", hive::Error);
+    CHECK_THROWS_WITH_AS(FieldTable("a,b,a"), "the field a is named twice", hive::Error);
 }

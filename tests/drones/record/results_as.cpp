@@ -66,4 +66,28 @@ TEST_CASE("results --as: a folder in use, a missing folder and results without b
     const auto no_boxes = swarm.hivectl({"results", "ticker.tick", "-n", "1", "--as", "csv"});
     CHECK(no_boxes.exit_code == 5);
     CHECK(says(no_boxes.err, "has no boxes"));
+    CHECK(says(no_boxes.err, "; name fields of the header: --fields "));
+    CHECK(swarm.hivectl({"results", "ticker.tick", "--fields", "tick"}).exit_code == 2);
+}
+
+TEST_CASE(
+    "results --as csv: fields of the header make a table of any results, and a table that lacks something says so")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"faces=0", "walkers=1"});
+    const auto face = swarm.drone("face", "face"),
+               zones = swarm.drone("zones", "zones", {"zones=door: 0,0 1,0 1,1 0,1"});
+    swarm.hivectl_done({"connect", "camera", "face"});
+    swarm.hivectl_done({"connect", "face", "zones"});
+    const auto table = swarm.hivectl({"results", "zones.counts", "-n", "2", "--as", "csv", "--fields",
+                                      "zones.door.occupancy,width,lines.nowhere.in"});
+    CHECK(table.exit_code == 0);
+    CHECK(
+        table.out.starts_with("source,epoch,seq,time_us,sender,output,zones.door.occupancy,width,lines.nowhere.in\n"));
+    CHECK(says(table.out, ",zones,counts,0,640,\n"));
+    CHECK(std::ranges::count(table.out, '\n') == 3);
+    CHECK(says(table.err, "no result has the field lines.nowhere.in; name fields of the header: --fields "));
+    const auto empty = swarm.hivectl({"results", "zones.counts", "-n", "2", "--as", "csv"});
+    CHECK(std::ranges::count(empty.out, '\n') == 1);
+    CHECK(says(empty.err, "no boxes in 2 results; name fields of the header: --fields "));
 }
