@@ -8,16 +8,24 @@
 namespace hivectl {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> endings{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 17> endings{{
     {".jpg", "image/jpeg"},
     {".jpeg", "image/jpeg"},
     {".png", "image/png"},
     {".bmp", "image/bmp"},
     {".webp", "image/webp"},
+    {".tif", "image/tiff"},
+    {".tiff", "image/tiff"},
+    {".gif", "image/gif"},
+    {".avif", "image/avif"},
     {".ppm", "image/x-portable-pixmap"},
     {".pgm", "image/x-portable-graymap"},
     {".json", "application/json"},
     {".txt", "text/plain"},
+    {".mp4", "video/mp4"},
+    {".mov", "video/quicktime"},
+    {".mkv", "video/x-matroska"},
+    {".avi", "video/x-msvideo"},
 }};
 
 }  // namespace

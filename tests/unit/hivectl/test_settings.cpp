@@ -54,4 +54,6 @@ TEST_CASE("media type: endings are read without regard to case, and an unknown o
     CHECK(ending_fits("a.txt", "text/plain; charset=utf-8"));
     CHECK(ending_fits("a", "image/png"));
     CHECK_FALSE(ending_fits("a.png", "image/jpeg"));
+    for (const char* file : {"a.tiff", "a.gif", "a.webp", "a.mp4"})
+        CHECK_FALSE(ending_fits(file, "image/png"));
 }
