@@ -8,17 +8,19 @@
 namespace hive::transport {
 namespace {
 
-[[noreturn]] void fail(std::string_view text, const std::string& why)
+[[noreturn]] void fail(std::string_view text, const std::string& why, const std::string& advice)
 {
-    throw Error(Errc::invalid_argument, "address '" + std::string(text.substr(0, 200)) + "': " + why);
+    throw Error(Errc::invalid_argument, "invalid address \"" + std::string(text.substr(0, 200)) + "\": " + why, advice);
 }
+
+constexpr auto tcp_form = "use tcp://HOST:PORT";
 
 std::uint16_t parse_port(std::string_view text, std::string_view digits)
 {
     std::uint16_t port = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
     if (digits.empty() || error != std::errc{} || end != digits.data() + digits.size())
-        fail(text, "the port must be a number from 0 to 65535");
+        fail(text, "the port is not a number from 0 to 65535", tcp_form);
     return port;
 }
 
@@ -34,14 +36,14 @@ Address parse_tcp(std::string_view text, std::string_view rest)
 {
     const auto colon = rest.rfind(':');
     if (colon == std::string_view::npos)
-        fail(text, "tcp://HOST:PORT is expected, the port is missing");
+        fail(text, "the port is missing", tcp_form);
     auto host = rest.substr(0, colon);
     if (host.size() >= 2 && host.front() == '[' && host.back() == ']')
         host = host.substr(1, host.size() - 2);
     else if (host.find(':') != std::string_view::npos)
-        fail(text, "an IPv6 number is written in brackets: tcp://[::1]:PORT");
+        fail(text, "an IPv6 address needs brackets", "use tcp://[::1]:PORT");
     if (!is_host(host))
-        fail(text, "tcp://HOST:PORT is expected, the host is missing or has characters that no host has");
+        fail(text, "the host is missing or has characters that no host has", tcp_form);
     return {Address::Scheme::tcp, std::string(host), parse_port(text, rest.substr(colon + 1))};
 }
 
@@ -49,7 +51,7 @@ Address parse_tcp(std::string_view text, std::string_view rest)
 Address parse_name(std::string_view text, Address::Scheme scheme, std::string_view name)
 {
     if (name.empty() || name.find('\0') != std::string_view::npos)
-        fail(text, "a name must follow the colon");
+        fail(text, "no name follows the colon", "use unix:/PATH or in-process:NAME");
     return {scheme, std::string(name), 0};
 }
 
@@ -64,7 +66,7 @@ Address parse_address(std::string_view text)
         return parse_tcp(text, after("tcp://"));
     if (text.starts_with("in-process:"))
         return parse_name(text, Address::Scheme::in_process, after("in-process:"));
-    fail(text, "unix:/path, tcp://HOST:PORT or in-process:NAME is expected");
+    fail(text, "it does not start with tcp://, unix: or in-process:", tcp_form);
 }
 
 Address listen_address(const std::string& text)

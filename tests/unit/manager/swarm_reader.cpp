@@ -302,8 +302,8 @@ TEST_CASE("swarm file: where a drone is found, when nobody could find it there")
              "know this one\n");
     CHECK_EQ(drone("\"listen\": \"in-process:x\""),
              "2:30: \"in-process:x\" is no address on the network; write tcp://HOST or tcp://HOST:PORT\n");
-    CHECK_EQ(drone("\"listen\": \"tcp://h:99999\""), "2:30: address 'tcp://h:99999': the port must be a number from 0 "
-                                                     "to 65535; write tcp://HOST or tcp://HOST:PORT\n");
+    CHECK_EQ(drone("\"listen\": \"tcp://h:99999\""), "2:30: invalid address \"tcp://h:99999\": the port is not a "
+                                                     "number from 0 to 65535; write tcp://HOST or tcp://HOST:PORT\n");
 }
 
 TEST_CASE("swarm file: an engine behind one that fits the same machines")
