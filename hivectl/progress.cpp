@@ -30,6 +30,7 @@ std::string progress_text(std::int64_t done, std::int64_t all, double per_second
 Progress::Progress(hive::Application& application, bool beside_results)
     : application_(application), shown_(status_line::possible() && !(beside_results && on_terminal()))
 {
+    status_line::take_over();
 }
 
 Progress::~Progress()
@@ -40,15 +41,22 @@ Progress::~Progress()
 
 void Progress::note(const hive::Identity& identity)
 {
-    if (identity.source == source_ && identity.epoch < epoch_)
+    Place& place = places_[identity.source];
+    if (identity.epoch < place.epoch)
         return;
-    if (identity.source != source_ || identity.epoch > epoch_)
-        done_ = before_ = identity.sequence;  // what was there before is not work done since the last line
-    epoch_ = identity.epoch;
-    note(identity.source, std::max(done_, identity.sequence));
+    const bool first = identity.epoch > place.epoch;  // what was there before is not work
+    work_ += first ? 1 : std::max<std::int64_t>(0, identity.sequence - place.sequence);
+    place = {identity.epoch, first ? identity.sequence : std::max(place.sequence, identity.sequence)};
+    advance(identity.source, place.sequence);
 }
 
 void Progress::note(const std::string& source, std::int64_t done)
+{
+    work_ = done;
+    advance(source, done);
+}
+
+void Progress::advance(const std::string& source, std::int64_t done)
 {
     source_ = source;
     done_ = done;
@@ -59,11 +67,12 @@ void Progress::note(const std::string& source, std::int64_t done)
 void Progress::show()
 {
     const auto now = Clock::now();
-    const double rate = static_cast<double>(done_ - before_) / std::chrono::duration<double>(now - last_).count();
+    const double rate = static_cast<double>(work_ - before_) / std::chrono::duration<double>(now - last_).count();
     per_second_ = per_second_ > 0 ? 0.7 * per_second_ + 0.3 * rate : rate;
-    before_ = done_;
+    before_ = work_;
     last_ = now;
-    status_line::show(progress_text(done_, all_of(source_), per_second_));
+    const auto all = all_of(source_);
+    status_line::show(progress_text(all > 0 ? done_ : work_, all, per_second_));
 }
 
 /// Asked once; a source that does not answer in time has no number.

@@ -33,13 +33,19 @@ public:
     void note(const std::string& source, std::int64_t done);
 
 private:
+    void advance(const std::string& source, std::int64_t done);
     void show();
     std::int64_t all_of(const std::string& source);
 
     hive::Application& application_;
     bool shown_;
     std::string source_;
-    std::int64_t epoch_ = 0, done_ = 0, before_ = 0;  ///< events: in all, and at the last line
+    struct Place {
+        std::int64_t epoch = 0, sequence = 0;
+    };
+    std::map<std::string, Place> places_;  ///< by source: the newest capture
+    std::int64_t done_ = 0;                ///< how far source_ is
+    std::int64_t work_ = 0, before_ = 0;   ///< captures of all sources: since the start, at the last line
     double per_second_ = 0;
     Clock::time_point last_ = Clock::now();
     std::map<std::string, std::int64_t> all_;  ///< by source

@@ -109,6 +109,7 @@ TEST_CASE("terminal: the rate of a recording is that since its start, however lo
     const auto end = shown.find("/s");
     REQUIRE(end != std::string::npos);
     CHECK(std::stod(shown.substr(shown.rfind(' ', end))) < 400);
+    CHECK(std::stoi(shown.substr(shown.find('\r') + 1)) <= 100);  // and so is the number
 }
 
 TEST_CASE("terminal: Ctrl-C leaves no status line")
