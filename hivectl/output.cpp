@@ -35,6 +35,7 @@ void write_all(int descriptor, std::string_view text)
 
 void write_out(std::string_view text)
 {
+    status_line::take_over();
     std::optional<status_line::Interruption> interruption;
     if (on_terminal())
         interruption.emplace();

@@ -12,9 +12,11 @@ std::chrono::milliseconds Session::timeout(std::chrono::milliseconds fallback) c
 
 hive::Application& Session::application(std::chrono::milliseconds fallback)
 {
-    if (!application_)
-        application_ = std::make_unique<hive::Application>(hive::Application::Options{
-            .name = {}, .home = home(), .timeout = timeout(fallback), .advice_if_missing = advice_for_missing});
+    if (application_)
+        return *application_;
+    waiting_.emplace("drones to answer", Waiting::Turn::first);
+    application_ = std::make_unique<hive::Application>(hive::Application::Options{
+        .name = {}, .home = home(), .timeout = timeout(fallback), .advice_if_missing = advice_for_missing});
     return *application_;
 }
 

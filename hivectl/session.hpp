@@ -1,6 +1,7 @@
 // What every verb shares: the common flags and the one application, made when it is first needed.
 #pragma once
 
+#include "status_line.hpp"
 #include "terminal.hpp"
 
 #include <hive/application.hpp>
@@ -32,6 +33,7 @@ public:
     [[nodiscard]] std::filesystem::path home() const;
 
 private:
+    std::optional<Waiting> waiting_;  ///< until the verb has something to say
     std::unique_ptr<hive::Application> application_;
 };
 

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-std::atomic<bool> on_screen{false};
+std::atomic<bool> on_screen{false}, taken_over{false};
 std::mutex printing;
 
 }  // namespace
@@ -29,6 +29,12 @@ void show(std::string_view text)
     on_screen = true;
     const std::string line = "\r" + shortened(text, columns_of(STDERR_FILENO) - 1) + "\x1b[K";
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+}
+
+void take_over() noexcept
+{
+    if (!taken_over.exchange(true))
+        erase();
 }
 
 void erase() noexcept
@@ -53,8 +59,10 @@ std::string names_text(const std::vector<std::string>& names)
     return names.empty() ? "the swarm" : text;
 }
 
-Waiting::Waiting(std::string what) : what_(std::move(what))
+Waiting::Waiting(std::string what, Turn turn) : what_(std::move(what)), turn_(turn)
 {
+    if (turn == Turn::own)
+        status_line::take_over();
     if (status_line::possible())
         thread_ = std::jthread([this](const std::stop_token& end) { run(end); });
 }
@@ -100,7 +108,7 @@ void Waiting::run(const std::stop_token& end)
 
 void Waiting::show()
 {
-    if (what_.empty())
+    if (what_.empty() || (turn_ == Turn::first && taken_over))
         return;
     shown_ = true;
     const auto seconds = std::chrono::floor<std::chrono::seconds>(Clock::now() - since_).count();

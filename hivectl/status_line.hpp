@@ -16,6 +16,8 @@ namespace status_line {
 bool possible();
 /// Shows the text in place of what is shown, shortened to the terminal.
 void show(std::string_view text);
+/// The verb prints or says what it waits for: the line of a first Waiting goes, and stays away.
+void take_over() noexcept;
 /// Safe in a signal handler.
 void erase() noexcept;
 /// While one lives, something else is printed: the line is erased, and not shown again meanwhile.
@@ -34,8 +36,10 @@ std::string names_text(const std::vector<std::string>& names);
 /// While one lives: after a second, what is waited for and since when.
 class Waiting {
 public:
+    enum class Turn { first, own };
     /// @param what  follows "waiting for"; empty: nothing is shown
-    explicit Waiting(std::string what);
+    /// @param turn  first: only until something else is shown or printed
+    explicit Waiting(std::string what, Turn turn = Turn::own);
     ~Waiting();
     Waiting(const Waiting&) = delete;
     Waiting& operator=(const Waiting&) = delete;
@@ -54,6 +58,7 @@ private:
     std::mutex mutex_;
     std::condition_variable_any changed_;
     std::string what_;
+    Turn turn_;
     Clock::time_point since_ = Clock::now();
     bool shown_ = false;
     std::jthread thread_;  ///< since the calls that wait do not return meanwhile

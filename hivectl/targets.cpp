@@ -1,6 +1,8 @@
 // Expanding globs and inferring ports.
 #include "targets.hpp"
 
+#include "status_line.hpp"
+
 #include <hive/name.hpp>
 
 #include <algorithm>
@@ -120,6 +122,7 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
     std::vector<hive::Endpoint> outputs;
     for (auto& output : endpoints_named(application, words, outcome))
         try {
+            const Waiting waiting(output.drone + " to answer");
             const auto interface = application.describe(output.drone);
             if (output.port.empty())
                 output.port = usual_output(interface, output.drone, preferred);
@@ -137,6 +140,24 @@ std::string usual_input(const hive::Interface& interface, const std::string& dro
     return hive::port_meant(interface.inputs, drone, "input", "that takes " + type,
                             [&](const hive::Port& port) { return hive::types_fit(type, port.type); })
         .name;
+}
+
+hive::Endpoint output_named(hive::Application& application, const std::string& word, std::string_view preferred)
+{
+    const Waiting waiting(word + " to answer");
+    auto output = application.endpoint(word);
+    if (output.port.empty())
+        output.port = usual_output(application.describe(output.drone), output.drone, preferred);
+    return output;
+}
+
+hive::Endpoint input_named(hive::Application& application, const std::string& word, const std::string& type)
+{
+    const Waiting waiting(word + " to answer");
+    auto input = application.endpoint(word);
+    if (input.port.empty())
+        input.port = usual_input(application.describe(input.drone), input.drone, type);
+    return input;
 }
 
 }  // namespace hivectl

@@ -39,4 +39,8 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
 /// The input meant when none is named: the only one that takes `type`.
 std::string usual_input(const hive::Interface& interface, const std::string& drone, const std::string& type);
 
+/// The end of a connection that the word means, with the usual port where none is named.
+hive::Endpoint output_named(hive::Application& application, const std::string& word, std::string_view preferred);
+hive::Endpoint input_named(hive::Application& application, const std::string& word, const std::string& type);
+
 }  // namespace hivectl

@@ -3,6 +3,7 @@
 #include "../exit_code.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../status_line.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
@@ -22,6 +23,7 @@ int run(const Options& options, Session& session)
     Outcome outcome("disconnect");
     for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
         try {
+            const Waiting waiting(to_text(receiver) + " to disconnect");
             application.disconnect(sender, receiver);
             outcome.done();
             const auto from = to_text(sender), to = to_text(receiver);

@@ -41,9 +41,7 @@ int run(const Options& options, Session& session)
     const auto header = header_of(options.header);
     std::string content = text_of_file(options.file, most_bytes);
     auto& application = session.application();
-    auto input = application.endpoint(options.to);
-    if (input.port.empty())
-        input.port = usual_input(application.describe(input.drone), input.drone, type);
+    const auto input = input_named(application, options.to, type);
     const auto size = content.size();
     const Waiting waiting(to_text(input) + " to take " + options.file);
     application.put(input, header, hive::Body(std::move(content)), type);

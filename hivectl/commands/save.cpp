@@ -30,14 +30,6 @@ struct Options {
     bool overwrite = false;
 };
 
-hive::Endpoint output_of(hive::Application& application, const std::string& from)
-{
-    auto output = application.endpoint(from);
-    if (output.port.empty())
-        output.port = usual_output(application.describe(output.drone), output.drone, "image/");
-    return output;
-}
-
 /// An absolute path, but one that means a folder still does.
 std::string path_of(const std::string& file) { return std::filesystem::absolute(file).string(); }
 
@@ -144,7 +136,7 @@ int report(const hive::Json& header, const Options& options, bool json)
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    const auto output = output_of(application, options.from);
+    const auto output = output_named(application, options.from, "image/");
     const interrupt::Deferred deferred;
     auto writer = start_for_verb(session, "save", order_of(options));
     const auto files = application.collect({{writer.name(), "files"}});

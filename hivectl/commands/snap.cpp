@@ -109,9 +109,7 @@ void require_fitting(const std::filesystem::path& file, const std::string& type,
 int run(const Options& options, Session& session)
 {
     auto& application = session.application();
-    auto output = application.endpoint(options.from);
-    if (output.port.empty())
-        output.port = usual_output(application.describe(output.drone), output.drone, "image/");
+    const auto output = output_named(application, options.from, "image/");
     const auto event = as_file(next_event(output, options.file, session));
     if (options.file == "-") {
         write_out({reinterpret_cast<const char*>(event.body.data()), event.body.size()});

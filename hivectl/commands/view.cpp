@@ -33,14 +33,6 @@ void require_somewhere(const Options& options)
                           "look with a browser: --http PORT");
 }
 
-hive::Endpoint output_of(hive::Application& application, const std::string& from)
-{
-    auto output = application.endpoint(from);
-    if (output.port.empty())
-        output.port = usual_output(application.describe(output.drone), output.drone, "image/");
-    return output;
-}
-
 /// Has the page served, and returns the address that a browser has to open; empty when there is a window instead. The
 /// token goes to the drone over its socket: command lines are for everybody to read.
 std::string serve(const Options& options, hive::Application& application, const std::string& viewer)
@@ -96,7 +88,7 @@ int run(const Options& options, Session& session)
 {
     require_somewhere(options);
     auto& application = session.application();
-    const auto output = output_of(application, options.from);
+    const auto output = output_named(application, options.from, "image/");
     const interrupt::Deferred deferred;
     auto viewer = start_for_verb(
         session, "view", {.name = "viewer", .kind = "view", .set = {{"window", options.port == 0 ? "on" : "off"}}});

@@ -74,13 +74,23 @@ TEST_CASE("terminal: after a second, the status line says what is waited for, an
     CHECK_FALSE(has(soon, "waiting"));
     const auto hung = swarm.drone("sleeper", "hung");
     hung.signal(SIGSTOP);
-    for (const std::vector<std::string> verb : {std::vector<std::string>{"set", "hung", "work_ms=1"},
-                                                {"get", "hung"},
-                                                {"describe", "hung"},
-                                                {"halt", "hung"}}) {
+    const std::string drone = "waiting for hung to answer, 1 s", any = "waiting for drones to answer, 1 s";
+    for (const auto& [verb, text] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+             {{"set", "hung", "work_ms=1"}, drone},
+             {{"get", "hung"}, drone},
+             {{"describe", "hung"}, drone},
+             {{"put", "hung", HIVE_SOURCE_DIR "/libhive/docs/demo.jpg"}, drone},
+             {{"snap", "hung", "x.jpg"}, drone},
+             {{"results", "hung"}, drone},
+             {{"halt", "hung"}, drone},
+             {{"record", "hung", "-o", "a.hive"}, any},
+             {{"exceptions", "hung"}, any},
+             {{"export"}, any}}) {
         std::vector<std::string> words{"hivectl", "--timeout", "1.5"};
         words.insert(words.begin() + 1, verb.begin(), verb.end());
-        CHECK(has(on_terminal(swarm, words).out, "waiting for hung to answer, 1 s"));
+        const auto shown = on_terminal(swarm, words).out;
+        CHECK_MESSAGE(has(shown, text), verb[0], " shows ", shown);
+        CHECK(has(shown, "\x1b[K\r\x1b[Khivectl"));
     }
     const auto slow = swarm.drone("sleeper", "slow", {"work_ms=0"});
     CHECK(has(on_terminal(swarm, {"hivectl", "snap", "slow", "x.jpg", "--timeout", "1.5"}).out, "waiting for slow."));
