@@ -4,6 +4,7 @@
 #include <hive/error.hpp>
 #include <hive/event.hpp>
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -13,29 +14,44 @@ class Order {
 public:
     /// Does this picture go on from the last one? No for the first of a source, or of a restarted one.
     /// @throws hive::Error  refused: it comes after a later picture of its source. If the same drone sent both, it does
-    ///                      not count; otherwise the next picture may go on from it: no drone may number for another
+    ///                      not count; otherwise the next picture may go on from it: no drone may number for another.
+    ///                      Refused as well: its source was left for another one, which still sends; it does not count
     bool goes_on(const hive::Event& event)
     {
-        const auto& identity = event.identity;
-        const bool same = last_ && last_->source == identity.source && last_->epoch == identity.epoch;
-        const bool late = same && identity.sequence <= last_->sequence;
+        if (left_ && left_->is_of(event) && event.received - last_->received < still_sends)
+            throw hive::Error(hive::Errc::refused,
+                              "pictures of " + left_->source + " and " + last_->source
+                                  + " come in turns, and tracks are those of one source",
+                              "start a drone for each source, and connect to it what comes of that source alone");
+        const bool same = last_ && last_->is_of(event);
+        const bool late = same && event.identity.sequence <= last_->sequence;
         const auto before = last_;
+        if (last_ && !same)
+            left_ = last_;
         if (!late || last_->sender != event.sender)
-            last_ = Last{event.sender, identity.source, identity.epoch, identity.sequence};
+            last_ = Last{event.sender, event.identity.source, event.identity.epoch, event.identity.sequence,
+                         event.received};
         if (late)
-            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(identity.sequence) + " of "
-                                                       + identity.source + " comes after picture "
+            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(event.identity.sequence) + " of "
+                                                       + before->source + " comes after picture "
                                                        + std::to_string(before->sequence)
                                                        + ": tracks need one connection, in order");
         return same;
     }
 
 private:
+    static constexpr std::chrono::seconds still_sends{2};
+
     struct Last {
         std::string sender, source;
         std::int64_t epoch, sequence;
+        std::chrono::steady_clock::time_point received;
+        [[nodiscard]] bool is_of(const hive::Event& event) const
+        {
+            return source == event.identity.source && epoch == event.identity.epoch;
+        }
     };
-    std::optional<Last> last_;
+    std::optional<Last> last_, left_;  ///< left_: of the source before that of last_
 };
 
 /// When the picture was taken, s on a clock of its source: its time in the file that it comes from, or else the time of

@@ -40,6 +40,24 @@ TEST_CASE("order: a picture that comes late or twice is refused, and the sequenc
     CHECK(order.goes_on(picture("camera", 1, 6)));
 }
 
+TEST_CASE("order: two sources in turns are refused but for one, until the other has been silent for 2 s")
+{
+    Order order;
+    const auto at = [](const std::string& source, std::int64_t sequence, int milliseconds) {
+        auto event = picture(source, 1, sequence);
+        event.received += std::chrono::milliseconds(milliseconds);
+        return event;
+    };
+    order.goes_on(at("left", 1, 0));
+    CHECK_FALSE(order.goes_on(at("right", 1, 30)));
+    CHECK_THROWS_WITH_AS(order.goes_on(at("left", 2, 60)),
+                         "pictures of left and right come in turns, and tracks are those of one source", hive::Error);
+    CHECK(order.goes_on(at("right", 2, 90)));
+    CHECK_THROWS_AS(order.goes_on(at("left", 3, 2089)), hive::Error);
+    CHECK_FALSE(order.goes_on(at("left", 4, 2090)));
+    CHECK(order.goes_on(at("left", 5, 2120)));
+}
+
 TEST_CASE("order: a number that another drone said costs one picture, not all that follow")
 {
     Order order;
