@@ -140,7 +140,7 @@ class Events(Embedded):
         exceptions = self.swarm.exceptions("source")
         event = self.swarm.collect("source").next(PATIENCE)
         self.assertEqual(event.header, {"n": 1, "x": 0.5, "a": [0, 1]})
-        self.assertIn("object cannot travel as JSON", exceptions.next(PATIENCE).header["text"])
+        self.assertIn("this cannot travel as JSON: a value of type object", exceptions.next(PATIENCE).header["text"])
 
     def test_many_events_leave_no_handle_and_no_memory(self):
         def emit(output, number):

@@ -47,6 +47,13 @@ class Package(unittest.TestCase):
         out = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True).stdout
         self.assertEqual(out.strip(), "[]")
 
+    def test_what_is_imported_with_it_is_small(self):
+        allowed = """atexit collections contextlib copyreg ctypes enum faulthandler functools hive importlib itertools json
+                     keyword operator re reprlib struct threading types typing warnings weakref zlib""".split()
+        words = "import sys; old = set(sys.modules); import hive; print(*{m.split('.')[0] for m in set(sys.modules) - old})"
+        out = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True).stdout
+        self.assertEqual([name for name in out.split() if not name.startswith("_") and name not in allowed], [])
+
     def test_everything_public_has_a_docstring(self):
         for name in hive.__all__:
             thing = getattr(hive, name)

@@ -15,7 +15,7 @@ import unittest
 
 import hive
 from hive import _library
-from world import PROGRAMS, World
+from world import PATIENCE, PROGRAMS, World
 
 SOURCE = os.environ["HIVE_SOURCE_DIR"]
 FOLDER = os.path.join(SOURCE, "libhive/language/python")
@@ -136,6 +136,21 @@ class Pages(World):
         """{A tracker}"""
         self.recipe("A tracker")
         self.assertTrue(self.swarm.describe("tracker")["stateful"])
+
+    def test_a_source(self):
+        """{A source of your own}"""
+        self.recipe("A source of your own")
+        begin = self.swarm.status("ramp")["outputs"][0]["produced"]
+        self.swarm.set("ramp", interval=0.2)
+        with self.swarm.collect("ramp", window=1) as images:  # one that asks again and again does not make it faster
+            times = [images.next(PATIENCE).captured for _ in range(6)]
+        self.assertGreater(times[-1] - times[1], 0.6)
+        self.assertLess(begin, 100)
+
+    def test_a_sweep(self):
+        """{A sweep of a parameter}"""
+        (printed,) = self.recipe("A sweep of a parameter")
+        self.assertEqual(printed.count("per second"), 3)
 
     def test_asyncio(self):
         """{asyncio, two swarms}"""

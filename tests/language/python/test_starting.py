@@ -78,6 +78,7 @@ class Starting(World):
             "a time is a number of seconds, not '3'": lambda: self.swarm.timeout("3"),
             "a time is a number of seconds, not None": lambda: self.swarm.collect("a", patience=None),
             "a name is a text, not ['a']": lambda: self.swarm.describe(["a"]),
+            "on is a text, not 3": lambda: self.swarm.start("face", on=3),
             "a body is bytes, not a str": lambda: self.swarm.put("a", "text"),
             "a body is bytes, not a int": lambda: self.swarm.put("a", 5),
         }
@@ -185,6 +186,8 @@ class Starting(World):
             events = list(collector)
             self.assertEqual(collector.counters, hive.Counts(received=5, duplicates=0, missing=0, failed=0, dropped=0))
         self.assertGreaterEqual(events[0].age, 0)
+        results = self.swarm.results("source", count=0)
+        self.assertEqual(results.counters, hive.Counts(0, 0, 0, 0, 0))
 
     def test_counters_of_sets_are_attributes(self):
         self.drone("ticker", "left", "pace=demand", "count=5", more=["--halted"])

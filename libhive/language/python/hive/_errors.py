@@ -66,6 +66,12 @@ def error_of(told: Mapping[str, str]) -> Error:
     return Error(told["code"], told["text"], told["advice"])
 
 
+def require_text(what: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise Error("invalid_argument", f"{what} is a text, not {value!r}")
+    return value
+
+
 def require_list(what: str, value: Any, example: str) -> Any:
     """Refuses a text where a list of them belongs: it would be taken apart into letters."""
     if isinstance(value, (str, bytes)):

@@ -207,7 +207,7 @@ def _plain(value: Any) -> Any:
     for convert in ("tolist", "__fspath__"):
         if hasattr(value, convert):
             return getattr(value, convert)()
-    raise TypeError(f"{type(value).__name__} cannot travel as JSON")
+    raise TypeError(f"a value of type {type(value).__name__}")
 
 
 def as_json(value: Any) -> bytes:

@@ -7,7 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
 from . import _library
-from ._errors import Error, SetError
+from ._errors import Error, SetError, require_text
 from ._finding import Finding, Names, answer_of, flat, is_many
 from ._library import as_json, ask_handle, ask_json, ask_list, ask_object, ask_text, encoded, lib, release
 from .output import view_of
@@ -149,6 +149,9 @@ class Application(Finding):
         :raises hive.Error: "name_taken", "not_found" when there is no such program, "timeout"; when it exits instead,
             the code that has its exit code, or "failed", with the last lines of its log
         """
+        texts = {"name": name, "on": on, "on_exception": on_exception, "listen": listen, "advertise": advertise}
+        for argument, text in {**texts, "log_level": log_level}.items():
+            require_text(argument, text)
         options = {
             "name": name,
             "ssh": on,

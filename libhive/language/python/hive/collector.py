@@ -278,6 +278,11 @@ class Results:
         self._left = count
         self._timeout = timeout
 
+    @property
+    def counters(self) -> Counts:
+        """What has been received until now, and what was not; see :class:`Counts`."""
+        return self._collector.counters
+
     def close(self) -> None:
         """Ends receiving, as the end of the loop does."""
         self._collector.close()

@@ -11,7 +11,7 @@ from typing import Any, Callable, Iterable, Optional, Sequence, TypeVar
 
 from . import _library
 from ._callbacks import Callbacks, encode, require_plain
-from ._errors import Error, require_list
+from ._errors import Error, require_list, require_text
 from ._library import as_json, ask_flag, ask_handle, ask_object, ask_text, code_of, encoded, lib, release
 from .encoding import Encoding
 from .event import Event
@@ -20,12 +20,6 @@ from .parameter import Matching, Parameter, Seconds, Value, match_of, type_of
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 _STEP_MS = 100  # how soon Ctrl-C is seen by a drone inside of a program
-
-
-def _text(what: str, value: Any) -> str:
-    if not isinstance(value, str):
-        raise Error("invalid_argument", f"{what} is a text, not {value!r}")
-    return value
 
 
 def _types(port: str, value: Any) -> str:
@@ -40,8 +34,8 @@ def _port(each: Any) -> dict[str, str]:
     if isinstance(each, str) or not 2 <= len(each) <= 3:
         raise Error("invalid_argument", f"an input to match is (name, type) or (name, type, help), not {each!r}")
     name, kind, *text = each
-    named = _text("the name of an input", name)
-    return {"name": named, "type": _types(named, kind), "help": _text("help", text[0] if text else "")}
+    named = require_text("the name of an input", name)
+    return {"name": named, "type": _types(named, kind), "help": require_text("help", text[0] if text else "")}
 
 
 def _trace_crashes() -> None:
@@ -168,7 +162,7 @@ class Drone(Callbacks):
             the drone was started with --remote-operator
         """
         require_list("choices", () if choices is None else choices, '["fast", "slow"]')
-        declared: dict[str, Any] = {"name": _text("the name of a parameter", name), "type": type_of(default), "default": default, "help": help}
+        declared: dict[str, Any] = {"name": require_text("the name of a parameter", name), "type": type_of(default), "default": default, "help": help}
         declared.update(least=least, most=most, unit=unit, operator=operator)
         declared.update(choices=None if choices is None else list(choices))
         lib.hive_drone_parameter(self._handle, as_json({k: v for k, v in declared.items() if v is not None}))
@@ -203,11 +197,11 @@ class Drone(Callbacks):
             the drone.  What an encoding raises is an exception of the drone, and the event travels as it was emitted.
             Of pictures: :func:`hive.pictures`.
         """
-        _types("output " + _text("the name of an output", name), type)
+        _types("output " + require_text("the name of an output", name), type)
         require_list("encodings", encodings, "hive.pictures()")
         if not encodings:
             return Output(
-                ask_handle(lib.hive_drone_output, self._handle, encoded(name), encoded(type), encoded(_text("help", help))), name
+                ask_handle(lib.hive_drone_output, self._handle, encoded(name), encoded(type), encoded(require_text("help", help))), name
             )
         known = {encoding.word: encoding for encoding in encodings}
         call = self._guarded(lambda event, wanted, answer: encode(known, event, wanted, answer))
@@ -230,10 +224,10 @@ class Drone(Callbacks):
         :param help: what it is for; "": the first line of the function's docstring
         """
 
-        _types("input " + _text("the name of an input", input), type)
+        _types("input " + require_text("the name of an input", input), type)
         if callable(help):
             raise Error("invalid_argument", "on_event decorates a function", "write @drone.on_event(...) above it")
-        _text("help", help)
+        require_text("help", help)
 
         def declare(function: Callback) -> Callback:
             require_plain("on_event", function)
