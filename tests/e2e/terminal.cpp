@@ -94,6 +94,27 @@ TEST_CASE("terminal: after a second, the status line says what is waited for, an
     }
     const auto slow = swarm.drone("sleeper", "slow", {"work_ms=0"});
     CHECK(has(on_terminal(swarm, {"hivectl", "snap", "slow", "x.jpg", "--timeout", "1.5"}).out, "waiting for slow."));
+    CHECK(has(on_terminal(swarm, {"hivectl", "replace", "slow", "start_ms=1500"}).out,
+              "waiting for slow to be ready, 1 s"));
+    CHECK(
+        has(on_terminal(swarm, {"hivectl", "stop", "hung", "--timeout", "1.5"}).out, "waiting for hung to exit, 1 s"));
+}
+
+TEST_CASE("terminal: results into a file say how far the source is, and so does ps")
+{
+    const Swarm swarm;
+    const auto folder = swarm.home() / "frames";
+    std::filesystem::create_directory(folder);
+    for (int i = 10; i < 40; ++i)
+        std::filesystem::copy(HIVE_SOURCE_DIR "/libhive/docs/demo.jpg", folder / (std::to_string(i) + ".jpg"));
+    const auto face = swarm.drone("face", "face", {"scale=1.05"});
+    const auto camera = swarm.drone("camera", "camera", {"source=" + folder.string(), "loop=false", "pace=demand"});
+    swarm.hivectl_done({"connect", "camera", "face"});
+    const auto file = (swarm.home() / "r.json").string();
+    const auto shown = on_terminal(swarm, {"sh", "-c", "hivectl results face.faces > " + file}).out;
+    CHECK_MESSAGE(has(shown, " of 30 frames, "), shown);
+    CHECK(shown.ends_with("\r\x1b[K"));
+    CHECK(has(on_terminal(swarm, {"hivectl", "ps", "camera"}).out, "30 of 30"));
 }
 
 TEST_CASE("terminal: start and up say which drone is not ready yet")
