@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Lintian has no error on the Debian packages of a build. Skipped where lintian is not installed: it brings 80 packages of Perl.
+# Lintian has no error on the Debian packages of a build. Skipped where lintian is not installed.
 # Usage: lintian.sh BUILD CPACK
 set -euo pipefail
 build=$1 cpack=$2

@@ -53,6 +53,8 @@ for package in libhive0 hivectl; do
 done
 [ "$(grep -lE 'highgui|[Qq]t5|libx11|hive-view' "$place"/*.depends)" = "$place/hive-view.depends" ] \
     || fail "these depend on what hive-view needs: $(grep -lE 'highgui|[Qq]t5|libx11|hive-view' "$place"/*.depends)"
+size=$(dpkg-deb -f "$place/debs"/hivectl_*.deb Installed-Size)
+[ "$size" -lt 2048 ] || fail "hivectl alone takes $size KiB"
 for drone in annotate record replay track zones; do
     ! grep -Eq 'opencv-(dnn|video|imgcodecs|highgui)|libav' "$place/hive-$drone.depends" || fail "hive-$drone depends on more than it needs"
 done
@@ -84,8 +86,15 @@ hivectl stop --all > "$place/out"
 wheel=$("$source/scripts/make-wheel" "$build" "$place")
 "$python" -m venv "$place/venv"
 "$place/venv/bin/pip" install --quiet --no-index --no-deps --disable-pip-version-check "$wheel"
-"$place/venv/bin/pip" show --disable-pip-version-check hive > "$place/out"
+"$place/venv/bin/pip" show --disable-pip-version-check hive-vision > "$place/out"
+! "$place/venv/bin/pip" show --disable-pip-version-check hive > "$place/ignored" 2>&1 || fail "on PyPI, hive is another project"
 grep -q '^Summary: .*without hivectl' "$place/out" || fail "the wheel does not say that hivectl is not in it"
+for library in "$place"/venv/lib/python3*/site-packages/hive/*.so.*; do  # what other distributions have as well
+    others=$(readelf -d "$library" | grep -oP 'NEEDED.*\[\K[^]]*' | grep -vE '^(libhive|libssl|libcrypto|libstdc\+\+|libgcc_s|libm|libc|ld-linux)[-.]' || true)
+    [ -z "$others" ] || fail "$(basename "$library") of the wheel needs $others"
+    newest=$(readelf -V "$library" | grep -oP 'GLIBC_\K2\.[0-9]+' | sort -V | tail -n 1)
+    [ "$(printf '%s\n' "$newest" 2.34 | sort -V | tail -n 1)" = 2.34 ] || fail "$(basename "$library") of the wheel needs glibc $newest"
+done
 unset PYTHONPATH
 cat > "$place/try.py" << 'END_OF_PYTHON'
 import threading
