@@ -44,5 +44,10 @@ refuse "http knows nothing else of Hive" 'hive/([a-z_]+\.hpp|[a-gi-z][a-z]*/)' l
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
     protocol/include/hive/*.hpp libhive/transport/include/hive/key.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
 
+if LC_ALL=C.UTF-8 grep -nE '^[^|].{120,}$' README.md || [ "$(wc -l < README.md)" -gt 200 ]; then
+    echo "layers: README.md is read in a terminal: lines of at most 120 characters, and at most 200 of them" >&2
+    failures=$((failures + 1))
+fi
+
 [ "$failures" -eq 0 ] || exit 1
 echo "layers: every include points the right way"

@@ -9,21 +9,6 @@
 
 namespace hive::test {
 
-/// What a reader does and a script does not: commands that stream are left after a while by Ctrl-C.
-inline constexpr auto reader = R"(set -euo pipefail
-hivectl() {
-    local code=0 limit=60
-    case "$1" in
-        top|results|save|view|exceptions|metrics) limit=$patience ;;
-        record) limit=$((patience + 3)) ;;  # the other commands of a page use what it has recorded
-    esac
-    timeout -s INT "$limit" "$program" "$@" || code=$?
-    case "$1:$code" in top:124|results:124|record:124|save:124|view:124|exceptions:124|metrics:124) return 0 ;; esac
-    return $code
-}
-command -v jq > /dev/null || jq() { cat; }
-)";
-
 /// The contents of the blocks of a page between ```sh and ```.
 inline std::vector<std::string> shell_blocks(const std::filesystem::path& page)
 {
@@ -60,7 +45,7 @@ inline std::string indented_commands(const std::filesystem::path& page, const st
 inline std::string reader_script(const Swarm& swarm, const std::string& commands, int seconds)
 {
     return "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds) + "\ncd "
-           + swarm.home().string() + "\n" + reader + commands;
+           + swarm.home().string() + "\n. " HIVE_SOURCE_DIR "/tests/support/reader.sh\n" + commands;
 }
 
 inline Finished run_as_reader(const Swarm& swarm, const std::string& commands, int seconds)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # An empty Debian, and in it the packages of a build and nothing else of Hive: README's drone built with libhive-dev, g++ and cmake alone,
-# then a swarm of what is installed, drones built there in C++, C and Python, the wheel in a fresh environment. Needs root, debootstrap and a network, and downloads some 300 MB, so it is run by hand:
+# then a swarm of what is installed, drones built there in C++, C and Python, the commands of the pages, the wheel in a fresh environment.
+# Needs root, debootstrap and a network, and downloads some 500 MB, so it is run by hand:
 # tests/install/empty_root.sh SOURCE BUILD [ROOT]
 set -euo pipefail
 source=$(cd "$1" && pwd) build=$(cd "$2" && pwd)
@@ -19,7 +20,13 @@ mkdir -p "$root/try"
 (cd "$place" && cpack --config "$build/CPackConfig.cmake" -G DEB -B "$place/made" -D CPACK_OUTPUT_FILE_PREFIX="$root/try" > "$place/log")
 "$source/scripts/make-wheel" "$build" "$root/try" > "$place/log"
 write_drones "$source" "$root/try"
-block "$source/libhive/docs/installing.md" sh "swarm.collect" > "$root/try/image.sh"
+block "$source/README.md" shell "swarm.collect" > "$root/try/image.sh"
+for page in README.md hivectl/README.md libhive/docs/swarm-file.md libhive/docs/is-it-working.md; do
+    awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside' "$source/$page" > "$root/try/$(tr / - <<< "$page").sh"
+done
+mkdir -p "$root/try/source/libhive/language/python"
+cp "$source"/libhive/language/python/*.md "$root/try/source/libhive/language/python"
+cp "$source"/tests/support/reader.sh "$source"/tests/language/python/{world,test_pages}.py "$root/try"
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
 
 cat > "$root/try/in_there.sh" << 'END'
@@ -54,12 +61,25 @@ for drone in in-cpp in-c in-python; do
     hivectl connect pixels "$drone"
     [ "$(hivectl results "$drone" -n 2 --json --timeout 30 | grep -c '"mean"')" -eq 2 ] || fail "no results of $drone"
 done
+hivectl stop --all > log
+apt-get install -y -qq --no-install-recommends python3-opencv jq > log 2>&1
+for page in *.md.sh; do
+    mkdir -p "read/$page"
+    (cd "read/$page" && program=/usr/bin/hivectl patience=3 && . /try/reader.sh && . "/try/$page") > log 2>&1 \
+        || { tail -n 20 log; fail "the commands of ${page%.sh} do not run"; }
+    hivectl stop --all > log 2>&1 || true
+done
+pages=(the_tutorial images two_cameras a_video a_tracker a_source a_sweep asyncio a_notebook processes)
+HIVE_TEST_PROGRAMS=/usr/bin HIVE_SOURCE_DIR=/try/source python3 -m unittest "${pages[@]/#/test_pages.Pages.test_}" > log 2>&1 \
+    || { tail -n 30 log; fail "the pages of Python do not run"; }
+! grep -q skipped log || fail "of the pages of Python: $(tail -n 1 log)"
+echo "empty_root: the commands of the pages run, from the packages alone"
+hivectl start camera --as pixels > log
 python3 -m venv venv
 mkdir -p build/release/packages
 mv ./*.whl ./*.deb build/release/packages/
 . venv/bin/activate
 sudo() { "$@" -y; }
-hivectl stop camera > log
 { . ./image.sh; } > log 2>&1 || { cat log; fail "no image from the wheel"; }
 [ "$(head -c 3 image.jpg | od -An -tx1)" = " ff d8 ff" ] || fail "image.jpg is no JPEG"
 python -c 'import hive; print("empty_root: an image by the wheel, which sees", hive.Application().drones())'

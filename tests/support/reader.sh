@@ -1,0 +1,15 @@
+# shellcheck shell=bash
+# What a reader of a page does and a script does not: commands that stream are left by Ctrl-C after $patience seconds. To be sourced;
+# $program is hivectl.
+set -euo pipefail
+hivectl() {
+    local code=0 limit=60
+    case "$1" in
+        top|results|save|view|exceptions|metrics) limit=$patience ;;
+        record) limit=$((patience + 3)) ;;  # the other commands of a page use what it has recorded
+    esac
+    timeout -s INT "$limit" "$program" "$@" || code=$?
+    case "$1:$code" in top:124|results:124|record:124|save:124|view:124|exceptions:124|metrics:124) return 0 ;; esac
+    return $code
+}
+command -v jq > /dev/null || jq() { cat; }
