@@ -200,6 +200,26 @@ class Starting(World):
             counters = sets.counters
         self.assertEqual(counters, hive.SetCounts(10, 0, 0, 0, 0, sets=5, waiting=0, unmatched=0))
 
+    def test_the_results_of_another_source_come_at_once_after_it_was_set(self):
+        self.drone("ticker", "source", "pace=demand", "count=3")
+        self.drone("sleeper", "worker", "work_ms=1")
+        self.swarm.connect("source", "worker")
+        self.assertEqual(len(list(self.swarm.results("worker"))), 3)
+        self.assertEqual(len(list(self.swarm.results("worker"))), 0)
+        for count in range(4, 14):  # the worker may not have heard of it yet
+            self.swarm.set("source", count=count)
+            self.assertEqual(len(list(self.swarm.results("worker"))), 1)
+
+        async def read():
+            return [event async for event in self.swarm.results("worker")]
+
+        with self.swarm.collect("worker") as collector:
+            for count in range(14, 20):
+                self.swarm.set("source", count=count)
+                self.assertEqual(len(list(collector)), 1)
+        self.swarm.set("source", count=20)
+        self.assertEqual(len(asyncio.run(read())), 1)
+
     def silent(self):
         self.drone("ticker", "source", "pace=demand")
         self.swarm.halt("source")

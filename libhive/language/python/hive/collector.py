@@ -15,6 +15,7 @@ from .event import Event
 Seconds = float
 SLICE = 0.1  # how soon Ctrl-C is seen while nothing comes
 SILENCE = 3.0  # after which it is said why nothing comes, as hivectl does
+PROVISIONAL = 2.0  # s: so long an end before the first event may be taken back
 _MOST_IN_SET = 64
 
 
@@ -70,9 +71,12 @@ class _Silence:
 class _Collecting(Owner):
     """What both kinds of collectors have: waiting in slices, so that Ctrl-C is seen, and asyncio."""
 
-    def __init__(self, handle: ctypes.c_void_p, why: Callable[[], str] = lambda: "") -> None:
+    def __init__(self, handle: ctypes.c_void_p, why: Optional[Callable[[], str]] = None) -> None:
         self._handle = handle
-        self._why = why  # why nothing comes
+        self._why = why or (lambda: "")  # why nothing comes
+        self._asks = why is not None
+        self._moved = False  # has anything come since the last end?
+        self._looked: Optional[float] = None  # when the present end was first seen
         self._executor: Any = None
         self._pending: Any = None  # a wait of asyncio: one that was cancelled goes on, and may have taken something
         self._last: Sequence[Event] = ()
@@ -84,6 +88,7 @@ class _Collecting(Owner):
         raise NotImplementedError
 
     def _hand_out(self, taken: Any) -> Any:
+        self._moved, self._looked = taken is not None, None
         self._last = () if taken is None else (taken,) if isinstance(taken, Event) else taken
         return taken
 
@@ -92,6 +97,15 @@ class _Collecting(Owner):
         for event in self._last:
             event._left()
         self._last = ()
+
+    def _over(self) -> bool:
+        """Has everything come?  Before the first event, the end may be that of a source which a set has just replaced, and
+        of which the drones between have yet to hear.  It holds if the source says so as well, or if it stays."""
+        if self.ended is None or self._moved or not self._asks:
+            return self.ended is not None
+        self._looked = self._looked or time.monotonic()
+        held = bool(self._why()) or time.monotonic() - self._looked > PROVISIONAL
+        return held and self.ended is not None
 
     def _next(self, timeout: Optional[Seconds]) -> Any:
         self._go_on()
@@ -104,7 +118,7 @@ class _Collecting(Owner):
         while True:
             left = SLICE if end is None else min(SLICE, max(0.0, end - time.monotonic()))
             taken = self._take(left)
-            if taken is not None or (end is not None and time.monotonic() >= end) or self.ended is not None:
+            if taken is not None or (end is not None and time.monotonic() >= end) or self._over():
                 return self._hand_out(taken)
             if silence.due():
                 silence.say()
@@ -130,7 +144,9 @@ class _Collecting(Owner):
             if self._pending is not pending:
                 continue  # another task had it
             self._pending = None
-            if taken is not None or self.ended is not None or (end is not None and time.monotonic() >= end):
+            late = end is not None and time.monotonic() >= end
+            over = not late and self.ended is not None and await asyncio.wrap_future(self._executor.submit(self._over))
+            if taken is not None or late or over:
                 return self._hand_out(taken)
             if silence.due():
                 await asyncio.wrap_future(self._executor.submit(silence.say))
