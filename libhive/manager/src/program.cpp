@@ -131,16 +131,20 @@ Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)
     words.insert(words.end(), command.arguments.begin(), command.arguments.end());
     words.emplace_back("--describe");
     const auto result = run_command(words, limit, command.environment);
+    std::string look = "see all that it prints:";
+    for (const auto& word : words)
+        look += " " + word;
     if (result.late)
-        throw Error(Errc::timeout, command.program.string() + " --describe has not answered in time");
+        throw Error(Errc::timeout, kind + " --describe has not answered in time", look);
     if (result.exit_code != 0)
-        throw Error(Errc::failed, command.program.string() + " --describe ended with exit code "
-                                      + std::to_string(result.exit_code) + ": " + last_line(result.err));
+        throw Error(Errc::failed,
+                    kind + " --describe ended with exit code " + std::to_string(result.exit_code) + ": "
+                        + last_line(result.err),
+                    look);
     try {
         return interface_from_json(parse_json(result.out));
     } catch (const Error& error) {
-        throw Error(Errc::failed,
-                    command.program.string() + " --describe does not print an interface: " + error.what());
+        throw Error(Errc::failed, kind + " --describe does not print an interface: " + error.what(), look);
     }
 }
 

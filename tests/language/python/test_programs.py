@@ -1,6 +1,7 @@
 """Drones in Python that are programs of their own."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -160,6 +161,14 @@ class Programs(World):
                 self.assertEqual((done.returncode, done.stdout), (3 if "cannot import" in reason else 1, ""))
                 self.assertIn(reason, done.stderr)
         self.assertEqual(self.swarm.drones(), [])
+
+    def test_a_file_that_does_not_describe_itself_is_named_with_the_command_that_shows_why(self):
+        self.drone("sleeper", "old")
+        path = self.script("drone = (")
+        words = [os.path.join(PROGRAMS, "hivectl"), "replace", "old", "--kind", path]
+        said = subprocess.run(words, capture_output=True, text=True, timeout=60).stderr
+        self.assertIn(f"replace: {path} --describe ended with exit code 1: SyntaxError: ", said)
+        self.assertRegex(said, f"; see all that it prints: [^ ]*python3? .*{re.escape(path)} --describe\n$")
 
     def interpreter(self, folder, *words):
         """A python3 in a folder that runs the present one so. Gives its path."""
