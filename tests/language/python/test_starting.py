@@ -10,6 +10,8 @@ import threading
 import unittest
 import unittest.mock
 
+import numpy
+
 import hive
 from hive import collector as collecting
 from world import PATIENCE, PROGRAMS, World, eventually
@@ -73,12 +75,28 @@ class Starting(World):
         self.start("sleeper", "other", if_missing=True)
         self.assertEqual(self.swarm.drones(), ["other", "sleeper"])
 
+    def test_who_waits_in_vain_hears_how_to_start_it(self):
+        with self.assertRaises(hive.Error) as late:
+            self.swarm.wait("camera-2", timeout=0.05)
+        text = "camera-2 is not running in the time allowed; start it: hivectl start camera --as camera-2"
+        self.assertEqual(str(late.exception), text)
+
+    def test_an_application_shows_its_name_and_a_closed_one_what_to_do(self):
+        swarm = hive.Application("desk")
+        self.assertEqual(repr(swarm), "<hive.Application desk>")
+        swarm.close()
+        with self.assertRaisesRegex(hive.Error, "^the application is closed; make a new one$"):
+            swarm.drones()
+
     def test_arguments_of_a_wrong_type_are_refused_with_one_sentence(self):
         refusals = {
             "a time is a number of seconds, not '3'": lambda: self.swarm.timeout("3"),
             "a time is a number of seconds, not None": lambda: self.swarm.collect("a", patience=None),
             "a name is a text, not ['a']": lambda: self.swarm.describe(["a"]),
             "on is a text, not 3": lambda: self.swarm.start("face", on=3),
+            "count is a whole number, not '3'": lambda: self.swarm.results("a", count="3"),
+            "a time is a number of seconds, not 'x'": lambda: self.swarm.results("a", timeout="x"),
+            "a body is bytes, not an array of shape (2, 3)": lambda: self.swarm.put("a", numpy.zeros((2, 3))),
             "a body is bytes, not a str": lambda: self.swarm.put("a", "text"),
             "a body is bytes, not a int": lambda: self.swarm.put("a", 5),
         }

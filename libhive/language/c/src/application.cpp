@@ -5,6 +5,7 @@
 #include "waiting.hpp"
 
 #include <hive/process.hpp>
+#include <hive/program.hpp>
 
 #include <algorithm>
 
@@ -63,6 +64,16 @@ void require_goal(const std::string& goal)
         if (goal == known)
             return;
     throw Error(Errc::invalid_argument, "a drone is awaited running, idle, halted or gone, not " + in_quotes(goal));
+}
+
+Error late(const std::string& drone, const std::string& goal, const std::string& state)
+{
+    const auto kind = kind_by_name(drone);
+    const auto advice = state != "gone" ? "allow more time, or see what it is busy with: hivectl ps"
+                        : kind          ? "start it: " + start_command(*kind, drone)
+                                        : "see what runs: hivectl ps";
+    return {Errc::timeout,
+            drone + " is not " + goal + " in the time allowed" + (state == "gone" ? "" : ", but " + state), advice};
 }
 
 }  // namespace
@@ -160,7 +171,7 @@ hive_code hive_application_wait(hive_application* application, const char* drone
             if (reached(goal, found))
                 return;
             if (left <= 0ms)
-                throw Error(Errc::timeout, name + " did not become " + goal + " in time; it is " + found);
+                throw late(name, goal, found);
             require_wait();
             std::this_thread::sleep_for(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
         }

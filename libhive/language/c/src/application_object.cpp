@@ -82,7 +82,7 @@ void ApplicationObject::with(const std::function<void(Application&)>& work)
         ~Leave() { object.leave(); }
     } const leave{*this};
     if (!application_)
-        throw Error(Errc::stopped, "the application is closed");
+        throw Error(Errc::stopped, "the application is closed", "make a new one");
     work(*application_);
 }
 

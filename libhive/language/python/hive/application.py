@@ -98,6 +98,12 @@ class Application(Finding):
 
         await asyncio.to_thread(self.close)
 
+    def __repr__(self) -> str:
+        try:
+            return f"<hive.Application {self.name}>"
+        except Error:
+            return "<hive.Application of another process>"
+
     def close(self) -> None:
         """Leaves the swarm, and ends its collectors.  Once more: nothing."""
         if self._handle:
@@ -388,6 +394,10 @@ class Application(Finding):
         The loop ends when everything has ended.  If that was no regular end, what was said about it is raised as a
         :class:`hive.Error` "abandoned".
         """
+        if count is not None and not hasattr(count, "__index__"):
+            raise Error("invalid_argument", f"count is a whole number, not {count!r}")
+        if timeout is not None:
+            milliseconds(timeout)  # refused here, not at the first result
         outputs = [name for drone in flat(*drones) for name in self._result_outputs(drone)]
         return Results(self.collect(outputs, ordered=ordered), ", ".join(outputs), count, timeout)
 
@@ -418,6 +428,10 @@ class Application(Finding):
         header: Optional[Mapping[str, Any]] = None,
     ) -> None:
         """Sends one event into an input; returns when the drone has taken it into its queue."""
+        if getattr(body, "ndim", 1) > 1:
+            shape = getattr(body, "shape", "")
+            advice = 'encode it: put(..., cv2.imencode(".png", image)[1], "image/png")'
+            raise Error("invalid_argument", f"a body is bytes, not an array of shape {shape}", advice)
         text, data = as_json(dict(header or {})), bytes(view_of(body))
         lib.hive_application_put(
             self._handle, encoded(input), text, len(text), data if data else None, len(data), encoded(type)
