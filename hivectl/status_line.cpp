@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <unistd.h>
+#include <utility>
 
 namespace hivectl {
 

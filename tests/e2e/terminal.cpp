@@ -89,7 +89,7 @@ TEST_CASE("terminal: after a second, the status line says what is waited for, an
         std::vector<std::string> words{"hivectl", "--timeout", "1.5"};
         words.insert(words.begin() + 1, verb.begin(), verb.end());
         const auto shown = on_terminal(swarm, words).out;
-        CHECK_MESSAGE(has(shown, text), verb[0], " shows ", shown);
+        CHECK_MESSAGE(has(shown, text), words[1], " shows ", shown);
         CHECK(has(shown, "\x1b[K\r\x1b[Khivectl"));
     }
     const auto slow = swarm.drone("sleeper", "slow", {"work_ms=0"});
