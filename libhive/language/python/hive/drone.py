@@ -312,7 +312,7 @@ class Drone(Callbacks):
     def main(self, function: Callback) -> Callback:
         """Decorates what a source does, again and again between callbacks: it returns how many seconds to wait before
         the next call (None: none).  It is called earlier when the demand for an output changes, a parameter was set, or
-        by :meth:`wake`; not while the drone is halted."""
+        by :meth:`wake`, so a source that has a rate looks at the clock; not while the drone is halted."""
 
         require_plain("main", function)
 
