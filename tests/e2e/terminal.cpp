@@ -128,6 +128,11 @@ TEST_CASE("terminal: start and up say which drone is not ready yet")
                                "late": {"kind": "sleeper", "set": {"start_ms": 1500}}}})";
     const auto up = on_terminal(swarm, {"hivectl", "up", file}).out;
     CHECK(has(up, "waiting for late (1 of 2 started), 1 s"));
+    const auto slow = swarm.home() / "slow.py", one = swarm.home() / "one.json";
+    std::ofstream(slow) << "import time\ntime.sleep(1.5)\n";
+    std::ofstream(one) << R"({"swarm": "one", "drones": {"slow": {"kind": ")" << slow.string() << R"("}}})";
+    CHECK(has(on_terminal(swarm, {"hivectl", "check", one}).out,
+              "waiting for the programs of the drones to describe themselves, 1 s"));
 }
 
 TEST_CASE("terminal: the rate of a recording is that since its start, however long the source was running before")
