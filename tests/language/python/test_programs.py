@@ -365,6 +365,18 @@ class Programs(World):
         self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
         self.assertEqual(masks.next(PATIENCE).image().shape, (40, 60))
 
+    def test_every_drone_says_what_to_do_about_floats(self):
+        settings = {"view": ["window=off"], "write": ["file=" + os.path.join(self.home, "out.avi")]}
+        picture = numpy.zeros((40, 60, 3), "float32")
+        for kind in ("annotate", "background", "detect", "face", "gesture", "view", "write"):
+            if not os.path.exists(os.path.join(PROGRAMS, "hive-" + kind)):
+                continue  # built without what it needs
+            with self.subTest(kind):
+                self.drone(kind, kind, *settings.get(kind, []))
+                with self.swarm.exceptions(kind) as exceptions:
+                    self.swarm.put(kind, picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+                    self.assertIn("bgr32f; let its sender scale", exceptions.next(PATIENCE).header["text"])
+
     def test_a_drone_in_python_takes_16_bits_and_alpha_and_says_what_to_do_about_floats(self):
         script = os.path.join(os.environ["HIVE_SOURCE_DIR"], "drones/edges/edges.py")
         self.process(sys.executable, script, name="edges")
