@@ -6,7 +6,10 @@
 
 #include <hive/error.hpp>
 
+#include <opencv2/core.hpp>
 #include <turbojpeg.h>
+
+#include <algorithm>
 
 namespace hive::vision {
 namespace {
@@ -30,6 +33,22 @@ JpegStructure checked_jpeg(const Body& body, const DecodeLimits& limits)
     return jpeg;
 }
 
+/// The inks of print as light, as cv::imdecode has it: they are taken for inverted, as all that write such files do.
+cv::Mat in_colour(const cv::Mat& inks)
+{
+    cv::Mat picture(inks.size(), CV_8UC3);
+    for (int row = 0; row < inks.rows; ++row)
+        std::transform(inks.ptr<cv::Vec4b>(row), inks.ptr<cv::Vec4b>(row) + inks.cols, picture.ptr<cv::Vec3b>(row),
+                       [](const cv::Vec4b& ink) {
+                           const int black = ink[3];
+                           const auto light = [black](int colour) {
+                               return static_cast<std::uint8_t>(black - ((255 - colour) * black >> 8));
+                           };
+                           return cv::Vec3b(light(ink[2]), light(ink[1]), light(ink[0]));
+                       });
+    return picture;
+}
+
 /// A warning of the decoder (data missing, data left over) means that pixels were invented: it is an error here.
 cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
 {
@@ -37,12 +56,13 @@ cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
     const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
     if (!decoder)
         throw Error(Errc::failed, "the JPEG decoder could not be made");
-    cv::Mat picture(jpeg.height, jpeg.width, CV_8UC3);
+    const bool cmyk = jpeg.components == 4;
+    const cv::Mat picture(jpeg.height, jpeg.width, cmyk ? CV_8UC4 : CV_8UC3);
     if (tjDecompress2(decoder.get(), body.data(), static_cast<unsigned long>(jpeg.size), picture.data, jpeg.width,
-                      static_cast<int>(picture.step), jpeg.height, TJPF_BGR, TJFLAG_STOPONWARNING)
+                      static_cast<int>(picture.step), jpeg.height, cmyk ? TJPF_CMYK : TJPF_BGR, TJFLAG_STOPONWARNING)
         != 0)
         throw Error(Errc::malformed, std::string("JPEG: ") + tjGetErrorStr2(decoder.get()));
-    return upright(picture, jpeg.orientation);
+    return upright(cmyk ? in_colour(picture) : picture, jpeg.orientation);
 }
 
 PngSize checked_png(const Body& body, const DecodeLimits& limits)

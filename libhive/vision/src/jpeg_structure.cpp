@@ -118,10 +118,11 @@ private:
         if (marker > 0xC2)
             throw Error(Errc::unsupported,
                         "JPEG: only baseline, extended and progressive Huffman coding are supported");
-        if (inside[0] != 8 || (inside[5] != 1 && inside[5] != 3))
-            throw Error(Errc::unsupported, "JPEG: only 8 bit grey and colour pictures are supported");
+        if (inside[0] != 8 || (inside[5] != 1 && inside[5] != 3 && inside[5] != 4))
+            throw Error(Errc::unsupported, "JPEG: only 8 bit grey, colour and CMYK pictures are supported");
         found_.height = inside[1] << 8 | inside[2];
         found_.width = inside[3] << 8 | inside[4];
+        found_.components = inside[5];
         if (found_.width == 0 || found_.height == 0)
             malformed("has no width or no height");
         components_ = inside.subspan(6);

@@ -11,13 +11,14 @@ namespace hive::vision {
 
 struct JpegStructure {
     int width = 0, height = 0;  ///< as coded, before EXIF turns it
+    int components = 0;         ///< 1: grey, 3: colour, 4: the inks of print
     int scans = 0;
     int orientation = 1;   ///< of EXIF, 1 to 8; 1 is upright
     std::size_t size = 0;  ///< bytes up to and including the end-of-image marker
 };
 
 /// Walks the markers from start to end of image. Throws Errc::malformed when they do not fit together or the end is
-/// missing, Errc::unsupported for kinds other than 8 bit Huffman-coded grey or three-component pictures, and
+/// missing, Errc::unsupported for kinds other than 8 bit Huffman-coded pictures of one, three or four components, and
 /// Errc::too_large as soon as there are more than `most_scans` scans.
 JpegStructure jpeg_structure(std::span<const std::uint8_t> bytes, int most_scans);
 

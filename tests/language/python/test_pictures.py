@@ -1,5 +1,6 @@
 """Pictures out of bodies and into them, without drones."""
 
+import io
 import struct
 import sys
 import unittest
@@ -8,6 +9,7 @@ import zlib
 
 import cv2
 import numpy
+import PIL.Image
 
 import hive
 from hive import _jpeg, _pictures
@@ -68,6 +70,15 @@ class Pictures(unittest.TestCase):
             for bad in (b"", b"x", data[: len(data) // 2], data[:40], b"\xff" * 1000, b"\xff\xd8\xff\xd9"):
                 self.refused("malformed", kind, {}, memoryview(bad))
         self.refused("unsupported", "image/gif", {}, memoryview(b"GIF89a"))
+
+    def test_a_jpeg_for_print_is_that_of_opencv(self):
+        inks = numpy.random.default_rng(4).integers(0, 256, (12, 17, 4), numpy.uint8)
+        file = io.BytesIO()
+        PIL.Image.fromarray(inks, "CMYK").save(file, "JPEG")
+        data = file.getvalue()
+        expected = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
+        self.assertTrue(numpy.array_equal(_pictures.decode("image/jpeg", {}, memoryview(data)), expected))
+        self.refused("malformed", "image/jpeg", {}, memoryview(data[:-60] + b"\xff\xd9"))
 
     def test_a_picture_that_declares_too_many_pixels_is_not_decoded(self):
         head = struct.pack(">IIBBBBB", 50_000, 50_000, 8, 2, 0, 0, 0)

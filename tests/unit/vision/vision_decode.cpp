@@ -5,6 +5,7 @@
 #include <hive/error.hpp>
 #include <hive/vision/image.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <iterator>
@@ -32,6 +33,21 @@ void check_like_opencv(const media::Bytes& bytes, const std::string& type)
     REQUIRE_FALSE(expected.empty());
     CHECK(media::same(vision::decode(Body(bytes), type), expected));
     CHECK(vision::size_of(Body(bytes), type) == expected.size());
+}
+
+/// As programs for print write them, with their inks inverted.
+media::Bytes printed(const cv::Mat& inks, int flags)
+{
+    const auto encoder = tjInitCompress();
+    unsigned char* bytes = nullptr;
+    unsigned long size = 0;
+    REQUIRE(tjCompress2(encoder, inks.data, inks.cols, static_cast<int>(inks.step), inks.rows, TJPF_CMYK, &bytes, &size,
+                        TJSAMP_444, 90, flags)
+            == 0);
+    media::Bytes jpeg(bytes, bytes + size);
+    tjFree(bytes);
+    tjDestroy(encoder);
+    return jpeg;
 }
 
 /// The JPEG with an EXIF segment of one entry, the orientation.
@@ -71,6 +87,19 @@ TEST_CASE("decode: JPEGs of many kinds equal cv::imdecode bit for bit")
         for (const int type : {CV_8UC1, CV_8UC3})
             for (const auto& kind : kinds)
                 check_like_opencv(media::encoded(".jpg", media::sample(size, type), kind), "image/jpeg");
+}
+
+TEST_CASE("decode: a JPEG for print equals cv::imdecode, and its paper is white")
+{
+    const cv::Mat inks = media::sample({40, 31}, CV_8UC4);
+    for (const int flags : {0, TJFLAG_PROGRESSIVE}) {
+        const media::Bytes jpeg = printed(inks, flags);
+        check_like_opencv(jpeg, "image/jpeg");
+        check_like_opencv(with_orientation(jpeg, 6, true), "image/jpeg");
+        CHECK(decode_refusal(media::Bytes(jpeg.begin(), jpeg.end() - 100), "image/jpeg") == Errc::malformed);
+    }
+    const cv::Mat paper = vision::decode(Body(printed(cv::Mat(8, 8, CV_8UC4, cv::Scalar::all(255)), 0)), "image/jpeg");
+    CHECK(paper.at<cv::Vec3b>(4, 4) == cv::Vec3b(255, 255, 255));
 }
 
 TEST_CASE("decode: PNGs of many kinds equal cv::imdecode bit for bit")

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SONAME = "libturbojpeg.so.0"
-_BGR = 1
+_BGR, _INKS = 1, 11
 _STOP_ON_WARNING = 8192  # data that is missing or left over: pixels would be invented
 _CMYK, _YCCK = 3, 4
 _library: Any = None
@@ -43,7 +43,7 @@ def _declare(library: Any) -> None:
 def decode(data: bytes) -> Optional[NDArray[Any]]:
     """The pixels as they lie, blue, green and red; None where the library is not installed.
 
-    :raises hive.Error: "malformed" for what is cut short or damaged, "unsupported" for CMYK
+    :raises hive.Error: "malformed" for what is cut short or damaged
     """
     library = _loaded()
     if not library:
@@ -68,9 +68,16 @@ def _pixels(library: Any, decoder: int, data: bytes) -> NDArray[Any]:
     width, height, subsampling, colours = (ctypes.c_int() for _ in range(4))
     places = (ctypes.byref(value) for value in (width, height, subsampling, colours))
     require(library.tjDecompressHeader3(decoder, data, len(data), *places))
-    if colours.value in (_CMYK, _YCCK):
-        raise Error("unsupported", "image/jpeg: CMYK, which no camera makes")
-    pixels = numpy.empty((height.value, width.value, 3), numpy.uint8)
+    printed = colours.value in (_CMYK, _YCCK)
+    pixels = numpy.empty((height.value, width.value, 4 if printed else 3), numpy.uint8)
     size = (width.value, pixels.strides[0], height.value)
-    require(library.tjDecompress2(decoder, data, len(data), pixels.ctypes.data, *size, _BGR, _STOP_ON_WARNING))
-    return pixels
+    kind = _INKS if printed else _BGR
+    require(library.tjDecompress2(decoder, data, len(data), pixels.ctypes.data, *size, kind, _STOP_ON_WARNING))
+    return _in_colour(pixels) if printed else pixels
+
+
+def _in_colour(inks: NDArray[Any]) -> NDArray[Any]:
+    """The inks of print as light, as OpenCV has it: they are taken for inverted, as all that write such files do."""
+    black, colours = inks[:, :, 3:].astype("uint16"), inks[:, :, 2::-1].astype("uint16")
+    light: NDArray[Any] = (black - ((255 - colours) * black >> 8)).astype("uint8")
+    return light

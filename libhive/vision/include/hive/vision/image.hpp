@@ -29,7 +29,7 @@ inline constexpr const char* image_types = "image/jpeg,image/png,image/raw";
 /// "gray8", "gray16" or "bgra8", which becomes bgr8, and optionally "stride", the bytes from one row to the next). The
 /// caller owns the pixels. Only
 /// the declared type is tried. A picture that is cut short or damaged is refused, never returned in part.
-/// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes: CMYK,
+/// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes:
 ///                arithmetic, lossless, 12 bit)
 cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits = {},
                const Json& header = Json::object());
