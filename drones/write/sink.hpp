@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -26,6 +27,12 @@ struct Picture {
     double fps = 0;  ///< of its source; 0: unknown
 };
 
+/// What is in a file after all.
+struct Held {
+    std::int64_t pictures = 0;
+    std::chrono::microseconds last{0};  ///< the time of the last one
+};
+
 /// For one thread.
 class Sink {
 public:
@@ -37,6 +44,9 @@ public:
     virtual void close() = 0;
     /// Can a picture of this kind be written without its pixels?
     [[nodiscard]] virtual bool takes_encoded(const std::string& ending) const = 0;
+    /// After a failure, what can be read: pictures may have been lost with what was not yet written. Nothing if each
+    /// was written at once.
+    [[nodiscard]] virtual std::optional<Held> held() const { return std::nullopt; }
     /// By what the pictures are encoded: "libx264"; empty before the first.
     [[nodiscard]] virtual std::string encoder() const = 0;
 };

@@ -182,6 +182,25 @@ void VideoFile::close()
         make_whole(settings_.path);
 }
 
+std::optional<Held> VideoFile::held() const
+{
+    Held held;
+    AVFormatContext* context = nullptr;
+    if (avformat_open_input(&context, url_of(settings_.path).c_str(), nullptr, nullptr) < 0)
+        return held;
+    const ffmpeg::Input file(context);
+    const ffmpeg::PacketPtr packet(av_packet_alloc());
+    for (; av_read_frame(file.get(), packet.get()) >= 0; av_packet_unref(packet.get())) {
+        if ((packet->flags & AV_PKT_FLAG_CORRUPT) != 0)
+            continue;
+        ++held.pictures;
+        held.last =
+            std::chrono::microseconds(av_rescale_q(packet->pts == AV_NOPTS_VALUE ? packet->dts : packet->pts,
+                                                   file->streams[packet->stream_index]->time_base, {1, 1'000'000}));
+    }
+    return held;
+}
+
 /// What was written stays as it is.
 void VideoFile::abandon()
 {

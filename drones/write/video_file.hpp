@@ -18,6 +18,7 @@ public:
     void add(const Picture& picture, std::chrono::microseconds time) override;
     void close() override;
     [[nodiscard]] bool takes_encoded(const std::string&) const override { return false; }
+    [[nodiscard]] std::optional<Held> held() const override;
     [[nodiscard]] std::string encoder() const override { return encoder_ ? encoder_->name() : ""; }
 
     /// Is that the ending of a video?

@@ -206,9 +206,13 @@ void WriteDrone::close(File& file, const std::string& how, const std::string& pr
         sink->close();
     } catch (const std::exception& error) {
         if (trouble.empty())
-            drone_.report(hive::Errc::io, error.what());
-        trouble += (trouble.empty() ? "" : "; ") + std::string(error.what());
+            drone_.report(hive::Errc::io, trouble = error.what());
     }
+    if (!trouble.empty())
+        if (const auto held = sink->held()) {
+            file.written = held->pictures;
+            file.last = held->last;
+        }
     file.ended = how;
     drone_.log("closed " + file.path + " images=" + std::to_string(file.written) + " reason=\"" + how + "\"");
     if (!drone_.stopping())

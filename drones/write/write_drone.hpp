@@ -16,10 +16,10 @@ namespace writing {
 struct File {
     std::string path;            ///< empty: none
     std::unique_ptr<Sink> sink;  ///< gone when the file has ended
-    FileTimes times;
+    FileTimes times = {};
     std::int64_t written = 0, later = 0;  ///< pictures
     std::chrono::microseconds last{0};    ///< the time of the last one
-    std::string ended;                    ///< how
+    std::string ended = {};               ///< how
 };
 
 /// On the user thread.

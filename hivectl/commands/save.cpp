@@ -110,7 +110,8 @@ int report(const hive::Json& header, const Options& options, bool json)
     if (!problem.empty())
         complain("save", printable(problem));
     if (frames == 0) {
-        complain("save", "no picture came, and nothing was written");
+        if (problem.empty())
+            complain("save", "no picture came, and nothing was written");
         return exit_code::failure;
     }
     std::error_code ignored;

@@ -125,6 +125,19 @@ TEST_CASE("save: a clip that begins again goes on at the distance of its picture
         CHECK(std::abs(times[i] - static_cast<double>(i) / 12) <= 0.001);
 }
 
+TEST_CASE("save: where the disk takes no more, it says how many frames can be read, and the reason once")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"source=scene:noise", "noise=50", "pace=demand"});
+    const auto path = (swarm.home() / "full.mkv").string();
+    const auto saved = swarm.run(
+        {"/bin/bash", "-c", "ulimit -f 2000; exec hivectl save camera '" + path + "' --quality 100"}, 60'000ms);
+    CHECK_MESSAGE(saved.exit_code == 8, saved.err);
+    CHECK_MESSAGE(saved.err == "hivectl save: " + path + ": File too large\n", saved.err);
+    const auto frames = std::to_string(times_in(path).size()) + " frames";
+    CHECK_MESSAGE(saved.out.find(path + ": " + frames + " in ") != std::string::npos, saved.out, " but ", frames);
+}
+
 TEST_CASE("save: of a live camera it takes as many as it is told, or until Ctrl-C")
 {
     const Swarm swarm;

@@ -164,6 +164,41 @@ TEST_CASE("write: where no more can be written it says so, and what came before 
     CHECK_FALSE(times_in(path).empty());
 }
 
+TEST_CASE("write: after a failure the count is that of the pictures that can be read")
+{
+    const media::Folder folder;
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    for (const char* name : {"a.mp4", "a.mkv", "a.avi"}) {
+        CAPTURE(std::string(name));
+        const std::string path = (folder.path() / name).string();
+        const auto sink = writing::open_sink({.path = path, .quality = 95});
+        const rlimit small{600'000, before.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &small);
+        int taken = 0;
+        const auto fill = [&] {
+            for (; taken < 300; ++taken)
+                sink->add({.pixels = media::sample({160, 120}, CV_8UC3, taken), .fps = 30}, time_of(taken));
+        };
+        CHECK_THROWS_AS(fill(), std::runtime_error);
+        try {
+            sink->close();
+        } catch (const std::runtime_error&) {
+        }
+        setrlimit(RLIMIT_FSIZE, &before);
+        const auto held = sink->held();
+        REQUIRE(held);
+        const auto times = times_in(path);
+        CHECK(held->pictures > 0);
+        CHECK(held->pictures <= taken);
+        CHECK(std::abs(held->pictures - std::ssize(times)) <= 1);  // the last may be there in part
+        CHECK(std::abs(std::chrono::duration<double>(held->last).count()
+                       - times[static_cast<std::size_t>(held->pictures) - 1])
+              < 0.001);
+    }
+}
+
 TEST_CASE("write: a video that could not be begun says why, and is closed without harm")
 {
     const media::Folder folder;
