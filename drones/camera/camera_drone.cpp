@@ -211,6 +211,7 @@ std::chrono::microseconds CameraDrone::step_on_demand()
     report(on_demand_->news());
     if (frame)
         return send(*frame, true);
+    drone_.source_events(on_demand_->count());
     end(std::exchange(on_demand_, nullptr)->cut_short());
     return 1s;
 }

@@ -1,7 +1,9 @@
 // One callback for the process, which finds the watch of its thread.
 #include "ffmpeg_log.hpp"
 
+#include <array>
 #include <cstdarg>
+#include <cstdio>
 
 extern "C" {
 #include <libavutil/log.h>
@@ -12,8 +14,21 @@ namespace {
 
 thread_local FfmpegLog* watching = nullptr;
 
+bool is_demuxer(void* object)
+{
+    const auto* kind = object ? *static_cast<const AVClass* const*>(object) : nullptr;
+    return kind && (kind->get_category ? kind->get_category(object) : kind->category) == AV_CLASS_CATEGORY_DEMUXER;
+}
+
+std::string text_of(const char* format, std::va_list arguments)
+{
+    std::array<char, 200> text{};
+    std::vsnprintf(text.data(), text.size(), format, arguments);
+    return std::string(text.data()).substr(0, std::string_view(text.data()).find('\n'));
+}
+
 /// The format is compared, not the text: the arguments are read only where they are known.
-void on_log(void*, int, const char* format_text, std::va_list arguments) noexcept
+void on_log(void* object, int level, const char* format_text, std::va_list arguments) noexcept
 {
     if (watching == nullptr)
         return;
@@ -30,6 +45,8 @@ void on_log(void*, int, const char* format_text, std::va_list arguments) noexcep
         watching->refused_streams();
     else if (format.starts_with("Format not on whitelist"))
         watching->refused_format();
+    else if (level <= AV_LOG_ERROR && is_demuxer(object))
+        watching->demuxer_error(text_of(format_text, arguments));
 }
 
 }  // namespace

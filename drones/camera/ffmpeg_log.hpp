@@ -1,8 +1,10 @@
-// What FFmpeg logs while it reads from a camera: the only way to see a reply before FFmpeg acts on it, and to learn
-// which of its limits was reached. The texts are those of libavformat 59 and libavutil 57; tests hold each of them.
+// What FFmpeg logs while it reads: the only way to see a camera's reply before FFmpeg acts on it, and to learn which of
+// its limits was reached, or that a file ends too early. The texts are those of libavformat 59 and libavutil 57; tests
+// hold each of them.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace camera {
@@ -11,13 +13,15 @@ namespace camera {
 class FfmpegLog {
 public:
     /// A line of the head of a reply (HTTP, RTSP), before it is parsed.
-    virtual void reply_line(std::string_view line) = 0;
+    virtual void reply_line(std::string_view /*line*/) {}
     /// Bytes of one packet of RTP that comes over TCP, before they are read.
-    virtual void rtp_packet(int bytes) = 0;
+    virtual void rtp_packet(int /*bytes*/) {}
     /// Pixels of a picture that is refused because of its size.
-    virtual void refused_pixels(std::int64_t width, std::int64_t height) = 0;
-    virtual void refused_streams() = 0;
-    virtual void refused_format() = 0;
+    virtual void refused_pixels(std::int64_t /*width*/, std::int64_t /*height*/) {}
+    virtual void refused_streams() {}
+    virtual void refused_format() {}
+    /// An error in what is read, which FFmpeg may pass over: it tells some of them in no other way.
+    virtual void demuxer_error(const std::string& /*text*/) {}
 
 protected:
     ~FfmpegLog() = default;

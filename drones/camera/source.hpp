@@ -59,7 +59,7 @@ public:
     virtual std::optional<Frame> next() = 0;
     /// Pictures per second that the source was made with; 0 if it has no rate of its own.
     [[nodiscard]] virtual double fps() const { return 0; }
-    /// How many pictures it has in all; 0: unknown, or no end.
+    /// How many pictures it has in all, exactly after the last one; 0: unknown, or no end.
     [[nodiscard]] virtual std::int64_t count() const { return 0; }
     /// What is to be said about it beside its pictures, each sentence once: what was left out, what is missing.
     std::vector<std::string> news() { return std::exchange(news_, {}); }

@@ -1,4 +1,5 @@
 // Network cameras, decoded with FFmpeg's libraries.
+#include "frame_pictures.hpp"
 #include "url_input.hpp"
 
 #include <utility>
@@ -10,7 +11,7 @@ namespace {
 class UrlSource : public Source {
 public:
     UrlSource(const UrlSettings& settings, cv::MatAllocator* memory)
-        : memory_(memory), max_pixels_(settings.limits.pixels), input_(settings)
+        : max_pixels_(settings.limits.pixels), input_(settings), pictures_(memory)
     {
         if (!feed())
             throw std::runtime_error(input_.shown() + ": there is no video in it that can be decoded");
@@ -24,7 +25,7 @@ public:
             if (!feed())
                 return std::nullopt;
         Frame result;
-        result.image = picture();
+        result.image = pictures_.picture(*frame_);
         result.captured = std::chrono::system_clock::now();
         result.index = index_++;
         return result;
@@ -56,29 +57,12 @@ private:
         return true;
     }
 
-    [[nodiscard]] cv::Mat picture()
-    {
-        cv::Mat result;
-        result.allocator = memory_;
-        result.create(frame_->height, frame_->width, CV_8UC3);
-        scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height,
-                                           static_cast<AVPixelFormat>(frame_->format), frame_->width, frame_->height,
-                                           AV_PIX_FMT_BGR24, SWS_BICUBIC, nullptr, nullptr, nullptr));
-        if (!scaler_)
-            throw std::runtime_error(input_.shown() + ": its pictures cannot be converted");
-        std::uint8_t* const rows[] = {result.data};
-        const int strides[] = {static_cast<int>(result.step)};
-        sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, rows, strides);
-        return result;
-    }
-
-    cv::MatAllocator* memory_;
     std::int64_t max_pixels_;
     UrlInput input_;
     ffmpeg::CodecContext decoder_;
     ffmpeg::FramePtr frame_{av_frame_alloc()};
     ffmpeg::PacketPtr packet_{av_packet_alloc()};
-    ffmpeg::Scaler scaler_;
+    FramePictures pictures_;
     std::int64_t index_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The sources that are videos: files and V4L2 devices, which OpenCV's VideoCapture reads, and network cameras.
+// The sources that are videos: files, V4L2 devices and network cameras.
 #pragma once
 
 #include "source.hpp"

@@ -28,14 +28,19 @@ using FramePtr = std::unique_ptr<AVFrame, Release>;
 using PacketPtr = std::unique_ptr<AVPacket, Release>;
 using Scaler = std::unique_ptr<SwsContext, Release>;
 
+inline std::string text_of(int code)
+{
+    std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+    av_strerror(code, text.data(), text.size());
+    return text.data();
+}
+
 /// @throws std::runtime_error  when `code` says that `what` has failed
 inline int checked(int code, const std::string& what)
 {
     if (code >= 0)
         return code;
-    std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
-    av_strerror(code, text.data(), text.size());
-    throw std::runtime_error(what + ": " + text.data());
+    throw std::runtime_error(what + ": " + text_of(code));
 }
 
 }  // namespace ffmpeg
