@@ -38,6 +38,8 @@ void on_log(void* object, int level, const char* format_text, std::va_list argum
     else if (format == "id=%d len=%d\n") {
         (void)va_arg(arguments, int);
         watching->rtp_packet(va_arg(arguments, int));
+    } else if (format == "SDP:\n%s\n") {
+        watching->description(va_arg(arguments, const char*));
     } else if (format.starts_with("Picture size %ux%u ")) {
         const std::int64_t width = va_arg(arguments, unsigned), height = va_arg(arguments, unsigned);
         watching->refused_pixels(width, height);

@@ -16,6 +16,8 @@ public:
     virtual void reply_line(std::string_view /*line*/) {}
     /// Bytes of one packet of RTP that comes over TCP, before they are read.
     virtual void rtp_packet(int /*bytes*/) {}
+    /// The description of an RTSP stream (SDP, RFC 8866).
+    virtual void description(std::string_view /*text*/) {}
     /// Pixels of a picture that is refused because of its size.
     virtual void refused_pixels(std::int64_t /*width*/, std::int64_t /*height*/) {}
     virtual void refused_streams() {}

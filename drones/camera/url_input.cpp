@@ -5,6 +5,7 @@
 
 #include <shown_url.hpp>
 
+#include <cstdlib>
 #include <utility>
 
 namespace camera {
@@ -76,6 +77,13 @@ void UrlInput::reply_line(std::string_view line)
         av_opt_set(context_, "protocol_whitelist", "udp,rtp", 0);
     replied_ = true;
     guard_.take(line);
+}
+
+void UrlInput::description(std::string_view text)
+{
+    constexpr std::string_view field = "\na=framerate:";
+    if (const auto at = text.find(field); at != std::string_view::npos)
+        described_fps_ = std::strtod(std::string(text.substr(at + field.size(), 20)).c_str(), nullptr);
 }
 
 void UrlInput::refused_pixels(std::int64_t width, std::int64_t height)

@@ -32,6 +32,8 @@ public:
     void decode(AVCodecContext& decoder, const AVPacket& packet);
     /// Of the packets that read() returns; null before the first.
     [[nodiscard]] const AVStream* video() const;
+    /// Frames per second, as the description of an RTSP stream says; 0: it does not.
+    [[nodiscard]] double described_fps() const { return described_fps_; }
     /// Until when the next packets have to come, and what is said if they do not.
     void expect_until(Clock::time_point deadline, const char* otherwise);
     /// The URL as it may be shown.
@@ -40,6 +42,7 @@ public:
 private:
     void reply_line(std::string_view line) override;
     void rtp_packet(int bytes) override;
+    void description(std::string_view text) override;
     void refused_pixels(std::int64_t width, std::int64_t height) override;
     void refused_streams() override;
     void refused_format() override;
@@ -62,6 +65,7 @@ private:
     std::int64_t http_begin_ = 0;  ///< bytes that had come by HTTP when the last packet was read
     std::int64_t rtp_bytes_ = 0;   ///< that have come by RTP over TCP since the last packet was read
     bool replied_ = false;
+    double described_fps_ = 0;
     int stream_ = -1;
 };
 

@@ -27,8 +27,18 @@ public:
         Frame result;
         result.image = pictures_.picture(*frame_);
         result.captured = std::chrono::system_clock::now();
+        result.fps = fps();
         result.index = index_++;
         return result;
+    }
+
+    /// As the stream's own header says, or its description; a rate that no camera has is none.
+    [[nodiscard]] double fps() const override
+    {
+        for (const double fps : {av_q2d(decoder_->framerate), input_.described_fps()})
+            if (fps >= 0.01 && fps <= 1000)
+                return fps;
+        return 0;
     }
 
 private:

@@ -43,6 +43,7 @@ TEST_CASE("rtsp: slow and quick streams open, over TCP and UDP")
         const auto event = pictures->next(patient(20'000ms));
         REQUIRE_MESSAGE(event, application.status(name).condition);
         CHECK(event->header.at("width") == 320);
+        CHECK(event->header.value("fps", 0.0) == doctest::Approx(std::stod(fps)));
         CHECK(application.status(name).condition.empty());
     }
 }
