@@ -5,6 +5,7 @@
 
 #include <hive/backoff.hpp>
 
+#include <algorithm>
 #include <exception>
 #include <mutex>
 #include <utility>
@@ -127,19 +128,38 @@ private:
         notify();
     }
 
-    /// A file is held back until its picture is due. One that cannot be read is passed over.
+    /// What is not yet due is no stall.
+    bool hold_until(Clock::time_point due)
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            last_news_ = std::max(last_news_, due);
+        }
+        return wait_until(due);
+    }
+
+    /// A file is held back until its picture is due: at `fps`, or else by its own times. One that cannot be read is
+    /// passed over.
     Outcome read_file(Source& source)
     {
-        Schedule schedule(fps_ > 0 ? fps_ : source.fps() > 0 ? source.fps() : usual_fps, Clock::now());
-        for (; wait_until(schedule.due()); schedule.take(Clock::now()))
+        const double rate = fps_ > 0 ? fps_ : source.fps() > 0 ? source.fps() : usual_fps;
+        Schedule schedule(rate, Clock::now());
+        OwnTimes own(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate)));
+        while (hold_until(schedule.due()))
             try {
                 auto frame = source.next();
                 for (const auto& sentence : source.news())
                     report(sentence);
                 if (!frame)
-                    return Outcome::ended;
+                    return hold_until(own.next()) ? Outcome::ended : Outcome::stopped;
+                if (fps_ > 0 || !frame->media_time)
+                    schedule.take(Clock::now());
+                else if (!hold_until(own.due(*frame->media_time, Clock::now())))
+                    return Outcome::stopped;
+                frame->captured = std::chrono::system_clock::now();
                 post(std::move(*frame));
             } catch (const std::exception& problem) {
+                schedule.take(Clock::now());
                 pass_over(problem.what());
             }
         return Outcome::stopped;

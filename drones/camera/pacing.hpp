@@ -41,4 +41,35 @@ private:
     std::int64_t count_ = 0;
 };
 
+/// When the pictures of a video are due by their own times. No clock of its own, either.
+class OwnTimes {
+public:
+    using Clock = Schedule::Clock;
+
+    /// @param usual  how long a picture stays whose successor does not tell: the last of a round, or before a leap
+    explicit OwnTimes(Clock::duration usual) : usual_(usual) {}
+
+    /// Of the next picture. No burst follows a pause.
+    Clock::time_point due(std::chrono::microseconds time, Clock::time_point now)
+    {
+        constexpr std::chrono::minutes longest{1};
+        if (time <= last_ || time - last_ > longest)
+            start_ = std::max(now, next_) - time;
+        else if (now > start_ + time + usual_)
+            start_ = now - time;
+        last_ = time;
+        next_ = start_ + time + usual_;
+        return start_ + time;
+    }
+
+    /// When the last picture has been shown.
+    [[nodiscard]] Clock::time_point next() const { return next_; }
+
+private:
+    Clock::duration usual_;
+    Clock::time_point start_, next_;
+    std::chrono::microseconds last_ =
+        std::chrono::microseconds::max();  ///< the first one begins, like one that goes back
+};
+
 }  // namespace camera

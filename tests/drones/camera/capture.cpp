@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <stdexcept>
+#include <thread>
 
 using camera::Capture;
 using camera::Frame;
@@ -43,7 +44,8 @@ private:
 /// What a source under the test's control shall do; next() hangs while there is nothing to do.
 class Script {
 public:
-    enum class Act { give, begin_again, end, fail };
+    enum class Act { give, give_timed, begin_again, end, fail };
+    static constexpr std::chrono::milliseconds distance{400};  ///< of those with a time, as a video has them
 
     void play(Act act)
     {
@@ -65,6 +67,8 @@ public:
         Frame frame;
         frame.index = count_++;
         frame.begins_again = act == Act::begin_again;
+        if (act == Act::give_timed)
+            frame.media_time = frame.index * distance;
         return frame;
     }
     Bell& reading() { return reading_; }
@@ -129,6 +133,49 @@ TEST_CASE("schedule: without a rate a picture is always due")
     camera::Schedule schedule(0, start);
     schedule.take(start + 1h);
     CHECK(schedule.due() == start);
+}
+
+TEST_CASE("schedule: a video is shown at its own times, and a leap of them costs no more than one picture")
+{
+    const camera::OwnTimes::Clock::time_point start{1000s};
+    camera::OwnTimes own(100ms);
+    CHECK(own.due(5s, start) == start);
+    CHECK(own.due(5'030ms, start) == start + 30ms);
+    CHECK(own.due(6s, start + 30ms) == start + 1s);
+    CHECK(own.next() == start + 1'100ms);
+    CHECK(own.due(6'100ms, start + 1'190ms) == start + 1'100ms);  // late by less than a picture
+    CHECK(own.due(6'200ms, start + 4s) == start + 4s);            // what was missed is not made up for
+    CHECK(own.due(0s, start + 4s) == start + 4'100ms);            // it begins again
+    CHECK(own.due(2min, start + 4'100ms) == start + 4'200ms);
+}
+
+TEST_CASE("capture: the pictures of a video come at its times, also the last before the end")
+{
+    Stage stage;
+    const auto before = std::chrono::steady_clock::now();
+    const auto capture = stage.capture(0, Capture::AtEnd::stop);
+    for (int i = 0; i < 3; ++i)
+        stage.script->play(Script::Act::give_timed);
+    stage.script->play(Script::Act::end);
+    REQUIRE(stage.news.wait_for(3));
+    CHECK(std::chrono::steady_clock::now() - before >= 2 * Script::distance);
+    REQUIRE(stage.news.wait_for(4));
+    CHECK(std::chrono::steady_clock::now() - before >= 2 * Script::distance + 33ms);
+    CHECK(capture->ended());
+}
+
+TEST_CASE("capture: a picture that is not yet due is no stall")
+{
+    Stage stage;
+    const auto capture = stage.capture(0.1, Capture::AtEnd::stop);
+    stage.script->play(Script::Act::give);
+    REQUIRE(stage.news.wait_for(1));
+    const auto begin = std::chrono::steady_clock::now();
+    const auto waits = [&] { return capture->condition(begin + 6s).empty(); };  // of ten
+    while (!waits() && std::chrono::steady_clock::now() < begin + 5s)
+        std::this_thread::sleep_for(1ms);
+    CHECK(waits());
+    stage.script->play(Script::Act::end);
 }
 
 TEST_CASE("capture: only the newest picture is kept, and only once")
