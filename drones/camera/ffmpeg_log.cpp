@@ -47,6 +47,8 @@ void on_log(void* object, int level, const char* format_text, std::va_list argum
         watching->refused_streams();
     else if (format.starts_with("Format not on whitelist"))
         watching->refused_format();
+    else if (format == "error y=%d x=%d\n" || format == "overread %d\n")
+        watching->damaged_scan();
     else if (level <= AV_LOG_ERROR && is_demuxer(object))
         watching->demuxer_error(text_of(format_text, arguments));
 }

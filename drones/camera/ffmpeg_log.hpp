@@ -22,6 +22,8 @@ public:
     virtual void refused_pixels(std::int64_t /*width*/, std::int64_t /*height*/) {}
     virtual void refused_streams() {}
     virtual void refused_format() {}
+    /// The decoder of JPEG has invented a part of a picture.
+    virtual void damaged_scan() {}
     /// An error in what is read, which FFmpeg may pass over: it tells some of them in no other way.
     virtual void demuxer_error(const std::string& /*text*/) {}
 

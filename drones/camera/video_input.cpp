@@ -9,6 +9,7 @@ extern "C" {
 #include <cmath>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 namespace camera {
 namespace {
@@ -94,7 +95,7 @@ const AVFrame* VideoInput::next()
         } else {
             if (given_++ == 0)
                 origin_ = frame_->pts == AV_NOPTS_VALUE ? frame_->best_effort_timestamp : video_->start_time;
-            damaged_ += frame_->decode_error_flags != 0 ? 1 : 0;
+            damaged_ += std::exchange(scan_damaged_, false) || frame_->decode_error_flags != 0 ? 1 : 0;
             return frame_.get();
         }
     }
@@ -103,9 +104,9 @@ const AVFrame* VideoInput::next()
 /// The next packet of the video goes to the decoder; at the end, nothing more.
 void VideoInput::feed()
 {
+    const FfmpegLogWatch watch(*this);
     int code = 0;
     do {
-        const FfmpegLogWatch watch(*this);
         av_packet_unref(packet_.get());
         code = av_read_frame(input_.get(), packet_.get());
     } while (code >= 0 && packet_->stream_index != video_->index);

@@ -33,6 +33,7 @@ public:
     [[nodiscard]] std::string shortfall() const;
 
 private:
+    void damaged_scan() override { scan_damaged_ = true; }
     void demuxer_error(const std::string& text) override { note("FFmpeg: " + text); }
 
     void open();
@@ -52,6 +53,7 @@ private:
     double fps_ = 0;
     int quarter_turns_ = 0;
     bool has_index_ = false;
+    bool scan_damaged_ = false;               ///< since the last frame
     bool begins_inside_ = false;              ///< of a stream: with a frame that needs others
     std::int64_t packets_ = 0, refused_ = 0;  ///< read, and of these not decoded
     std::int64_t given_ = 0, damaged_ = 0;    ///< frames
