@@ -26,6 +26,14 @@ cv::Mat in_colour(const cv::Mat& picture)
     return colour;
 }
 
+/// libswscale, when it scales, reads past the end of the last row.
+cv::Mat with_margin(const cv::Mat& colour)
+{
+    cv::Mat wider;
+    cv::copyMakeBorder(colour, wider, 0, 1, 0, 0, cv::BORDER_REPLICATE);
+    return wider.rowRange(0, colour.rows);
+}
+
 }  // namespace
 
 VideoEncoder::VideoEncoder(const AVOutputFormat& container, const EncoderSettings& settings)
@@ -76,7 +84,9 @@ bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, c
 void VideoEncoder::encode(const cv::Mat& picture, std::int64_t time, bool key,
                           const std::function<void(AVPacket&)>& take)
 {
-    const cv::Mat colour = in_colour(picture);
+    cv::Mat colour = in_colour(picture);
+    if (colour.size() != cv::Size(frame_->width, frame_->height))
+        colour = with_margin(colour);
     scaler_.reset(sws_getCachedContext(scaler_.release(), colour.cols, colour.rows, AV_PIX_FMT_BGR24, frame_->width,
                                        frame_->height, context_->pix_fmt, SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_)

@@ -11,7 +11,9 @@
 #include <cmath>
 #include <csignal>
 #include <set>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
@@ -162,6 +164,28 @@ TEST_CASE("write: where no more can be written it says so, and what came before 
     CHECK_MESSAGE(contains(problem, "too large"), problem);
     CHECK(fs::file_size(path) <= 60'000);
     CHECK_FALSE(times_in(path).empty());
+}
+
+TEST_CASE("write: nothing is read behind a picture, whatever its size")
+{
+    const media::Folder folder;
+    int number = 0;
+    for (const cv::Size size : {cv::Size(321, 241), {319, 240}, {320, 241}, {322, 242}, {17, 15}}) {
+        CAPTURE(size.width);
+        const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE)),
+                   bytes = static_cast<std::size_t>(size.area()) * 3, pages = (bytes + page - 1) / page * page;
+        void* const memory = mmap(nullptr, pages + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        REQUIRE(memory != MAP_FAILED);
+        mprotect(static_cast<char*>(memory) + pages, page, PROT_NONE);
+        const cv::Mat picture(size, CV_8UC3, static_cast<char*>(memory) + pages - bytes);
+        const auto path = (folder.path() / (std::to_string(number++) + ".mkv")).string();
+        const auto sink = writing::open_sink({.path = path});
+        for (int i = 0; i < 3; ++i)
+            sink->add({.pixels = picture, .fps = 30}, time_of(i));
+        sink->close();
+        munmap(memory, pages + page);
+        CHECK(times_in(path).size() == 3);
+    }
 }
 
 TEST_CASE("write: after a failure the count is that of the pictures that can be read")
