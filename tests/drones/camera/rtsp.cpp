@@ -28,16 +28,15 @@ TEST_CASE("rtsp: slow and quick streams open, over TCP and UDP")
 {
     const Swarm swarm;
     int number = 0;
-    for (const auto& [fps, transport] : {std::pair{"1", "tcp"}, {"12", "tcp"}, {"30", "udp"}}) {
-        CAPTURE(std::string(fps));
+    for (const auto& [rate, way] : {std::pair{"1", "tcp"}, {"12", "tcp"}, {"30", "udp"}}) {
+        const std::string fps = rate, transport = way;  // clang 14 captures no bindings
+        CAPTURE(fps);
         const RtspServer server(swarm, rtsp_port(number++), fps,
-                                transport == std::string("udp") ? std::vector<std::string>{"--udp"}
-                                                                : std::vector<std::string>{});
+                                transport == "udp" ? std::vector<std::string>{"--udp"} : std::vector<std::string>{});
         if (!ready(server))
             return;
-        const auto name = "camera-" + std::string(fps);
-        const auto camera =
-            swarm.drone("camera", name, {"source=" + server.url(), "transport=" + std::string(transport)});
+        const auto name = "camera-" + fps;
+        const auto camera = swarm.drone("camera", name, {"source=" + server.url(), "transport=" + transport});
         auto application = swarm.application();
         const auto pictures = application.collect({{name, "image"}});
         const auto event = pictures->next(patient(20'000ms));
