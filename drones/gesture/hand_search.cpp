@@ -33,6 +33,9 @@ constexpr SkinColour::Spread of_somebody{28, 4}, of_a_palm{16, 3.5};
 constexpr int close_smooth = 7;  ///< px of the close look
 /// How much larger a palm may turn out to be, and how much of what is within reach a hand and its arm may cover.
 constexpr double least_grown = 0.6, most_grown = 1.5, most_share = 0.6;
+/// Of a place, if no model decides: a fist needs an arm, and the colour and size of the person. Else it is an elbow, or
+/// a piece of wall.
+constexpr double least_worth = 0.3;
 
 cv::Rect within(const cv::Rect& part, const cv::Mat& picture) { return part & cv::Rect({}, picture.size()); }
 
@@ -236,9 +239,10 @@ std::vector<Hand> HandSearch::best_of(const cv::Mat& picture, std::vector<Candid
         };
         if (hands.size() == static_cast<std::size_t>(max_hands) || std::ranges::any_of(hands, same))
             continue;
-        if (!landmarks)
-            hands.push_back(candidate.hand);
-        else if (asked++ < most_asked)
+        if (!landmarks) {
+            if (candidate.worth >= least_worth)
+                hands.push_back(candidate.hand);
+        } else if (asked++ < most_asked)
             if (auto read = landmarks->read(picture, candidate.hand))
                 hands.push_back(std::move(*read));
     }

@@ -19,7 +19,7 @@ TEST_CASE("systemd unit: what systemd would read otherwise is quoted")
                                       "/run/100%/cam.1.log");
     CHECK(hive::unit_name(drone.name) == "hive-cam.1.service");
     CHECK(has(text, "\nExecStart=\"/opt/my drones/hive-camera\" \"--set\" "
-                         "\"source=a \\\"b\\\" \\\\c $$HOME 100%%\\nd\"\n"));
+                    "\"source=a \\\"b\\\" \\\\c $$HOME 100%%\\nd\"\n"));
     CHECK(has(text, "\nEnvironment=\"HIVE_HOME=/run/100%%/$x\"\n"));
     CHECK(has(text, "\nStandardOutput=append:/run/100%%/cam.1.log\n"));
     CHECK(has(text, "\nRestart=on-failure\n"));
