@@ -43,6 +43,16 @@ inline std::string h264_fragment(unsigned number, std::size_t size)
     return std::string{'$', 0, byte(packet.size() >> 8), byte(packet.size())} + packet;
 }
 
+/// A whole picture of 16x16 grey pixels, over TCP (RFC 2435, section 3.1).
+inline std::string small_rtp_jpeg(unsigned number)
+{
+    std::string packet{static_cast<char>(0x80), static_cast<char>(0x80 | 26), 0, static_cast<char>(number)};
+    packet += {0, 0, static_cast<char>(number), 0, 0, 0, 0, 1};             // the time, the source
+    packet += {0, 0, 0, 0, 1, 50, 2, 2};                                    // 4:2:0, quality, size in 8 pixels
+    packet += {0x28, static_cast<char>(0xA2), static_cast<char>(0x8A), 0};  // six blocks that say nothing new
+    return std::string{'$', 0, 0, static_cast<char>(packet.size())} + packet;
+}
+
 /// A section of MPEG-2 systems in one packet of a transport stream (ISO 13818-1, sections 2.4.3 and 2.4.4).
 inline std::string transport_packet(unsigned pid, unsigned table, const std::string& contents)
 {

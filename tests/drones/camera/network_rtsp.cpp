@@ -78,3 +78,25 @@ TEST_CASE("network camera: of many streams of an RTSP camera few are taken")
     told_by(camera.url("rtsp"), UrlLimits::none());
     CHECK(taken == 16 + 40);
 }
+
+TEST_CASE("network camera: the description of an RTSP stream tells the frame rate where its pictures do not")
+{
+    for (const std::string rate : {"a=framerate:12.5\r\n", "a=framerate:1e9\r\n", ""}) {
+        CAPTURE(rate);
+        const Camera camera([&](Client& client, const std::string& request) {
+            if (request.starts_with("DESCRIBE"))
+                return client.send(hostile::rtsp(request, "200 OK", "Content-Type: application/sdp\r\n",
+                                                 "v=0\r\no=- 0 0 IN IP4 127.0.0.1\r\ns=x\r\nt=0 0\r\n"
+                                                 "m=video 0 RTP/AVP 26\r\n"
+                                                     + rate + "a=control:t\r\n"));
+            client.send(hostile::rtsp(request, "200 OK", "Session: 1\r\n" + hostile::transport(request)));
+            for (unsigned number = 0; request.starts_with("PLAY") && number < 5; ++number)
+                client.send(hostile::small_rtp_jpeg(number));
+            return true;
+        });
+        const auto frame = open_url(settings_of(camera.url("rtsp")), nullptr)->next();
+        REQUIRE(frame);
+        CHECK(frame->image.size() == cv::Size(16, 16));
+        CHECK(frame->fps == (rate.ends_with("12.5\r\n") ? 12.5 : 0));
+    }
+}
