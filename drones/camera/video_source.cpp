@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace camera {
@@ -14,7 +15,7 @@ namespace {
 class VideoSource : public Source {
 public:
     VideoSource(std::string path, bool loop, cv::MatAllocator* memory)
-        : path_(std::move(path)), loop_(loop), input_(std::in_place, path_), pictures_(memory)
+        : path_(std::move(path)), loop_(loop), input_(std::make_unique<VideoInput>(path_)), pictures_(memory)
     {
     }
 
@@ -44,12 +45,12 @@ public:
     [[nodiscard]] std::string cut_short() const override { return input_->shortfall(); }
 
 private:
-    /// The file is opened once more: not every format can be searched.
+    /// The file is opened once more: not every format can be searched. If it is gone, this round stays at its end.
     void begin_again()
     {
         if (const auto problem = cut_short(); !problem.empty() && !std::exchange(told_, true))
             tell(problem);
-        input_.emplace(path_);
+        input_ = std::make_unique<VideoInput>(path_);
         index_ = 0;
     }
 
@@ -67,7 +68,7 @@ private:
 
     std::string path_;
     bool loop_;
-    std::optional<VideoInput> input_;
+    std::unique_ptr<VideoInput> input_;
     FramePictures pictures_;
     std::int64_t index_ = 0;
     std::chrono::microseconds last_{0};

@@ -228,3 +228,25 @@ TEST_CASE("video: one that was filmed with the camera on its side is shown uprig
         CHECK(turned.pictures.size() == 45);
     }
 }
+
+TEST_CASE("video: one that is gone when it should begin again is refused each time, until it is back (needs ffmpeg)")
+{
+    if (!has_ffmpeg())
+        return;
+    const media::Folder folder;
+    camera::SourceSettings settings;
+    settings.text = made(folder, "a.mkv", "-frames:v 3");
+    settings.loop = true;
+    const auto source = camera::open_source(settings);
+    for (int i = 0; i < 3; ++i)
+        REQUIRE(source->next());
+    const media::Bytes whole = media::read(settings.text);
+    fs::remove(settings.text);
+    for (int i = 0; i < 2; ++i)
+        CHECK_THROWS_WITH(source->next(), doctest::Contains("is not a video that can be read"));
+    media::write(settings.text, whole);
+    const auto again = source->next();
+    REQUIRE(again);
+    CHECK(again->begins_again);
+    CHECK(again->index == 0);
+}
