@@ -20,7 +20,12 @@ constexpr std::array<const char*, 3> places{"source", "url", "file"};
 
 std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
-Endpoint endpoint(const std::string& end) { return {owner_of(end), end.substr(owner_of(end).size() + 1)}; }
+/// A peer may report an end without a port.
+Endpoint endpoint(const std::string& end)
+{
+    const auto drone = owner_of(end);
+    return {drone, end.substr(std::min(end.size(), drone.size() + 1))};
+}
 
 /// Of the connection in which it lies.
 std::pair<Endpoint, Endpoint> ends_of(const Cause& cause)
