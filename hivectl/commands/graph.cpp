@@ -47,6 +47,9 @@ std::string svg_of(const std::string& dot)
                               "install Graphviz (apt install graphviz)");
         }
     }();
+    if (drawn.late)
+        throw hive::Error(hive::Errc::timeout, "dot has not drawn the graph within 30 s",
+                          "draw it yourself: hivectl graph --as dot > swarm.dot");
     if (drawn.exit_code != 0)
         throw hive::Error(hive::Errc::failed, "dot failed: " + printable(drawn.err),
                           "see what it read: hivectl graph --as dot");

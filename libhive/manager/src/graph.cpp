@@ -1,5 +1,6 @@
 // What a swarm is made of, from the status of its drones. Draws nothing: Graphviz makes the picture.
 #include <hive/graph.hpp>
+#include <hive/printable.hpp>
 
 #include <algorithm>
 #include <map>
@@ -30,7 +31,7 @@ bool is_connected(const ConnectionEnds& ends)
 std::string quoted(const std::string& text)
 {
     std::string result = "\"";
-    for (const char c : text)
+    for (const char c : printable(text))
         result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
     return result + "\"";
 }
@@ -136,7 +137,7 @@ std::string to_text(const SwarmGraph& graph)
         text += "  " + drone.name + " (" + details_of(drone) + ")\n";
         for (const auto& ends : graph.connections)
             if (owner_of(ends.from, names) == drone.name)
-                text += "    " + port_of(ends.from, drone.name) + " -> " + ends.to + group_text(ends)
+                text += "    " + printable(port_of(ends.from, drone.name) + " -> " + ends.to + group_text(ends))
                         + (is_connected(ends) ? "" : ", not connected") + "\n";
     }
     return text;

@@ -32,3 +32,18 @@ TEST_CASE("graph: for Graphviz, two machines, a group, an application and a dron
           == "cam1:\n  face (silent)\n\nlocal:\n  camera (camera, halted)\n"
              "    image -> away.image, not connected\n    image -> face.image (group all \"faces\")\n");
 }
+
+TEST_CASE("graph: no name that a peer reports reaches a terminal or Graphviz with control characters")
+{
+    Status camera{.name = "camera", .kind = "camera"};
+    camera.outputs.push_back(
+        {.name = "image", .type = {}, .edges = {EdgeStatus{.receiver = "app\x1b[2J", .connected = true}}});
+    const auto made = graph({{.drone = "camera",
+                              .status = camera,
+                              .error = {},
+                              .place = {.drone = {}, .host = Place::here, .address = {}}}});
+    for (const auto& text : {to_text(made), to_dot(made)}) {
+        CHECK_MESSAGE(text.find('\x1b') == std::string::npos, text);
+        CHECK_MESSAGE(text.find("\\x1b[2J") != std::string::npos, text);
+    }
+}
