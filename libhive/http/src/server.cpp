@@ -261,7 +261,7 @@ MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& reque
         return MHD_YES;
     }
     visitor.doing = Visitor::answering;
-    visitor.since = now;
+    visitor.since = Clock::now();  // the site may have taken long
     return send(connection, std::move(*answer));
 }
 
