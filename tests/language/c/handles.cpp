@@ -211,7 +211,9 @@ std::set<std::string> declared_with_handles()
 /// Each but those that have nothing to do any more.
 void check_stopped(const std::map<std::string, Call>& calls, void* handle)
 {
-    for (const auto& [name, call] : calls) {
+    for (const auto& each : calls) {
+        const auto& name = each.first;  // clang 14 captures no bindings
+        const auto& call = each.second;
         CAPTURE(name);
         if (!name.ends_with("_close") && name != "hive_application_name")
             CHECK(call(handle) == HIVE_STOPPED);
@@ -235,7 +237,9 @@ TEST_CASE("c: every function with a handle refuses null, invented, released and 
     REQUIRE(hive_body_new("x", 1, &released) == HIVE_OK);
     REQUIRE(hive_release(released) == HIVE_OK);
     auto* drone = new_drone("probe");
-    for (const auto& [name, call] : calls) {
+    for (const auto& each : calls) {
+        const auto& name = each.first;
+        const auto& call = each.second;
         CAPTURE(name);
         CHECK(call(nullptr) == HIVE_INVALID_ARGUMENT);
         CHECK(call(&places) == HIVE_INVALID_ARGUMENT);
