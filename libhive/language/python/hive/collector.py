@@ -145,7 +145,8 @@ class _Collecting(Owner):
                 continue  # another task had it
             self._pending = None
             late = end is not None and time.monotonic() >= end
-            over = not late and self.ended is not None and await asyncio.wrap_future(self._executor.submit(self._over))
+            ended = taken is None and not late and self.ended is not None  # an event is handed out without a wait
+            over = ended and await asyncio.wrap_future(self._executor.submit(self._over))
             if taken is not None or late or over:
                 return self._hand_out(taken)
             if silence.due():
