@@ -1,6 +1,8 @@
 // Decides from FFmpeg's errors, and from tables of frames, whether a file is whole.
 #include "video_input.hpp"
 
+#include "video_source.hpp"
+
 extern "C" {
 #include <libavutil/display.h>
 }
@@ -13,6 +15,10 @@ extern "C" {
 
 namespace camera {
 namespace {
+
+constexpr double slowest_fps = 0.001;  ///< a lower rate is none that a file means
+constexpr AVRational microsecond{1, 1'000'000};
+constexpr std::int64_t latest = std::int64_t{1} << 52;  ///< microseconds: no video is 140 years long
 
 /// No other protocol: a path may have a colon, and a playlist may name other addresses.
 ffmpeg::Input opened(const std::string& path)
@@ -68,7 +74,7 @@ void VideoInput::open()
         if (input_->streams[i] != video_)
             input_->streams[i]->discard = AVDISCARD_ALL;
     fps_ = std::max(0.0, av_q2d(av_guess_frame_rate(input_.get(), video_, nullptr)));
-    fps_ = std::isfinite(fps_) ? fps_ : 0;
+    fps_ = std::isfinite(fps_) && fps_ >= slowest_fps ? fps_ : 0;
     quarter_turns_ = turns_of(*video_);
     open_decoder(codec);
 }
@@ -78,6 +84,7 @@ void VideoInput::open_decoder(const AVCodec* codec)
     decoder_.reset(avcodec_alloc_context3(codec));
     ffmpeg::checked(avcodec_parameters_to_context(decoder_.get(), video_->codecpar), "FFmpeg");
     decoder_->pkt_timebase = video_->time_base;
+    decoder_->max_pixels = UrlLimits{}.pixels;
     decoder_->thread_count = 0;  // as many as there are cores: a file is not to be waited for
     ffmpeg::checked(avcodec_open2(decoder_.get(), codec, nullptr), "FFmpeg");
 }
@@ -145,8 +152,13 @@ std::optional<std::chrono::microseconds> VideoInput::time() const
     const auto stamp = frame_->best_effort_timestamp;
     if (stamp == AV_NOPTS_VALUE)
         return std::nullopt;
+    // Each by itself: what a damaged file says is of any size.
     const auto origin = origin_ == AV_NOPTS_VALUE ? 0 : origin_;
-    return std::chrono::microseconds(av_rescale_q(stamp - origin, video_->time_base, {1, 1'000'000}));
+    const auto in_file = av_rescale_q(stamp, video_->time_base, microsecond),
+               at_begin = av_rescale_q(origin, video_->time_base, microsecond);
+    if (in_file != std::clamp(in_file, -latest, latest) || at_begin != std::clamp(at_begin, -latest, latest))
+        return std::nullopt;
+    return std::chrono::microseconds(in_file - at_begin);
 }
 
 /// MP4, MOV and AVI have an index with an entry for each packet. An AVI whose index is lost, and an MP4 that ends

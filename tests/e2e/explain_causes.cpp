@@ -82,17 +82,16 @@ TEST_CASE("explain: a drone of this machine that does not answer, and one of ano
     struct flock whole {};
     whole.l_type = F_WRLCK;
     REQUIRE(::fcntl(lock, F_OFD_SETLK, &whole) == 0);
-    std::atomic<bool> over = false;
-    std::thread mute([&] {
+    std::jthread mute([&](const std::stop_token& over) {
         std::vector<raw::Peer> peers;
-        while (!over)
+        while (!over.stop_requested())
             if (auto peer = listener.accept(50ms)) {
                 peer->send(raw::hello_packet("mute", "camera"));
                 peers.push_back(std::move(*peer));
             }
     });
     const auto silent = awaited(near, "explain mute --timeout 0.5", "no_answer mute");
-    over = true;
+    mute.request_stop();
     mute.join();
     ::close(lock);
     CHECK(silent.command() == "hivectl logs mute");
@@ -136,14 +135,13 @@ TEST_CASE("explain: a set that is prepared and not decided")
     REQUIRE(
         raw::error_of(asker.ask(raw::set, {{"parameters", {{"work_ms", 1}}}, {"prepare", 7}, {"deadline_ms", 20'000}}))
         == "");
-    std::atomic<bool> over = false;
-    std::thread alive([&] {
-        while (!over)
+    std::jthread alive([&](const std::stop_token& over) {
+        while (!over.stop_requested())
             asker.next(50ms);
     });
     const auto prepared = found(swarm, "explain worker");
     CHECK_MESSAGE(prepared.causes == "set_prepared worker", prepared.text());
-    over = true;
+    alive.request_stop();
     alive.join();
     asker.close();
     CHECK(runs(swarm, "explain worker"));

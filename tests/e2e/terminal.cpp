@@ -86,18 +86,18 @@ TEST_CASE("terminal: after a second, the status line says what is waited for, an
              {{"record", "hung", "-o", "a.hive"}, any},
              {{"exceptions", "hung"}, any},
              {{"export"}, any}}) {
-        std::vector<std::string> words{"hivectl", "--timeout", "1.5"};
+        std::vector<std::string> words{"hivectl", "--timeout", "2.5"};
         words.insert(words.begin() + 1, verb.begin(), verb.end());
         const auto shown = on_terminal(swarm, words).out;
         CHECK_MESSAGE(has(shown, text), words[1], " shows ", shown);
         CHECK(has(shown, "\x1b[K\r\x1b[Khivectl"));
     }
     const auto slow = swarm.drone("sleeper", "slow", {"work_ms=0"});
-    CHECK(has(on_terminal(swarm, {"hivectl", "snap", "slow", "x.jpg", "--timeout", "1.5"}).out, "waiting for slow."));
-    CHECK(has(on_terminal(swarm, {"hivectl", "replace", "slow", "start_ms=1500"}).out,
+    CHECK(has(on_terminal(swarm, {"hivectl", "snap", "slow", "x.jpg", "--timeout", "2.5"}).out, "waiting for slow."));
+    CHECK(has(on_terminal(swarm, {"hivectl", "replace", "slow", "start_ms=2500"}).out,
               "waiting for slow to be ready, 1 s"));
     CHECK(
-        has(on_terminal(swarm, {"hivectl", "stop", "hung", "--timeout", "1.5"}).out, "waiting for hung to exit, 1 s"));
+        has(on_terminal(swarm, {"hivectl", "stop", "hung", "--timeout", "2.5"}).out, "waiting for hung to exit, 1 s"));
 }
 
 TEST_CASE("terminal: results into a file say how far the source is, and so does ps")

@@ -169,6 +169,29 @@ TEST_CASE("video: one that cannot be opened says why (needs ffmpeg)")
                       doctest::Contains("there is no video in it"));
 }
 
+TEST_CASE("video: frames over 40 Mpixel are not decoded, and that is said (needs ffmpeg)")
+{
+    if (!has_ffmpeg())
+        return;
+    const media::Folder folder;
+    const auto giant = [&](const std::string& size) {
+        return made(folder, size + ".mkv", "-frames:v 1 -c:v png", "-f lavfi -i color=size=" + size);
+    };
+    CHECK(play(giant("7000x5000")).pictures.size() == 1);
+    const auto path = giant("8000x6000");
+    const auto read = [&] {
+        try {
+            const auto played = play(path);
+            CHECK(played.pictures.empty());
+            return played.complaint;
+        } catch (const std::runtime_error& error) {
+            return std::string(error.what());
+        }
+    };
+    const auto said = read();
+    CHECK_MESSAGE(complains(said, path), said);
+}
+
 TEST_CASE("video: each frame has the time at which the file presents it, to the last (needs ffmpeg)")
 {
     if (!has_ffmpeg())

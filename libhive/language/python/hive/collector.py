@@ -71,10 +71,15 @@ class _Silence:
 class _Collecting(Owner):
     """What both kinds of collectors have: waiting in slices, so that Ctrl-C is seen, and asyncio."""
 
-    def __init__(self, handle: ctypes.c_void_p, why: Optional[Callable[[], str]] = None) -> None:
+    def __init__(
+        self,
+        handle: ctypes.c_void_p,
+        why: Callable[[], str] = lambda: "",
+        source_ended: Optional[Callable[[], bool]] = None,
+    ) -> None:
         self._handle = handle
-        self._why = why or (lambda: "")  # why nothing comes
-        self._asks = why is not None
+        self._why = why  # why nothing comes
+        self._source_ended = source_ended
         self._moved = False  # has anything come since the last end?
         self._looked: Optional[float] = None  # when the present end was first seen
         self._executor: Any = None
@@ -101,10 +106,10 @@ class _Collecting(Owner):
     def _over(self) -> bool:
         """Has everything come?  Before the first event, the end may be that of a source which a set has just replaced, and
         of which the drones between have yet to hear.  It holds if the source says so as well, or if it stays."""
-        if self.ended is None or self._moved or not self._asks:
+        if self.ended is None or self._moved or self._source_ended is None:
             return self.ended is not None
         self._looked = self._looked or time.monotonic()
-        held = bool(self._why()) or time.monotonic() - self._looked > PROVISIONAL
+        held = self._source_ended() or time.monotonic() - self._looked > PROVISIONAL
         return held and self.ended is not None
 
     def _next(self, timeout: Optional[Seconds]) -> Any:
