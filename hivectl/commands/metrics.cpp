@@ -110,12 +110,13 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    const auto form = line.option("--as", options->form,
-                                  "form of the printed text (default prometheus; over HTTP the scraper chooses)")
-                          .one_of({"prometheus", "openmetrics"});
+    const auto form =
+        line.option("--as", options->form, "prometheus (default) or openmetrics; over HTTP the scraper chooses")
+            .type_name("FORM")
+            .one_of({"prometheus", "openmetrics"});
     const auto http =
-        line.option("--http", options->http, "serve /metrics at this address (default 127.0.0.1) until Ctrl-C")
-            .type_name("[ADDRESS:]PORT")
+        line.option("--http", options->http, "serve /metrics at PORT of this machine, or at ADDRESS:PORT, until Ctrl-C")
+            .type_name("PORT")
             .excludes(form);
     const auto token = line.option("--token-file", options->token_file,
                                    "file whose first line scrapers have to send as their bearer token")
