@@ -132,15 +132,19 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
         link_.reset();
         return failed(error);
     }
-    const auto on_outcome = [self = shared_from_this(), link, held = registration.held](const Outcome& outcome) {
-        if (self->stopped() || link != self->link_)
+    // Held by the link, so it holds neither the link nor this, which has the link.
+    const auto on_outcome = [weak = weak_from_this(), to = std::weak_ptr(link),
+                             held = registration.held](const Outcome& outcome) {
+        const auto self = weak.lock();
+        const auto there = to.lock();
+        if (!self || self->stopped() || !there || there != self->link_)
             return;
         if (const auto* error = std::get_if<Error>(&outcome)) {
-            link->release_channel(self->channel_);
+            there->release_channel(self->channel_);
             self->link_.reset();
             return self->failed(*error);
         }
-        self->confirmed(link, std::get<Json>(outcome), held);
+        self->confirmed(there, std::get<Json>(outcome), held);
     };
     link->request(PacketType::register_receiver, to_json(registration), {}, deadline, on_outcome, channel_);
     module_.arm();
