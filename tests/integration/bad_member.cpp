@@ -123,12 +123,13 @@ TEST_CASE("lying member: ever other answers, to one work or to ever new ones, co
         };
     }
     auto& liar = pair.serve();
-    for (int i = 1; i <= 30'000; i += 100) {
+    const int events = hive::test::sanitized() ? 3'000 : 30'000;  // who asks has to do so every two seconds
+    for (int i = 1; i <= events; i += 100) {
         std::string storm;
         for (int k = i; k < i + 100; ++k)
             storm += pair.event(event_header({{"seq", k}, {"shares", claim(k)}}));
         REQUIRE(liar.send(storm, within(5000)));
-        if (i % 2'000 == 1)
+        if (i % 500 == 1)
             answers.push_back(answer_times(clock, 1).front());
     }
     check_answers(answers);
