@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 /// A text as a file without a name: dot reads none from its command line.
 class Unnamed {
 public:
-    explicit Unnamed(const std::string& text) : descriptor_(::memfd_create("graph", 0))
+    explicit Unnamed(const std::string& text) : descriptor_(::memfd_create("graph", MFD_CLOEXEC))
     {
         if (descriptor_ < 0 || ::write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
             throw hive::Error(hive::Errc::io, "no memory for a graph of " + std::to_string(text.size()) + " bytes");

@@ -17,7 +17,7 @@ bool is_of(const std::string& receiver, const std::string& drone)
 
 bool takes_bodies(const Newcomer& newcomer) { return newcomer.options.delivery == Delivery::data; }
 
-/// Nobody can guess it; not 0, and no larger than an integer of the protocol.
+/// At random, from 1 to 2^52, so that no other receiver can guess it.
 std::int64_t new_place() { return static_cast<std::int64_t>(platform::entropy() >> 12) + 1; }
 
 }  // namespace

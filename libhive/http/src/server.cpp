@@ -108,7 +108,7 @@ private:
     std::unordered_map<MHD_Connection*, Visitor> visitors_;
     std::set<MHD_Connection*> waiting_;  ///< suspended
     std::size_t streams_ = 0;
-    bool deserted_ = false;  ///< nobody was there when the library last had its turn
+    bool deserted_ = false;  ///< no client was connected when the library last had its turn
     Clock::time_point ticked_{};
     std::atomic<bool> ending_{false};
     std::thread thread_;
@@ -141,7 +141,7 @@ Server::Core::~Core()
     MHD_stop_daemon(daemon_);
 }
 
-/// Where nobody is connected there is nothing to look after, once the library has had a turn to accept others again.
+/// Without clients there is nothing to look after, once the library has had a turn to accept new ones.
 int Server::Core::patience() const
 {
     MHD_UNSIGNED_LONG_LONG milliseconds = 0;

@@ -59,7 +59,7 @@ std::string group_text(const ConnectionEnds& ends)
     return ends.options().group.empty() ? "" : " (group " + ends.options().group + ")";
 }
 
-/// Red: it does not answer; yellow: it does nothing until somebody lets it.
+/// Red: the drone does not answer. Yellow: it has halted, or is stopping.
 std::string_view style_of(const GraphDrone& drone)
 {
     return drone.host.empty()                                     ? "style=dashed"

@@ -49,7 +49,7 @@ Answer sentence(unsigned code, std::string text);
 
 /// Why a page is not shown: to a foreign host name, to other pages, without the token, with another method than GET.
 /// Nothing if it is. Who may not look learns nothing.
-/// @param hint  a sentence for who has no token
+/// @param hint  a sentence for a client without the token
 std::optional<Answer> refusal(const Request& request, const Address& bind, const Pass& pass, const char* hint);
 
 }  // namespace hive::http

@@ -1,5 +1,5 @@
-// Who may look: whoever knows the token. A browser has it from the address that the owner opens, and then in a cookie;
-// a program sends it in a header.
+// Checks the token of a request. A browser has it from the address that the owner opens, and then in a cookie; a
+// program sends it in a header.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct Request;
 /// page that one of its browsers shows.
 class Pass {
 public:
-    /// @param token        empty: nobody may look
+    /// @param token        empty: no request is allowed
     /// @param cookie_name  cookies do not know ports, so it says which
     Pass(std::string token, std::string cookie_name);
     /// 128 bits of chance, as text.
