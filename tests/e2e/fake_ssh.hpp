@@ -14,7 +14,7 @@ namespace hive::test {
 /// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh,
 /// and what runs there goes on when it is killed. me@gpu1 is sound; on me@gpu2 a drone called brief is killed as soon
 /// as it is ready; no drone of me@gpu3 is reached from here; me@gpu4 does not answer; me@gpu5 is sound and has its own
-/// key; on bare there is no hivectl.
+/// key; on bare there is no hivectl. Each takes SSH_PAUSE seconds, where that is set.
 class FakeSsh {
 public:
     FakeSsh(const Swarm& here, const Swarm& there)
@@ -28,6 +28,7 @@ public:
                                "  exit\n"
                                "fi\n"
                                "while [ \"$1\" != -- ]; do shift; done\n"
+                               "sleep ${SSH_PAUSE:-0}\n"
                                "case $2 in\n"
                                "  me@gpu[13]) HIVE_HOME="
                             << there.home().string() << " PATH=" << there.program("hivectl").parent_path().string()

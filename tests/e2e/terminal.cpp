@@ -1,4 +1,5 @@
 // hivectl as people type it: on a terminal of a certain width, and with mistakes.
+#include "fake_ssh.hpp"
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -6,6 +7,7 @@
 #include <csignal>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 using namespace hive::test;
 
@@ -133,6 +135,43 @@ TEST_CASE("terminal: start and up say which drone is not ready yet")
     std::ofstream(one) << R"({"swarm": "one", "drones": {"slow": {"kind": ")" << slow.string() << R"("}}})";
     CHECK(has(on_terminal(swarm, {"hivectl", "check", one}).out,
               "waiting for the programs of the drones to describe themselves, 1 s"));
+}
+
+TEST_CASE("terminal: what another machine is asked for is on the status line")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    const auto shown = [&](const std::vector<std::string>& words) {
+        return on_terminal(here, ssh.words(words), "", "SSH_PAUSE=1.3").out;
+    };
+    const auto start = shown({"start", "ticker", "--on", "me@gpu1", "--insecure"});
+    CHECK_MESSAGE(has(start, "waiting for ticker to be ready on me@gpu1, 1 s"), start);
+    const auto log = shown({"logs", "ticker"});
+    CHECK_MESSAGE(has(log, "waiting for the log of ticker on gpu1, 1 s\x1b[K\r\x1b[K"), log);
+    CHECK(has(log, "listening on tcp://"));
+    here.hivectl_done({"stop", "ticker"});
+}
+
+TEST_CASE("terminal: after Ctrl-C, save says that it waits for the file")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"source=scene"});
+    const std::jthread at_the_keyboard([&] {
+        pid_t writer = 0;
+        CHECK(eventually([&] {
+            const auto answer = swarm.application().status(std::vector<std::string>{"writer"}).at(0);
+            writer = static_cast<pid_t>(answer.status.pid);
+            return !answer.error && !answer.status.inputs.empty() && answer.status.inputs.at(0).processed > 5;
+        }));
+        ::kill(writer, SIGSTOP);
+        std::ifstream stat("/proc/" + std::to_string(writer) + "/stat");
+        std::string word, parent;
+        stat >> word >> word >> word >> parent;
+        ::kill(std::stoi(parent), SIGINT);
+    });
+    const auto file = (swarm.home() / "a.mp4").string();
+    const auto shown = on_terminal(swarm, {"hivectl", "save", "camera", file, "--timeout", "2.5"}).out;
+    CHECK_MESSAGE(has(shown, "waiting for the file to be completed, 1 s"), shown);
 }
 
 TEST_CASE("terminal: the rate of a recording is that since its start, however long the source was running before")
