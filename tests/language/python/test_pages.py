@@ -121,6 +121,25 @@ class Pages(World):
         """{Camera to NumPy}"""
         self.assertIn("(240, 320, 3)", self.recipe("Camera to NumPy")[0])
 
+    def lines_of(self, title):
+        """In each program of a recipe, those that are not empty."""
+        return [len(text.split("\n")) - text.count("\n\n") - 1 for language, _, text in
+                dict(sections("recipes.md"))[title] if language == "python"]
+
+    def test_faces(self):
+        """{Find faces}"""
+        (printed,) = self.recipe("Find faces")
+        self.assertGreater(printed.count("'w':"), 5)
+        self.assertLessEqual(self.lines_of("Find faces")[0], 12)
+
+    def test_two_inputs(self):
+        """{A drone with two inputs}"""
+        self.recipe("A drone with two inputs")
+        self.assertGreater(os.path.getsize(os.path.join(self.folder, "difference.png")), 1000)
+        found = next(self.swarm.results("fuse.amount", timeout=20)).header
+        self.assertEqual(set(found), {"share", "value"})
+        self.assertLessEqual(self.lines_of("A drone with two inputs")[0], 35)
+
     def test_two_cameras(self):
         """{Two cameras, matched}"""
         (printed,) = self.recipe("Two cameras, matched")
