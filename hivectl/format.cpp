@@ -103,6 +103,11 @@ std::string as_time(const hive::Json& value)
 {
     return value.is_number() ? time_text(value.get<std::int64_t>()) : std::string();
 }
+std::string as_size(const hive::Json& value)
+{
+    return value.is_number() ? size_text(value.get<std::int64_t>()) : std::string();
+}
+
 std::string as_percent(const hive::Json& value)
 {
     return value.is_number() ? std::to_string(std::lround(value.get<double>())) + "%" : std::string();

@@ -31,6 +31,7 @@ std::string time_text(std::int64_t microseconds_since_1970);
 std::string as_duration(const hive::Json& microseconds);
 std::string as_tenths(const hive::Json& number);
 std::string as_percent(const hive::Json& number);
+std::string as_size(const hive::Json& bytes);
 std::string as_time(const hive::Json& microseconds_since_1970);
 
 }  // namespace hivectl

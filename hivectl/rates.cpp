@@ -64,6 +64,8 @@ Row drone_row(const hive::StatusAnswer& answer, const hive::Status* before, std:
     row.add("busy_percent",
             std::clamp(100.0 * static_cast<double>(now.busy_us - before->busy_us) / static_cast<double>(lived), 0.0,
                        100.0));
+    row.add("cpu_percent", 100.0 * static_cast<double>(now.cpu_us - before->cpu_us) / static_cast<double>(lived));
+    row.add("memory", now.memory > 0 ? hive::Json(now.memory) : hive::Json());
     const auto age = oldest_age(now);
     return row.add("age_us", age > 0 ? hive::Json(age) : hive::Json());
 }
@@ -154,6 +156,8 @@ std::vector<Column> drone_rate_columns()
             {"IN/s", "in_per_s", as_tenths},
             {"OUT/s", "out_per_s", as_tenths},
             {"BUSY", "busy_percent", as_percent},
+            {"CPU", "cpu_percent", as_percent},
+            {"MEMORY", "memory", as_size},
             {"AGE", "age_us", as_duration},
             {"", "slowest", as_slowest}};
 }

@@ -12,7 +12,7 @@ namespace hivectl {
 
 struct Rates {
     std::chrono::nanoseconds interval;
-    std::vector<Row> drones;  ///< name, state, in_per_s, out_per_s, busy_percent, age_us, slowest
+    std::vector<Row> drones;  ///< name, state, in_per_s, out_per_s, busy_percent, cpu_percent, memory, age_us, slowest
     std::vector<Row> edges;   ///< from, to, kind, state, what both ends count a second, missing, age_us, why, losing
 };
 

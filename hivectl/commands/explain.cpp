@@ -31,8 +31,7 @@ std::string paragraph(const hive::Cause& cause)
     const auto line = [](const char* label, const std::string& text) {
         return text.empty() ? "" : std::string("  ") + label + printable(text) + "\n";
     };
-    return printable(cause.text) + (cause.blocks ? "" : " (slower, but running)") + "\n"
-           + line("evidence: ", cause.evidence) + line("try: ", cause.command);
+    return printable(cause.text) + "\n" + line("evidence: ", cause.evidence) + line("try: ", cause.command);
 }
 
 std::string flow_table(const std::vector<hive::Flow>& flows, const Page& page)
@@ -52,13 +51,16 @@ std::string flow_table(const std::vector<hive::Flow>& flows, const Page& page)
 
 std::string shown(const hive::Explanation& explanation, const std::vector<std::string>& names, Form form)
 {
-    std::string text;
+    std::string blocking, slowing;
     for (const auto& cause : explanation.causes)
-        text += (text.empty() ? "" : "\n") + paragraph(cause);
+        (cause.blocks ? blocking : slowing) += "\n" + paragraph(cause);
+    if (!slowing.empty())
+        slowing = "\nslower than it could be:" + slowing;
     if (explanation.blocked())
-        return text;
+        return blocking.substr(1) + slowing;
     const auto what = names.size() == 2 ? names[0] + " -> " + names[1] : names_text(names);
-    return (text.empty() ? "nothing holds up " + what + "\n" : text) + flow_table(explanation.flows, page_of(form));
+    return "nothing holds up " + what + "\n" + slowing + (slowing.empty() ? "" : "\n")
+           + flow_table(explanation.flows, page_of(form));
 }
 
 int run(const std::vector<std::string>& names, Session& session)
@@ -88,28 +90,31 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {.name = "explain",
-            .group = "errors",
-            .usage = "[NAME | SENDER RECEIVER] [options]",
-            .summary = "Says why nothing comes, and which command helps",
-            .details =
-                "Follows the events from what you name back to the sources, and looks at the drones for which these "
-                "wait. Prints what holds them up, with evidence and a command to try; of several causes the one "
-                "nearest to the source comes first. If nothing holds them up, prints the events per second of each "
-                "drone on the way. Looks twice, 300 ms apart.\n\n"
-                "The exit code is 9 if something holds them up, and 0 if they run, even if slowly.\n\n"
-                "--json prints one object: text (one line; empty: nothing), flows (drone, received_per_s, "
-                "emitted_per_s, age_us), and causes with the keys what, drone, connection, text, evidence, command "
-                "and blocks (false: it only slows down). what is one of: not_running, crashed, failed, suspended, "
-                "no_answer, unreachable, refused, starting, halted, set_prepared, throws, stuck, source_ended, "
-                "condition, not_connected, wrong_way, wrong_types, dialing, held, no_receiver, watched, "
-                "receiver_away, waits, slow, slow_connection, small_window, emits_nothing, silent_source.",
-            .examples = "hivectl explain face\n"
-                        "hivectl explain camera face --json | jq .flows",
-            .timeout = "a drone that has not answered by then does not answer (default 1)",
-            .table = true,
-            .operands = {Operand::sender, Operand::receiver},
-            .declare = declare};
+    return {
+        .name = "explain",
+        .group = "errors",
+        .usage = "[NAME | SENDER RECEIVER] [options]",
+        .summary = "Says why nothing comes, and which command helps",
+        .details =
+            "Follows the events from what you name back to the sources, and looks at the drones for which these "
+            "wait. Prints what holds them up, with evidence and a command to try; of several causes the one "
+            "nearest to the source comes first, and then what only slows them down, such as processors that are all "
+            "busy. If nothing holds them up, prints the events per second of each "
+            "drone on the way. Looks twice, 300 ms apart.\n\n"
+            "The exit code is 9 if something holds them up, and 0 if they run, even if slowly.\n\n"
+            "--json prints one object: text (one line; empty: nothing), flows (drone, received_per_s, "
+            "emitted_per_s, age_us), and causes with the keys what, drone, connection, text, evidence, command "
+            "and blocks (false: it only slows down). what is one of: not_running, crashed, failed, suspended, "
+            "no_answer, unreachable, refused, starting, halted, set_prepared, throws, stuck, source_ended, "
+            "condition, not_connected, wrong_way, wrong_types, dialing, held, no_receiver, watched, "
+            "receiver_away, waits, slow, slow_connection, small_window, copied, encoder, clock, load, memory, "
+            "emits_nothing, silent_source.",
+        .examples = "hivectl explain face\n"
+                    "hivectl explain camera face --json | jq .flows",
+        .timeout = "a drone that has not answered by then does not answer (default 1)",
+        .table = true,
+        .operands = {Operand::sender, Operand::receiver},
+        .declare = declare};
 }
 
 }  // namespace hivectl::explain_verb

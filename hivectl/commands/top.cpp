@@ -88,7 +88,9 @@ Verb verb()
             .details =
                 "IN/s and OUT/s are events per second since the last look (OUT/s: those with a receiver); BUSY "
                 "is how much of that time the "
-                "drone's code was working; AGE is how old the newest event was when it arrived, counted from "
+                "drone's code was working; CPU is the processor time of its process, in percent of one "
+                "processor, and MEMORY what that has in use; AGE is how old the newest event was when it arrived, "
+                "counted from "
                 "its capture. The busiest drone that receives something is marked slowest: it limits the whole "
                 "swarm. A connection is marked if either end has lost events since the last look; MISSING is how "
                 "many events both ends have lost for good so far. The other columns are those of hivectl connections, "

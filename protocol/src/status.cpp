@@ -62,11 +62,18 @@ constexpr std::array matching_numbers{
     std::pair{"sets", &MatchingStatus::sets}, std::pair{"waiting", &MatchingStatus::waiting},
     std::pair{"unmatched", &MatchingStatus::unmatched}, std::pair{"duplicates", &MatchingStatus::duplicates}};
 
+constexpr std::array machine_numbers{
+    std::pair{"processors", &MachineStatus::processors}, std::pair{"cpu_us", &MachineStatus::cpu_us},
+    std::pair{"memory", &MachineStatus::memory}, std::pair{"memory_available", &MachineStatus::memory_available}};
+
 constexpr std::array status_numbers{std::pair{"pid", &Status::pid},
                                     std::pair{"epoch", &Status::epoch},
                                     std::pair{"uptime_us", &Status::uptime_us},
                                     std::pair{"busy_us", &Status::busy_us},
                                     std::pair{"busy_for_us", &Status::busy_for_us},
+                                    std::pair{"encoding_us", &Status::encoding_us},
+                                    std::pair{"cpu_us", &Status::cpu_us},
+                                    std::pair{"memory", &Status::memory},
                                     std::pair{"source_events", &Status::source_events},
                                     std::pair{"rows_left_out", &Status::rows_left_out}};
 
@@ -288,6 +295,8 @@ Json to_json(const Status& status)
     Json json{
         {"name", status.name}, {"kind", status.kind}, {"state", token(status.state)}, {"policy", token(status.policy)}};
     write_numbers(json, status, status_numbers);
+    if (status.machine.processors > 0)
+        write_numbers(json["machine"], status.machine, machine_numbers);
     write_text(json, "condition", status.condition);
     write_text(json, "callback", status.callback);
     write_why(json, status.why);
@@ -317,6 +326,8 @@ Status status_from_json(const Json& object)
     status.state = from_token<State>(fields.text("state"), "state");
     status.policy = from_token<ExceptionPolicy>(fields.text_or("policy", "skip"), "policy");
     read_numbers(fields, status, status_numbers);
+    if (fields.has("machine"))
+        read_numbers(Fields(fields.object("machine"), "machine"), status.machine, machine_numbers);
     status.condition = fields.text_or("condition", "");
     status.callback = fields.text_or("callback", "");
     status.why = read_why(fields);

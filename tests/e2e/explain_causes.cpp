@@ -189,3 +189,56 @@ TEST_CASE("explain: a source that makes nothing and does not say why")
     CHECK(silent.command() == "hivectl logs source");
     CHECK(found(swarm, "explain").causes == "silent_source source");
 }
+
+TEST_CASE("explain: a camera that encodes all the time")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"source=scene", "width=1920", "height=1080", "fps=60"}),
+               worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "camera", "worker", "--encoding", "png"});
+    const auto slow = awaited(swarm, "explain worker", "encoder worker");
+    CHECK(slow.exit_code == 0);
+    CHECK_MESSAGE(has(slow.text(), "camera encodes all the time, as png"), slow.text());
+    CHECK(slow.command() == "hivectl connect camera.image worker.image --encoding raw");
+    cure(swarm, slow);
+    CHECK(runs(swarm, "explain worker"));
+}
+
+TEST_CASE("explain: bodies that shared memory does not take")
+{
+    const Swarm swarm;
+    const auto done = swarm.run({"/bin/bash", "-c",
+                                 "ulimit -f 256; exec " + swarm.program("hivectl").string()
+                                     + " start ticker --as source fps=20 bytes=1000000"});
+    REQUIRE_MESSAGE(done.exit_code == 0, done.err);
+    const auto worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "source", "worker"});
+    const auto copied = awaited(swarm, "explain worker", "copied worker");
+    CHECK(copied.exit_code == 0);
+    CHECK_MESSAGE(has(copied.evidence(), " copied, 0 through shared memory"), copied.text());
+    cure(swarm, copied);
+    swarm.hivectl_done({"replace", "source"});
+    CHECK(runs(swarm, "explain worker"));
+}
+
+TEST_CASE("explain: a machine whose processors are all busy, with who uses them")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=20"}), worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "source", "worker"});
+    const auto full = [&] {
+        const auto now = found(swarm, "explain worker");
+        for (const auto& cause : now.json.at("causes"))
+            if (cause.at("what") == "load")
+                return cause;
+        return Json();
+    };
+    std::vector<Process> others;
+    for (unsigned i = 0; i < 2 * std::thread::hardware_concurrency(); ++i)
+        others.emplace_back(std::vector<std::string>{"/bin/sh", "-c", "while :; do :; done"},
+                            std::vector<std::string>{}, swarm.home() / "others.log");
+    Json load;
+    CHECK(eventually([&] { return !(load = full()).is_null(); }));
+    CHECK_MESSAGE(has(load.dump(), "other programs "), load.dump());
+    CHECK(load.at("blocks") == false);
+}

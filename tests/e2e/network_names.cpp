@@ -103,6 +103,10 @@ TEST_CASE("network names: top shows a clock that is an hour wrong, and the ages 
         CHECK(std::abs(now.last_age_us - now.clock_offset_us) > 3000'000'000);
         const auto top = gpu1.swarm.run(
             gpu1.net.inside({gpu1.swarm.program("hivectl").string(), "top", "--once", "--interval", "0.2", "--json"}));
+        const auto explained =
+            gpu1.swarm.run(gpu1.net.inside({gpu1.swarm.program("hivectl").string(), "explain", "sleeper"}));
+        CHECK_MESSAGE(has(explained.out, std::string(seconds > 0 ? " ahead of" : " behind") + " that of this machine"),
+                      explained.out, explained.err);
         MESSAGE("the offset was known after " << known.count() << " s");
         const auto shown = Json::parse(top.out).at("edges").at(0).at("skew_us").get<std::int64_t>();
         CHECK(std::abs(shown / 1'000'000 - seconds) <= 1);

@@ -36,6 +36,12 @@ void EncoderThread::end()
         ended.join();
 }
 
+std::chrono::nanoseconds EncoderThread::worked() const
+{
+    const std::lock_guard lock(mutex_);
+    return worked_ + (since_ == Clock::time_point{} ? std::chrono::nanoseconds(0) : Clock::now() - since_);
+}
+
 /// With the mutex held.
 EncoderThread::Job EncoderThread::take()
 {
@@ -58,10 +64,13 @@ void EncoderThread::run()
         Job job;
         {
             std::unique_lock lock(mutex_);
+            worked_ += since_ == Clock::time_point{} ? std::chrono::nanoseconds(0) : Clock::now() - since_;
+            since_ = {};
             changed_.wait(lock, [&] { return ending_ || !jobs_.empty(); });
             if (ending_)
                 return;
             job = take();
+            since_ = Clock::now();
         }
         job();
     }

@@ -2,6 +2,7 @@
 #include "status_report.hpp"
 
 #include <hive/event/ticket.hpp>
+#include <hive/platform/usage.hpp>
 
 namespace hive::service {
 
@@ -39,6 +40,12 @@ Status StatusReport::page(std::int64_t skip, Role role) const
 Status StatusReport::now() const
 {
     Status status = without_rows();
+    const auto process = platform::process_usage();
+    const auto machine = platform::machine_usage();
+    status.encoding_us = event::microseconds(module_.encoding());
+    status.cpu_us = process.cpu_us;
+    status.memory = process.memory;
+    status.machine = {machine.processors, machine.cpu_us, machine.memory, machine.memory_available};
     status.inputs = inputs();
     status.left = module_.left();
     auto output = status.outputs.begin();

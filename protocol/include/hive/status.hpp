@@ -135,6 +135,14 @@ struct ExceptionStatus {
     std::int64_t sequence = 0;
 };
 
+/// Of the machine, whatever runs there.
+struct MachineStatus {
+    std::int64_t processors = 0;
+    std::int64_t cpu_us = 0;            ///< of all processors, since the machine started
+    std::int64_t memory = 0;            ///< bytes
+    std::int64_t memory_available = 0;  ///< bytes of it that programs can get
+};
+
 struct Status {
     std::string name, kind;
     std::int64_t pid = 0, epoch = 0;
@@ -144,6 +152,10 @@ struct Status {
     std::int64_t uptime_us = 0, busy_us = 0;
     std::int64_t busy_for_us = 0;  ///< how long the present callback has been running; 0: idle
     std::string callback{};        ///< the input of it, or "main"
+    std::int64_t encoding_us = 0;  ///< of the uptime: how long it has been encoding events for receivers
+    std::int64_t cpu_us = 0;       ///< processor time of the process, of all its threads
+    std::int64_t memory = 0;       ///< bytes that the process has in use
+    MachineStatus machine{};
     Reason why{};
     std::int64_t source_events = 0;  ///< how many the present source has in all, to its end; 0: unknown, or no end
     std::vector<OutputStatus> outputs{};

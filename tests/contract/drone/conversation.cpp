@@ -64,6 +64,8 @@ TEST_CASE("drone: status says who it is and what it does, as the specification l
     CHECK((status.at("state") == "idle" || status.at("state") == "busy"));
     CHECK(status.at("policy") == "skip");
     CHECK(status.at("uptime_us").get<std::int64_t>() > 0);
+    CHECK(status.at("cpu_us").get<std::int64_t>() > 0);
+    CHECK(status.at("machine").at("memory").get<std::int64_t>() > status.at("memory").get<std::int64_t>());
     for (const char* field : {"busy_us", "busy_for_us"})  // numbers that are 0 are left out
         CHECK((!status.contains(field) || status.at(field).get<std::int64_t>() > 0));
     for (const char* field : {"received", "processed", "abandoned", "duplicates"})

@@ -30,6 +30,8 @@ void EncoderThread::push(const std::string&, Job job)
     });
 }
 
+std::chrono::nanoseconds EncoderThread::worked() const { return {}; }
+
 void EncoderThread::end() { alive().erase(this); }
 
 }  // namespace hive::event

@@ -5,6 +5,7 @@
 #include <hive/platform/process.hpp>
 #include <hive/platform/signals.hpp>
 #include <hive/platform/timer.hpp>
+#include <hive/platform/usage.hpp>
 
 #include <asio/error.hpp>
 
@@ -33,6 +34,8 @@ bool process_ends(std::int64_t pid) { return world().ends(pid); }
 void kill_process(std::int64_t pid) { world().kill(pid); }
 void sleep_for(std::chrono::nanoseconds time) { world().sleep(time); }
 std::uint64_t entropy() { return world().entropy(); }
+ProcessUsage process_usage() { return {}; }
+MachineUsage machine_usage() { return {}; }
 
 bool write_private(const std::filesystem::path& file, const std::string& text)
 {

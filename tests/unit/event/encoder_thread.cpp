@@ -30,6 +30,29 @@ TEST_CASE("encoder thread: jobs run in order on one thread, which is not the cal
     CHECK(threads.front() != std::this_thread::get_id());
 }
 
+TEST_CASE("encoder thread: it knows how long it has been working, also on the job under way")
+{
+    using namespace std::chrono_literals;
+    EncoderThread thread;
+    CHECK(thread.worked() == 0s);
+    std::promise<void> begun, go_on, done;
+    thread.push("peer", [&] {
+        begun.set_value();
+        go_on.get_future().wait();
+    });
+    thread.push("peer", [&] { done.set_value(); });
+    begun.get_future().wait();
+    std::this_thread::sleep_for(20ms);
+    CHECK(thread.worked() >= 20ms);
+    go_on.set_value();
+    done.get_future().wait();
+    thread.end();
+    const auto worked = thread.worked();
+    CHECK(worked >= 20ms);
+    std::this_thread::sleep_for(5ms);
+    CHECK(thread.worked() == worked);
+}
+
 TEST_CASE("encoder thread: a peer with much to do and one with little have their jobs done in turn")
 {
     EncoderThread thread;

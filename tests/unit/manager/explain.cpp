@@ -1,5 +1,6 @@
 // What the walk finds in statuses that are hard to make for real: far machines, and drones that this machine does not
 // know.
+#include "explain/machine_causes.hpp"
 #include "explain/search.hpp"
 
 #include <doctest/doctest.h>
@@ -108,4 +109,51 @@ TEST_CASE("explain: a cycle of connections, and a receiver that is asked for twi
     camera.state = State::halted;
     CHECK(causes(look).size() == 1);
     CHECK(causes(look, nullptr, "camera").size() == 1);
+}
+
+TEST_CASE("explain: what is slow for all drones of a machine is said once, with those that use most")
+{
+    constexpr std::int64_t gigabyte = 1'000'000'000;
+    const MachineStatus machine{
+        .processors = 2, .cpu_us = 100 * second_us, .memory = 8 * gigabyte, .memory_available = 2 * gigabyte};
+    auto first = far(0);
+    for (auto& answer : first.answers) {
+        answer.place.host = "gpu1";
+        answer.status.machine = machine;
+    }
+    first.answers[0].status.pid = 1;
+    first.answers[1].status.pid = 2;
+    auto second = first;
+    for (auto& answer : second.answers)
+        answer.status.uptime_us += second_us;
+    CHECK(explaining::machine_causes(first, second).empty());
+
+    for (auto& answer : second.answers)
+        answer.status.machine.cpu_us += 2 * second_us;
+    second.answers[0].status.cpu_us += second_us / 2;
+    second.answers[1].status.cpu_us += second_us;
+    const auto load = explaining::machine_causes(first, second);
+    REQUIRE(load.size() == 1);
+    CHECK(load[0].what == Cause::What::load);
+    CHECK(load[0].drone == "face");
+    CHECK(load[0].text == "the 2 processors of gpu1 are busy all the time");
+    CHECK(load[0].evidence == "face uses 1.0, camera uses 0.5, other programs 0.5");
+    CHECK_FALSE(load[0].blocks);
+
+    second = first;
+    second.answers[0].status.machine.memory_available = gigabyte / 10;
+    second.answers[0].status.memory = 5 * gigabyte;
+    const auto memory = explaining::machine_causes(first, second);
+    REQUIRE(memory.size() == 1);
+    CHECK(memory[0].what == Cause::What::memory);
+    CHECK(memory[0].text == "gpu1 has 0.1 GB of its 8.0 GB of memory left");
+    CHECK(memory[0].evidence == "camera uses 5.0 GB, face uses 0.0 GB");
+
+    second = first;
+    second.answers[0].place.host = Place::here;
+    second.answers[1].status.inputs[0].clock_offset_us = -3600 * second_us;
+    const auto clock = explaining::machine_causes(first, second);
+    REQUIRE(clock.size() == 1);
+    CHECK(clock[0].what == Cause::What::clock);
+    CHECK(clock[0].text == "the clock of this machine is 1 h behind that of gpu1");
 }

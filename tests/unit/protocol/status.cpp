@@ -143,6 +143,10 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     status.busy_us = 2;
     status.busy_for_us = 3;
     status.callback = "image";
+    status.encoding_us = 4;
+    status.cpu_us = 5;
+    status.memory = 6;
+    status.machine = {.processors = 7, .cpu_us = 8, .memory = 9, .memory_available = 10};
     status.why = Reason::halted;
     status.source_events = 300;
     status.matching.push_back({.inputs = {"image", "marks"},
@@ -167,6 +171,9 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     CHECK(back.callback == "image");
     CHECK(back.why == Reason::halted);
     CHECK(back.source_events == 300);
+    CHECK(back.memory == 6);
+    CHECK(back.machine.processors == 7);
+    CHECK(back.machine.memory_available == 10);
     CHECK(back.matching.at(0).missing.at("marks") == 3);
     REQUIRE(back.last_exception);
     CHECK(back.last_exception->text == "no face");

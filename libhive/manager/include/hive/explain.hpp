@@ -39,6 +39,11 @@ struct Cause {
         slow,             ///< the sender waits as long as this drone works
         slow_connection,  ///< takes events more slowly than they are made
         small_window,     ///< the round trip is long, and few events are requested ahead
+        copied,           ///< shared memory does not take the bodies, so they are copied
+        encoder,          ///< the sender encodes all the time, and skips events meanwhile
+        clock,            ///< the clocks of the two machines differ by more than a second
+        load,             ///< the processors of the machine are busy all the time
+        memory,           ///< little of the machine's memory is left
         emits_nothing,    ///< takes events and emits none
         silent_source     ///< emits nothing, and does not report why
     };

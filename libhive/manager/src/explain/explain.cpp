@@ -1,5 +1,6 @@
 // Looks twice, keeps the causes that both looks show, and makes their commands complete.
 #include "cures.hpp"
+#include "machine_causes.hpp"
 #include "search.hpp"
 
 #include <hive/platform/process.hpp>
@@ -22,10 +23,11 @@ bool same(const Cause& one, const Cause& other)
     return one.what == other.what && one.drone == other.drone && one.connection == other.connection;
 }
 
-/// Among causes that are equally near to the source, and of drones that have nothing to do with each other.
+/// What holds up events that exist comes before what keeps new ones from being made.
 int rank(const Cause& cause)
 {
-    const bool idle = cause.what == Cause::What::not_connected || cause.what == Cause::What::no_receiver;
+    using enum Cause::What;
+    const bool idle = cause.what == not_connected || cause.what == no_receiver || cause.what == source_ended;
     return !cause.blocks ? 2 : idle ? 1 : 0;
 }
 
@@ -120,6 +122,8 @@ Explanation explanation(Application& application, const std::vector<std::string>
     std::erase_if(result.causes, [&](const Cause& cause) {
         return std::ranges::none_of(before.causes(), [&](const Cause& earlier) { return same(cause, earlier); });
     });
+    for (auto& cause : machine_causes(first, second))
+        result.causes.push_back(std::move(cause));
     std::ranges::stable_sort(result.causes, {}, rank);
     complete(application, result.causes);
     return result;

@@ -36,6 +36,27 @@ const EdgeStatus* edge_of(const StatusAnswer* sender, const std::string& end, co
 
 }  // namespace
 
+Search::Link Search::link_at(const StatusAnswer& receiver, const InputStatus& input) const
+{
+    Link link{.receiver = &receiver,
+              .sender = look_.find(owner_of(input.from)),
+              .from = input.from,
+              .to = receiver.status.name + "." + input.input};
+    link.edge = edge_of(link.sender, link.to, input);
+    link.earlier = earlier_ ? edge_of(earlier_->find(owner_of(input.from)), link.to, input) : link.edge;
+    link.first_look = earlier_ == nullptr;
+    return link;
+}
+
+void Search::slower(What what, const Link& link, const std::string& text, const std::string& evidence,
+                    const std::string& command)
+{
+    const auto connection = link.from + " -> " + link.to;
+    auto& cause = add(what, link.receiver->drone, connection + ": " + text, evidence, command);
+    cause.connection = connection;
+    cause.blocks = false;
+}
+
 /// Of an input whose sender runs.
 void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
 {
@@ -54,21 +75,50 @@ void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
 /// Of a connection at which events are skipped because few are requested ahead.
 void Search::narrow(const StatusAnswer& answer, const InputStatus& input)
 {
-    const auto end = answer.status.name + "." + input.input;
-    const auto* edge = edge_of(look_.find(owner_of(input.from)), end, input);
-    const auto* earlier = earlier_ ? edge_of(earlier_->find(owner_of(input.from)), end, input) : nullptr;
-    const auto window = edge ? window_that_helps(*edge, input) : std::nullopt;
-    if (!window || (earlier_ && (!earlier || edge->events.of(Fate::skipped) == earlier->events.of(Fate::skipped))))
+    const auto link = link_at(answer, input);
+    const auto window = link ? window_that_helps(*link.edge, input) : std::nullopt;
+    if (!window || !link.grew([](const EdgeStatus& edge) { return edge.events.of(Fate::skipped); }))
         return;
-    auto& cause =
-        add(What::small_window, answer.drone,
-            input.from + " -> " + end + ": a window of " + std::to_string(edge->options.window) + " lets at most "
-                + std::to_string(edge->options.window * 1'000'000 / input.round_trip_us) + " events per second through",
-            "round trip " + duration_text(input.round_trip_us) + ", " + std::to_string(edge->events.of(Fate::skipped))
-                + " events skipped",
-            "hivectl connect " + input.from + " " + end + " --window " + std::to_string(*window));
-    cause.connection = input.from + " -> " + end;
-    cause.blocks = false;
+    slower(What::small_window, link,
+           "a window of " + std::to_string(link.edge->options.window) + " lets at most "
+               + std::to_string(link.edge->options.window * 1'000'000 / input.round_trip_us)
+               + " events per second through",
+           "round trip " + duration_text(input.round_trip_us) + ", "
+               + std::to_string(link.edge->events.of(Fate::skipped)) + " events skipped",
+           "hivectl connect " + link.from + " " + link.to + " --window " + std::to_string(*window));
+}
+
+/// Of a connection whose sender could emit more if it did not have to encode for it.
+void Search::encoded(const StatusAnswer& answer, const InputStatus& input)
+{
+    constexpr double all_the_time = 0.9;
+    const auto link = link_at(answer, input);
+    if (!link || link.edge->encoding.empty() || link.sender->status.encoding_us == 0
+        || !link.grew([](const EdgeStatus& edge) { return edge.events.of(Fate::skipped); }))
+        return;
+    const auto& now = link.sender->status;
+    if (const auto* earlier = before(*link.sender))
+        if (static_cast<double>(now.encoding_us - earlier->encoding_us)
+            < all_the_time * static_cast<double>(now.uptime_us - earlier->uptime_us))
+            return;
+    const bool near = input.round_trip_us == 0, is_jpeg = link.edge->encoding.starts_with("jpeg");
+    slower(What::encoder, link, link.sender->drone + " encodes all the time, as " + link.edge->encoding,
+           std::to_string(link.edge->events.of(Fate::skipped)) + " events skipped",
+           near      ? "hivectl connect " + link.from + " " + link.to + " --encoding raw"
+           : is_jpeg ? "hivectl top"
+                     : "hivectl connect " + link.from + " " + link.to + " --encoding jpeg");
+}
+
+/// Of a connection on one machine whose bodies go through the socket, although they are large.
+void Search::copied(const StatusAnswer& answer, const InputStatus& input)
+{
+    const auto link = link_at(answer, input);
+    if (!link || link.edge->fallback == 0 || !link.grew(&EdgeStatus::fallback))
+        return;
+    slower(What::copied, link, "shared memory does not take the bodies, which are copied",
+           std::to_string(link.edge->fallback) + " copied, " + std::to_string(link.edge->shared)
+               + " through shared memory",
+           "hivectl logs " + link.sender->drone);
 }
 
 }  // namespace explaining

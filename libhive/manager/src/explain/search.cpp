@@ -116,8 +116,11 @@ void Search::link(const StatusAnswer& receiver, const InputStatus& input)
         unconnected(receiver, input);
     if (causes_.size() == found && !unknown)
         quiet(*sender, port);
-    if (causes_.size() == found)
+    if (causes_.size() == found && !unknown) {
         narrow(receiver, input);
+        encoded(receiver, input);
+        copied(receiver, input);
+    }
 }
 
 void Search::outputs(const StatusAnswer& answer, const std::string& port)

@@ -5,6 +5,7 @@
 
 #include <hive/explain.hpp>
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -40,6 +41,23 @@ private:
         [[nodiscard]] std::string text() const;
     };
 
+    /// A connection from both ends; false: its sender has no row of it.
+    struct Link {
+        const StatusAnswer *receiver, *sender;
+        std::string from, to;  ///< "camera.image", "face.image"
+        const EdgeStatus* edge = nullptr;
+        const EdgeStatus* earlier = nullptr;  ///< at the look before
+        bool first_look = false;
+
+        explicit operator bool() const { return edge != nullptr; }
+        /// Has the count grown since the look before? It may have, at the first look.
+        template <class Count>
+        [[nodiscard]] bool grew(Count count) const
+        {
+            return first_look || (earlier && std::invoke(count, *edge) > std::invoke(count, *earlier));
+        }
+    };
+
     /// The drone, and before it those that it receives from. @return whether a cause was found
     bool above(const std::string& drone, const Endpoint* only = nullptr);
     /// One input, from its sender on.
@@ -51,7 +69,13 @@ private:
     bool throws(const StatusAnswer& answer);
     bool stuck(const StatusAnswer& answer);
     void unconnected(const StatusAnswer& answer, const InputStatus& input);
+    [[nodiscard]] Link link_at(const StatusAnswer& receiver, const InputStatus& input) const;
+    /// A cause that only slows down.
+    void slower(Cause::What what, const Link& link, const std::string& text, const std::string& evidence,
+                const std::string& command);
     void narrow(const StatusAnswer& answer, const InputStatus& input);
+    void copied(const StatusAnswer& answer, const InputStatus& input);
+    void encoded(const StatusAnswer& answer, const InputStatus& input);
     void outputs(const StatusAnswer& answer, const std::string& port);
     /// Of a source that runs, and whose events nobody receives.
     void unreceived(const StatusAnswer& answer);

@@ -35,6 +35,11 @@ constexpr std::array tokens{
     std::string_view("slow"),
     std::string_view("slow_connection"),
     std::string_view("small_window"),
+    std::string_view("copied"),
+    std::string_view("encoder"),
+    std::string_view("clock"),
+    std::string_view("load"),
+    std::string_view("memory"),
     std::string_view("emits_nothing"),
     std::string_view("silent_source"),
 };

@@ -15,6 +15,12 @@ inline constexpr Described drone_start{"hive_drone_start_time_seconds", gauge, "
                                        "When the drone started, by the clock of its machine.", true};
 inline constexpr Described drone_busy{"hive_drone_busy_seconds", counter, "seconds",
                                       "Time for which the drone's code has been working."};
+inline constexpr Described drone_encoding{"hive_drone_encoding_seconds", counter, "seconds",
+                                          "Time for which the drone has been encoding events for receivers."};
+inline constexpr Described drone_cpu{"hive_drone_cpu_seconds", counter, "seconds",
+                                     "Processor time of the drone's process."};
+inline constexpr Described drone_memory{"hive_drone_memory_bytes", gauge, "bytes",
+                                        "Memory that the drone's process has in use."};
 inline constexpr Described drone_exceptions{"hive_drone_exceptions", counter, "", "Exceptions of the drone's code."};
 inline constexpr Described drone_condition{
     "hive_drone_condition", gauge, "",

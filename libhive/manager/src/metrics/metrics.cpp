@@ -134,6 +134,9 @@ void add_drone(Book& book, const StatusAnswer& answer)
         book.add(drone_state, with(labels, drone_state.name, token(each)), each == status.state ? 1 : 0);
     book.add_us(drone_start, labels, status.epoch);
     book.add_us(drone_busy, labels, status.busy_us, status.epoch);
+    book.add_us(drone_encoding, labels, status.encoding_us, status.epoch);
+    book.add_us(drone_cpu, labels, status.cpu_us, status.epoch);
+    book.add(drone_memory, labels, static_cast<double>(status.memory));
     book.add(drone_condition, labels, status.condition.empty() || status.why == Reason::source_ended ? 0 : 1);
     for (const auto& output : status.outputs)
         add_output(book, answer.drone, status, output);

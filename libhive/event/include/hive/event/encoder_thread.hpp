@@ -2,6 +2,9 @@
 // must not pay for what is skipped later.
 #pragma once
 
+#include <hive/event/clock.hpp>
+
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -29,15 +32,19 @@ public:
     /// Drops the jobs that wait, and waits for the one under way. What is pushed later is dropped. Any thread but its
     /// own.
     void end();
+    /// How long it has been working. Any thread.
+    [[nodiscard]] std::chrono::nanoseconds worked() const;
 
 private:
     void run();
     Job take();
 
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::map<std::string, std::deque<Job>> jobs_;  ///< by peer; none is empty
     std::deque<std::string> turns_;                ///< these peers, the next first
+    std::chrono::nanoseconds worked_{0};           ///< with the jobs that are done
+    Clock::time_point since_{};                    ///< works on a job since then; the default: on none
     bool ending_ = false;
     std::thread thread_;
 };

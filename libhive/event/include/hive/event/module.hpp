@@ -85,6 +85,8 @@ public:
     /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until
     /// there is one. Nothing when the deadline has passed or the mailbox was nudged. For one thread.
     std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
+    /// How long events have been encoded for receivers.
+    [[nodiscard]] std::chrono::nanoseconds encoding() const { return encoder_thread_.worked(); }
     /// Where bodies are made that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }

@@ -1,0 +1,149 @@
+// Drones of one host are on one machine; those of one process are counted once.
+#include "machine_causes.hpp"
+
+#include <hive/duration_text.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace hive::explaining {
+namespace {
+
+using What = Cause::What;
+
+constexpr double full = 0.95;      // of the processors' time
+constexpr double short_of = 0.05;  // of the memory
+constexpr std::size_t max_named = 3;
+
+/// What a process uses.
+struct User {
+    std::string drone;
+    double processors = 0, memory = 0;
+};
+
+struct Machine {
+    std::string host{};
+    MachineStatus status{};
+    double busy = 0;                       ///< processors, between the looks
+    std::map<std::int64_t, User> users{};  ///< by process
+};
+
+std::string tenths(double number)
+{
+    const auto rounded = std::llround(number * 10);
+    return std::to_string(rounded / 10) + "." + std::to_string(rounded % 10);
+}
+
+std::string gigabytes(double bytes) { return tenths(bytes / 1e9) + " GB"; }
+
+std::string machine_text(const std::string& host)
+{
+    return host.empty() || host == Place::here ? "this machine" : host;
+}
+
+std::vector<Machine> machines_of(const Look& first, const Look& second)
+{
+    std::vector<Machine> machines;
+    for (const auto& answer : second.answers) {
+        const auto* const before = first.find(answer.drone);
+        if (answer.error || !before || before->error || before->status.epoch != answer.status.epoch
+            || answer.status.machine.processors == 0)
+            continue;
+        auto machine = std::ranges::find(machines, answer.place.host, &Machine::host);
+        if (machine == machines.end())
+            machine = machines.insert(machine, Machine{.host = answer.place.host, .status = answer.status.machine});
+        const auto time = std::max<std::int64_t>(1, answer.status.uptime_us - before->status.uptime_us);
+        const auto share = [&](std::int64_t from, std::int64_t to) {
+            return static_cast<double>(to - from) / static_cast<double>(time);
+        };
+        machine->busy = std::max(machine->busy, share(before->status.machine.cpu_us, answer.status.machine.cpu_us));
+        machine->users[answer.status.pid] = {answer.drone, share(before->status.cpu_us, answer.status.cpu_us),
+                                             static_cast<double>(answer.status.memory)};
+    }
+    return machines;
+}
+
+std::vector<User> most(const Machine& machine, double User::*use)
+{
+    std::vector<User> users;
+    for (const auto& [pid, user] : machine.users)
+        users.push_back(user);
+    std::ranges::sort(users, std::greater(), use);
+    users.resize(std::min(users.size(), max_named));
+    return users;
+}
+
+Cause cause(What what, const User& greatest, const std::string& text)
+{
+    return {.what = what, .drone = greatest.drone, .text = text, .command = "hivectl top", .blocks = false};
+}
+
+void add_processors(std::vector<Cause>& causes, const Machine& machine)
+{
+    const auto count = static_cast<double>(machine.status.processors);
+    if (machine.busy < full * count)
+        return;
+    const auto users = most(machine, &User::processors);
+    auto& busy = causes.emplace_back(cause(What::load, users.front(),
+                                           "the " + std::to_string(machine.status.processors) + " processors of "
+                                               + machine_text(machine.host) + " are busy all the time"));
+    double rest = std::min(machine.busy, count);
+    constexpr double noticeable = 0.05;
+    for (const auto& user : users) {
+        busy.evidence += user.processors < noticeable ? "" : user.drone + " uses " + tenths(user.processors) + ", ";
+        rest -= user.processors;
+    }
+    busy.evidence += "other programs " + tenths(std::max(0.0, rest));
+}
+
+void add_memory(std::vector<Cause>& causes, const Machine& machine)
+{
+    const auto all = static_cast<double>(machine.status.memory);
+    const auto available = static_cast<double>(machine.status.memory_available);
+    if (all == 0 || available > short_of * all)
+        return;
+    const auto users = most(machine, &User::memory);
+    auto& short_one = causes.emplace_back(cause(What::memory, users.front(),
+                                                machine_text(machine.host) + " has " + gigabytes(available) + " of its "
+                                                    + gigabytes(all) + " of memory left"));
+    for (const auto& user : users)
+        short_one.evidence += (short_one.evidence.empty() ? "" : ", ") + user.drone + " uses " + gigabytes(user.memory);
+}
+
+/// Receivers know by how much the clock of another machine differs from their own.
+void add_clocks(std::vector<Cause>& causes, const Look& look)
+{
+    constexpr std::int64_t noticeable_us = 1'000'000;
+    std::set<std::pair<std::string, std::string>> known;
+    for (const auto& answer : look.answers)
+        for (const auto& input : answer.status.inputs) {
+            const auto* const sender = look.find(owner_of(input.from));
+            if (std::abs(input.clock_offset_us) < noticeable_us || !sender
+                || !known.emplace(sender->place.host, answer.place.host).second)
+                continue;
+            auto& differs = causes.emplace_back(cause(What::clock, {answer.drone},
+                                                      "the clock of " + machine_text(sender->place.host) + " is "
+                                                          + duration_text(std::abs(input.clock_offset_us))
+                                                          + (input.clock_offset_us > 0 ? " ahead of" : " behind")
+                                                          + " that of " + machine_text(answer.place.host)));
+            differs.evidence = "measured between " + sender->drone + " and " + answer.drone;
+            differs.command = (sender->place.ssh.empty() ? "" : "ssh " + sender->place.ssh + " ") + "timedatectl";
+        }
+}
+
+}  // namespace
+
+std::vector<Cause> machine_causes(const Look& first, const Look& second)
+{
+    std::vector<Cause> causes;
+    for (const auto& machine : machines_of(first, second)) {
+        add_processors(causes, machine);
+        add_memory(causes, machine);
+    }
+    add_clocks(causes, second);
+    return causes;
+}
+
+}  // namespace hive::explaining
