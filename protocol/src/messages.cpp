@@ -87,6 +87,8 @@ std::string to_text(const Request& request)
         fields.number(",\"worked\":", request.worked);
     if (!request.back.empty())
         fields.raw(",\"back\":", hive::to_text(Json(request.back)));
+    if (request.end != 0)
+        fields.number(",\"end\":", request.end);
     fields.close();
     return text;
 }
@@ -111,6 +113,7 @@ Request request_from_json(const Json& object)
     Request request{fields.integer("epoch", 0, max_json_integer), fields.integer("id", 0, max_json_integer),
                     fields.integer_or("done", 0, max_json_integer, 0)};
     request.worked = fields.integer_or("worked", 0, max_json_integer, request.done);
+    request.end = fields.integer_or("end", 0, max_json_integer, 0);
     if (fields.has("back"))
         for (const auto& item : fields.array("back")) {
             const auto number = json_integer(item);
@@ -138,6 +141,10 @@ Json to_json(const End& end)
         json["leaves"] = true;
     if (end.disconnected)
         json["disconnected"] = true;
+    if (end.revoked)
+        json["revoked"] = true;
+    if (end.answers != 0)
+        json["answers"] = end.answers;
     return json;
 }
 
@@ -146,7 +153,9 @@ End end_from_json(const Json& object)
     const Fields fields(object, "end");
     End end{.text = fields.text_or("text", ""),
             .leaves = fields.flag_or("leaves", false),
-            .disconnected = fields.flag_or("disconnected", false)};
+            .disconnected = fields.flag_or("disconnected", false),
+            .revoked = fields.flag_or("revoked", false),
+            .answers = fields.integer_or("answers", 0, max_json_integer, 0)};
     if (end.text.size() > End::most_text)
         throw Error(Errc::malformed, "end: \"text\" has at most " + std::to_string(End::most_text) + " bytes");
     return end;

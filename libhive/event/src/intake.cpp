@@ -171,7 +171,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
     tried_ = 0;
     sender_leaves_ = false;
     end_.reset();  // the sender tells of it again, if it is still so
-    on_end_();
+    changed();
     before_.reset();
     problem_.reset();
     backoff_.reset();
@@ -205,7 +205,7 @@ void Intake::failed(const Error& error)
         first(error);
     if (!stopped())
         retry();
-    on_end_();
+    changed();
 }
 
 void Intake::retry()
@@ -225,6 +225,7 @@ void Intake::stop(std::function<void()> left)
     on_left_ = std::move(left);
     if (const auto first = std::exchange(first_, {}))
         first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
+    module_.look_at_ends();  // it has no answer to give any more
     if (connected_ && !progress_.empty()) {
         timer_.run_after(patience_to_leave, [weak = weak_from_this()] {
             if (const auto self = weak.lock())
@@ -313,7 +314,7 @@ void Intake::link_closed(const Link& link)
     if (stopped())
         return try_to_leave();
     retry();
-    on_end_();
+    changed();
 }
 
 void Intake::disconnected()

@@ -21,8 +21,37 @@ void Intake::note_end(std::optional<std::string> text)
     if (end_ == text)
         return;
     end_ = std::move(text);
-    on_end_();
+    changed();
 }
+
+void Intake::changed()
+{
+    on_end_();
+    module_.look_at_ends();
+}
+
+void Intake::on_end(protocol::End end)
+{
+    if (end.disconnected)
+        return dropped();
+    sender_leaves_ = end.leaves;
+    answered_ = std::max(answered_, end.answers);
+    if (!end.leaves)
+        note_end(end.revoked ? std::nullopt : std::optional(std::move(end.text)));
+    module_.look_at_ends();
+}
+
+void Intake::ask_end()
+{
+    ++question_;
+    if (!connected_)
+        return;
+    auto request = progress_.told();
+    request.end = question_;
+    tell(request);
+}
+
+bool Intake::unsure() const { return end_ && answered_ < question_ && !sender_leaves_ && !stopped() && !refusal(); }
 
 /// Its sender ended the registration, because an operator said so.
 void Intake::dropped()
@@ -46,13 +75,8 @@ void Intake::require_own(const Event& event) const
 
 void Intake::on_packet(const protocol::Packet& packet)
 {
-    if (packet.type == PacketType::end) {
-        auto end = protocol::end_from_json(parse_json(packet.header_text()));
-        if (end.disconnected)
-            return dropped();
-        sender_leaves_ = end.leaves;
-        return end.leaves ? void() : note_end(std::move(end.text));
-    }
+    if (packet.type == PacketType::end)
+        return on_end(protocol::end_from_json(parse_json(packet.header_text())));
     note_end(std::nullopt);
     Event event = event_from_packet(packet);
     require_own(event);
@@ -123,7 +147,7 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
         try_to_leave();
         end_if_done();
     } else if (end_ && all_worked()) {
-        on_end_();
+        changed();
     }
 }
 
@@ -185,13 +209,31 @@ bool EndOfInputs::look(const std::vector<std::shared_ptr<Intake>>& intakes)
     const std::lock_guard lock(mutex_);
     const bool changed = now != text_;
     text_ = std::move(now);
+    if (changed) {
+        ++number_;
+        sure_ = whom_ == Of::drone;
+    }
     return changed;
+}
+
+std::int64_t EndOfInputs::doubt()
+{
+    const std::lock_guard lock(mutex_);
+    sure_ = whom_ == Of::drone;
+    return number_;
+}
+
+bool EndOfInputs::confirm(std::int64_t end)
+{
+    const std::lock_guard lock(mutex_);
+    sure_ = sure_ || end == number_;
+    return sure_;
 }
 
 std::optional<std::string> EndOfInputs::text() const
 {
     const std::lock_guard lock(mutex_);
-    return text_;
+    return sure_ ? text_ : std::nullopt;
 }
 
 std::optional<std::string> EndOfInputs::text_of(const std::vector<std::shared_ptr<Intake>>& intakes) const
@@ -202,7 +244,7 @@ std::optional<std::string> EndOfInputs::text_of(const std::vector<std::shared_pt
     for (const auto& intake : intakes) {
         if (intake->spec().output == exceptions)
             continue;
-        if ((!intake->ended() && !intake->gone_for_good()) || (worked_ && !intake->all_worked()))
+        if ((!intake->ended() && !intake->gone_for_good()) || (whom_ == Of::drone && !intake->all_worked()))
             return std::nullopt;
         any = any || intake->ended();
         end.add(intake->ended().value_or(intake->lacks()));

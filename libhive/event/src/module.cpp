@@ -66,6 +66,7 @@ void Module::close_links()
 {
     signals_.reset();
     keys_timer_.cancel();
+    end_check_.stop();
     armed_ = false;
     timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
     if (!handed_over_)
@@ -131,6 +132,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
         .changed = [this] { demand_changed(); },
         .failed = [this](const EmissionPtr& event) { on_failed(event); },
         .failures = [this](const Event* newest) { return failures(newest); },
+        .make_sure = [this](std::function<void()> then) { make_sure(std::move(then)); },
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
         .on_encoder_thread = [this](const std::string& peer,
                                     std::function<void()> job) { encoder_thread_.push(peer, std::move(job)); },
@@ -251,6 +253,13 @@ void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<
     std::erase(intakes_, intake);
     leaving_.push_back(keep);
     keep->stop(std::move(left));
+}
+
+void Module::make_sure(EndCheck::Then then)
+{
+    if (!defended("end-question"))
+        return then();
+    end_check_.begin(std::move(then));
 }
 
 namespace {

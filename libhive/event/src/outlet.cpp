@@ -163,9 +163,30 @@ void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Re
     if (found == ids_.end())
         return;
     Decisions decisions;
-    table_.request(found->second, request.epoch, {request.id, request.worked, request.done}, request.back, lease_now(),
-                   decisions);
+    const auto id = found->second;
+    table_.request(id, request.epoch, {request.id, request.worked, request.done}, request.back, lease_now(), decisions);
     execute(decisions);
+    const auto place = places_.find(id);
+    if (place == places_.end() || place->second.registration != request.epoch || request.end <= place->second.question)
+        return;
+    if (std::exchange(place->second.question, request.end) == place->second.answered)
+        answer(id);
+}
+
+/// One question of a receiver is worked on at a time. The answer goes behind all that the receiver has been sent.
+void Outlet::answer(ReceiverId receiver)
+{
+    hooks_.make_sure([this, alive = std::weak_ptr(alive_), receiver, number = places_.at(receiver).question] {
+        if (alive.expired())
+            return;
+        const auto place = places_.find(receiver);
+        if (place == places_.end())
+            return;
+        place->second.answered = number;
+        dispatch_.end(receiver);
+        if (place->second.question > number)
+            answer(receiver);
+    });
 }
 
 bool Outlet::remove(const Link& link, std::uint16_t channel)
@@ -216,7 +237,12 @@ void Outlet::end(const std::string& text)
     execute(decisions);
 }
 
-void Outlet::go_on() { table_.go_on(); }
+void Outlet::go_on()
+{
+    Decisions decisions;
+    table_.go_on(decisions);
+    execute(decisions);
+}
 
 void Outlet::release_held()
 {
@@ -278,6 +304,9 @@ void Outlet::tick()
 
 void Outlet::execute(const Decisions& decisions)
 {
+    for (const auto receiver : decisions.revoked)
+        if (places_.contains(receiver))
+            dispatch_.end(receiver);
     for (const auto& send : decisions.sends) {
         const auto place = places_.find(send.receiver);
         if (place != places_.end())
@@ -311,10 +340,14 @@ void Outlet::transmit(const Send& send, const Emission& form)
     place.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
 }
 
+/// What is so when it leaves: an end that was revoked while it waited behind an event is told as that. A receiver that
+/// does not know `revoked` reads the end that it has already.
 void Outlet::transmit_end(ReceiverId receiver)
 {
     const Place& place = places_.at(receiver);
     protocol::End end = end_;
+    end.revoked = !table_.told_end(receiver);
+    end.answers = place.answered;
     end.add(hooks_.failures(table_.newest()));
     if (const auto missed = table_.missed(receiver); missed > 0)
         end.add(std::to_string(missed) + (missed == 1 ? " event" : " events") + " did not come to " + place.receiver

@@ -193,13 +193,20 @@ void ReceiverTable::end(Clock::time_point now, Decisions& decisions)
         group.subscription.end(now, decisions);
 }
 
-void ReceiverTable::go_on()
+void ReceiverTable::go_on(Decisions& decisions)
 {
-    ended_ = false;
+    if (!std::exchange(ended_, false))
+        return;
     for (Plain& plain : plain_)
-        plain.subscription.go_on();
+        plain.subscription.go_on(decisions);
     for (auto& [name, group] : groups_)
-        group.subscription.go_on();
+        group.subscription.go_on(decisions);
+}
+
+bool ReceiverTable::told_end(Id id) const
+{
+    const auto found = seats_.find(id);
+    return found != seats_.end() && found->second.subscription().told_end(id);
 }
 
 void ReceiverTable::leave(Id id, Clock::time_point now, Decisions& decisions)
@@ -330,7 +337,7 @@ void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point
     const auto kept = event->event().ticket.owed() ? event->without_ticket() : event;
     const bool whole = event->serves(Delivery::data);
     bool received = false;
-    ended_ = false;
+    go_on(decisions);  // also for receivers that do not get this event
     const bool held = hold && whole && event->lossless() && !awaited();
     for (Plain& plain : plain_) {
         Subscription& to = plain.subscription;

@@ -81,7 +81,7 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
         return;  // it would be old when a consumer comes
     }
     ledger_.came();
-    go_on();
+    go_on(decisions);
     if (!streams() && !*lossless_)
         skip_newest_live();
     if (waiting() == 0)
@@ -389,11 +389,18 @@ void Subscription::end(Clock::time_point now, Decisions& decisions)
     pump(now, decisions);
 }
 
-void Subscription::go_on()
+void Subscription::go_on(Decisions& decisions)
 {
     ended_ = false;
     for (auto& [id, consumer] : consumers_)
-        consumer.told_end = false;
+        if (std::exchange(consumer.told_end, false) && !consumer.retired)
+            decisions.revoked.push_back(id);
+}
+
+bool Subscription::told_end(ReceiverId id) const
+{
+    const auto found = consumers_.find(id);
+    return found != consumers_.end() && found->second.told_end;
 }
 
 /// Where events are shared, what another consumer has may still come to any of them.

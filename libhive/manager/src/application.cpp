@@ -99,9 +99,10 @@ Json Application::set(const std::string& drone, const Json& parameters)
 {
     const auto until = core_->deadline();
     try {
-        return parameters_in(drone,
-                             core_->ask(drone, PacketType::set,
-                                        {{"parameters", parameters}, {"deadline_ms", deadline_ms_before(until)}}));
+        const auto answer = core_->ask(drone, PacketType::set,
+                                       {{"parameters", parameters}, {"deadline_ms", deadline_ms_before(until)}});
+        ++core_->sets;
+        return parameters_in(drone, answer);
     } catch (const Error& error) {
         if (error.code() != Errc::timeout || event::Clock::now() < until)
             throw;
@@ -117,7 +118,9 @@ SetResult Application::set(const std::vector<std::string>& drones, const Json& p
     auto places = core_->places_or_errors(drones);
     for (std::size_t i = 0; i < drones.size(); ++i)
         terms.drones.emplace_back(drones[i], std::move(places[i]));
-    return JointSet(core_->module, std::move(terms)).run();
+    auto result = JointSet(core_->module, std::move(terms)).run();
+    ++core_->sets;
+    return result;
 }
 
 Json Application::get(const std::string& drone, const std::vector<std::string>& names)

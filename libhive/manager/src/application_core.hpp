@@ -6,6 +6,7 @@
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -73,6 +74,7 @@ public:
     std::function<bool()> cancelled;  ///< may be empty
     Directory directory;
     event::Module module;
+    std::atomic<std::int64_t> sets = 0;  ///< that were answered: a source may go on that had ended
 
 private:
     struct Asking;

@@ -16,14 +16,31 @@ constexpr auto exceptions_output = "exceptions";
 /// The connections of a collector. Kept by them while they leave, too.
 struct Inputs {
     std::vector<std::shared_ptr<event::Intake>> intakes{};  ///< network side
-    event::EndOfInputs end{false};
+    event::EndOfInputs end{event::EndOfInputs::Of::collector};
 };
+
+/// Network side: an end is believed once its sender has been asked, since another source may have been set meanwhile.
+void make_sure(event::Module& module, const std::shared_ptr<Inputs>& inputs,
+               const std::shared_ptr<event::Mailbox>& mailbox)
+{
+    module.make_sure([mailbox, weak = std::weak_ptr(inputs), end = inputs->end.doubt()] {
+        if (const auto alive = weak.lock(); alive && alive->end.confirm(end))
+            mailbox->nudge();
+    });
+}
 
 /// Intakes whose events meet in one mailbox, taken by the user thread.
 class MailboxCollector final : public Collector {
 public:
-    MailboxCollector(event::Module& module, const Directory& directory, CollectOptions options)
-        : module_(module), directory_(directory), options_(std::move(options)), reorder_(options_.patience)
+    /// @param sets  how many the application has made
+    MailboxCollector(event::Module& module, const Directory& directory, const std::atomic<std::int64_t>& sets,
+                     CollectOptions options)
+        : module_(module),
+          directory_(directory),
+          sets_(sets),
+          sets_before_(sets),
+          options_(std::move(options)),
+          reorder_(options_.patience)
     {
     }
     ~MailboxCollector() override;
@@ -52,6 +69,8 @@ private:
 
     event::Module& module_;
     const Directory& directory_;
+    const std::atomic<std::int64_t>& sets_;
+    std::int64_t sets_before_;  ///< that the end was made sure of
     CollectOptions options_;
     std::shared_ptr<event::Mailbox> mailbox_ = std::make_shared<event::Mailbox>();
     std::shared_ptr<Inputs> inputs_ = std::make_shared<Inputs>();
@@ -78,13 +97,9 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                                      const std::string& output, const ConnectionOptions& connection)
 {
     const auto sink = [mailbox = mailbox_](Event&& event) { mailbox->push(std::move(event)); };
-    const auto look = [mailbox = mailbox_, weak = std::weak_ptr(inputs_)] {
-        const auto inputs = weak.lock();
-        if (!inputs)
-            return;
-        inputs->end.look(inputs->intakes);
-        if (inputs->end.text())
-            mailbox->nudge();
+    const auto look = [&module = module_, mailbox = mailbox_, weak = std::weak_ptr(inputs_)] {
+        if (const auto inputs = weak.lock(); inputs && inputs->end.look(inputs->intakes))
+            make_sure(module, inputs, mailbox);
     };
     const auto intake = module_.add_intake({.sender = place.drone,
                                             .output = output,
@@ -171,6 +186,11 @@ std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
 
 std::optional<std::string> MailboxCollector::ended()
 {
+    if (const std::int64_t sets = sets_; std::exchange(sets_before_, sets) != sets)
+        module_.call([this] {
+            if (inputs_->end.text())
+                make_sure(module_, inputs_, mailbox_);
+        });
     auto text = inputs_->end.text();  // first: what has come before the end is in the mailbox when this is known
     if (!text || mailbox_->events() > 0)
         return std::nullopt;
@@ -255,7 +275,7 @@ std::set<std::string> upstream_of(Application& application, std::vector<std::str
 
 std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& outputs, const CollectOptions& options)
 {
-    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, options);
+    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, core_->sets, options);
     const auto until = core_->deadline();
     std::vector<std::string> drones;
     for (const auto& output : outputs) {
@@ -274,7 +294,7 @@ std::unique_ptr<Collector> Application::collect(const std::vector<Endpoint>& out
 
 std::unique_ptr<Collector> Application::exceptions(const std::vector<std::string>& drones)
 {
-    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, CollectOptions{});
+    auto collector = std::make_unique<MailboxCollector>(core_->module, core_->directory, core_->sets, CollectOptions{});
     for (const auto& drone : drones)
         collector->receive(drone, core_->place(drone), exceptions_output,
                            {.transfer = Transfer::streaming, .group = {}, .lease = {}},

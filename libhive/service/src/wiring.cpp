@@ -235,8 +235,8 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
     pass_end_on();
 }
 
-/// The outputs end when all that the inputs receive has come to its end, and go on when there is something to do again:
-/// a receiver that was told of the end gets what comes of it anyway.
+/// The outputs end when all that the inputs receive has come to its end, and go on when there is something to do again,
+/// which receivers that were told of the end are told as well.
 void Wiring::pass_end_on()
 {
     const bool before = end_.text().has_value();
@@ -247,7 +247,7 @@ void Wiring::pass_end_on()
             if (outlet.carrier() == protocol::PacketType::event)
                 outlet.go_on();
     if (const auto text = end_.text())
-        mailbox_.push([this, text = *text] { worker_.inputs_ended(text, [this] { return end_.text().has_value(); }); });
+        mailbox_.push([this, text] { worker_.inputs_ended(*text, [this, text] { return end_.text() == text; }); });
 }
 
 }  // namespace hive::service

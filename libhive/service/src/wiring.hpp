@@ -47,7 +47,7 @@ private:
     event::Module& module_;
     event::Mailbox& mailbox_;
     Worker& worker_;  ///< for commands alone
-    event::EndOfInputs end_{true};
+    event::EndOfInputs end_{event::EndOfInputs::Of::drone};
     StateFile& state_file_;
     const Reporter& reporter_;
 };

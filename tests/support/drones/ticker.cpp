@@ -30,11 +30,21 @@ public:
                         "live never waits; demand gives the next one when all receivers ask");
         drone.parameter("count", count_, hive::at_least(0), "how many in all; 0: no end");
         drone.parameter("ends", ends_, {}, "the last of them is the end of the source");
-        drone.on_change([this] { begin_ = Clock::now(), made_since_ = 0; });
+        drone.parameter("decode_ms", decode_ms_, hive::at_least(0).in("ms"),
+                        "how long a change takes until the next one is made, as a picture that is slow to decode");
+        drone.on_change([this] { change(); });
         drone.main([this] { return step(); });
     }
 
 private:
+    void change()
+    {
+        begin_ = Clock::now() + std::chrono::milliseconds(decode_ms_);
+        made_since_ = 0;
+        if (ended_ && (count_ == 0 || made_ < count_))
+            tick_.begin_source();
+    }
+
     std::chrono::microseconds step()
     {
         if (count_ > 0 && made_ >= count_) {
@@ -46,6 +56,8 @@ private:
         }
         if (std::exchange(ended_, false))
             drone_.condition("");
+        if (const auto left = begin_ - Clock::now(); pace_ == "demand" && left > 0s)
+            return std::chrono::ceil<std::chrono::microseconds>(left);
         if (pace_ == "demand")
             return tick_.asked() ? (emit(true), 0us) : 1s;
         const auto due = begin_
@@ -74,7 +86,7 @@ private:
     hive::Drone& drone_;
     hive::Output tick_;
     double fps_ = 30;
-    int bytes_ = 1000, count_ = 0, padding_ = 0;
+    int bytes_ = 1000, count_ = 0, padding_ = 0, decode_ms_ = 0;
     std::string pace_ = "live";
     Clock::time_point begin_ = Clock::now();
     std::int64_t made_ = 0, made_since_ = 0;

@@ -45,6 +45,12 @@ Ids end(World& world)
     return told([&](Decisions& to) { world.table.end(world.now, to); });
 }
 
+/// Something may come again.
+Ids revoked(World& world)
+{
+    return decided([&](Decisions& to) { world.table.go_on(to); }).revoked;
+}
+
 Ids add(World& world, ReceiverId id, const std::string& name, const ConnectionOptions& options)
 {
     Newcomer newcomer{.id = id, .receiver = name, .options = options};
@@ -164,6 +170,32 @@ TEST_CASE("end: who registers after the end gets what was held for it, and then 
     CHECK(add(world, 4, "worker-2.image", sharing()) == Ids{4});
 }
 
+TEST_CASE("end: who was told of it is told that it no longer holds, once, and of the next one again")
+{
+    World world;
+    world.add(1, "face.image", window(1));
+    world.add(2, "group-1.image", sharing());
+    world.add(3, "watcher", streaming(Delivery::notification));
+    end(world);
+    CHECK(world.table.told_end(1));
+    CHECK(revoked(world) == Ids{1, 3, 2});
+    CHECK_FALSE(world.table.told_end(1));
+    CHECK(revoked(world).empty());
+    CHECK(end(world) == Ids{1, 3, 2});
+}
+
+TEST_CASE("end: an event takes it back from all who were told, also from those that do not get it yet")
+{
+    World world;
+    for (const ReceiverId member : {1, 2})
+        world.add(member, "worker-" + std::to_string(member) + ".image", sharing());
+    world.add(3, "watcher", streaming(Delivery::notification));
+    end(world);
+    const auto decisions = decided([&](Decisions& to) { world.table.offer(emission(1), false, world.now, to); });
+    CHECK(decisions.revoked == Ids{3, 1, 2});
+    CHECK(decisions.sends.size() == 2);
+}
+
 TEST_CASE("end: a table that goes on tells nobody who was not told before")
 {
     World world;
@@ -171,7 +203,7 @@ TEST_CASE("end: a table that goes on tells nobody who was not told before")
     world.offer(1, true);
     world.offer(2, true);
     CHECK(end(world).empty());
-    world.table.go_on();
+    CHECK(revoked(world).empty());
     CHECK(told([&](Decisions& to) {
               world.table.request(1, world.registrations[1], {2, 1, 1}, {}, world.now, to);
           }).empty());

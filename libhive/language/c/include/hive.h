@@ -302,7 +302,8 @@ HIVE_API hive_code hive_output_repeat(hive_output* output, const hive_event* eve
    so that whoever collects at the other end knows that it has everything. `text`: what is lacking ("87 of
    196 frames: the file is damaged"); null or "": nothing. */
 HIVE_API hive_code hive_output_end(hive_output* output, const char* text);
-/* What is captured from now on is of another source: it is numbered from 1. After an end that is so by itself. */
+/* What is captured from now on is of another source: it is numbered from 1. After an end that is so by itself; called
+   all the same, it revokes the end at once, before the first event is made. */
 HIVE_API hive_code hive_output_begin_source(hive_output* output);
 
 /* --- an application --- */

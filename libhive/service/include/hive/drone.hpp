@@ -99,7 +99,8 @@ public:
     /// @param text  what is lacking, at most about 1000 bytes: "87 of 196 frames: the file is damaged"; empty: nothing
     void end(const std::string& text = "") const;
     /// What is captured from now on is of another source: a new epoch, numbered from 1, so that drones that keep state
-    /// begin anew. After end() that is so by itself.
+    /// begin anew. After end() that is so by itself; who calls it all the same, once there is something to do again,
+    /// has receivers told at once that the end no longer holds, and not only by the first event.
     void begin_source() const;
 
 private:

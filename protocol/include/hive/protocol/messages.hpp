@@ -49,6 +49,7 @@ struct Request {
     std::int64_t done = 0;                ///< events dealt with so far: the acknowledgement
     std::int64_t worked = 0;              ///< events worked on so far: what was made of them may still be on its way
     std::vector<std::int64_t> back = {};  ///< numbers of deliveries that a group is to give to others
+    std::int64_t end = 0;                 ///< the number of a question: does the end still hold? 0: none is asked
 };
 std::string to_text(const Request& request);
 Request request_from_json(const Json& object);
@@ -61,6 +62,8 @@ struct End {
     std::string text;           ///< what is lacking; empty: nothing, the regular end of its source
     bool leaves = false;        ///< instead: its drone is being stopped, and need not be waited for
     bool disconnected = false;  ///< instead: an operator ended this registration, and it does not come back by itself
+    bool revoked = false;       ///< instead: the output goes on, and the end that was told before no longer holds
+    std::int64_t answers = 0;   ///< the last question about the end that this answers; 0: none was asked
 
     /// Each text once, cut where it is too long.
     void add(const std::string& more);

@@ -22,6 +22,7 @@ struct Decisions {
     std::vector<Send> sends;
     std::vector<EmissionPtr> failed;  ///< with the share of the last attempt, if there was one
     std::vector<ReceiverId> ends;     ///< who is to hear, behind what is sent, that nothing more will come
+    std::vector<ReceiverId> revoked;  ///< who is to hear, before what is sent, that this no longer holds
 };
 
 }  // namespace hive::event

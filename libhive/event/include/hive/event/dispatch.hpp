@@ -28,7 +28,7 @@ public:
         std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
         std::function<void(ReceiverId for_whom, std::function<void()>)> on_encoder_thread;
         Run on_network_side;
-        /// Tells a receiver, behind what it was sent, that nothing more will come.
+        /// Tells a receiver, behind what it was sent, whether anything more will come.
         std::function<void(ReceiverId receiver)> end = [](ReceiverId) {};
     };
 
@@ -37,7 +37,7 @@ public:
 
     /// @param encoding  empty: as it is
     void send(const Send& send, const std::string& encoding);
-    /// Nothing more will come for this receiver.
+    /// The receiver is to be told whether anything more will come.
     void end(ReceiverId receiver);
     /// The receiver is gone: what waits for it is dropped, and not encoded for its sake.
     void forget(ReceiverId receiver) { lines_.erase(receiver); }

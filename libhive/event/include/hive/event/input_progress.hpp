@@ -39,6 +39,8 @@ public:
     std::optional<protocol::Request> news(bool may_ask);
     /// What was dealt with and not told; nothing more will be.
     std::optional<protocol::Request> last_news();
+    /// What was told last once more, which asks for nothing.
+    [[nodiscard]] const protocol::Request& told() const { return told_; }
     /// Acknowledges all that is in hand, whatever becomes of it.
     protocol::Request acknowledge_all();
     /// Acknowledges nothing of what is in hand.

@@ -81,6 +81,10 @@ public:
     [[nodiscard]] std::optional<Error> refusal() const;
     /// What the sender said about its end, if it has come to it.
     [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
+    /// Asks the sender whether that still holds.
+    void ask_end();
+    /// Was it asked, and may still answer? One that is lost may come back with another source.
+    [[nodiscard]] bool unsure() const;
     /// Has everything that came been worked on?
     [[nodiscard]] bool all_worked() const noexcept { return progress_.all_worked(); }
     /// Does the sender know, or is it not there, that this one is gone?
@@ -114,7 +118,9 @@ private:
     void disconnected();
     void require_own(const Event& event) const;
     void dropped();
+    void on_end(protocol::End end);
     void note_end(std::optional<std::string> text);
+    void changed();
     Ticket ticket(std::int64_t generation, std::int64_t number);
     std::int64_t note_share(Event& event);
     void try_to_leave();
@@ -141,9 +147,10 @@ private:
     std::function<void()> on_left_;
     std::optional<Error> problem_;  ///< why it is not connected
     Clock::time_point lost_at_ = Clock::now();
-    std::optional<std::string> end_;  ///< nothing more will come, and what is said about that
-    std::int64_t epoch_ = 0;          ///< of the registration
-    std::int64_t tried_ = 0;          ///< the first one since the last that was confirmed
+    std::optional<std::string> end_;            ///< nothing more will come, and what is said about that
+    std::int64_t question_ = 0, answered_ = 0;  ///< the last one about the end, and the last that was answered
+    std::int64_t epoch_ = 0;                    ///< of the registration
+    std::int64_t tried_ = 0;                    ///< the first one since the last that was confirmed
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
@@ -158,20 +165,30 @@ private:
 /// Whether all inputs have come to their end (SPEC.md, section 5.6).
 class EndOfInputs {
 public:
-    /// @param worked  only when what came has been worked on, too
-    explicit EndOfInputs(bool worked) : worked_(worked) {}
+    enum class Of {
+        drone,      ///< when all that came has been worked on, too
+        collector,  ///< when the senders have made sure of it, too
+    };
+    explicit EndOfInputs(Of whom) : whom_(whom) {}
 
     /// Network side: a connection has changed. @return  whether the end has changed
     bool look(const std::vector<std::shared_ptr<Intake>>& intakes);
+    /// Network side: of a collector, the end may be out of date, and is unsaid until confirm(). @return  which end it
+    /// is
+    std::int64_t doubt();
+    /// Network side: it still holds, if it is this one. @return  whether it does
+    bool confirm(std::int64_t end);
     /// What is said about the end; nothing as long as something may come. Any thread.
     [[nodiscard]] std::optional<std::string> text() const;
 
 private:
     [[nodiscard]] std::optional<std::string> text_of(const std::vector<std::shared_ptr<Intake>>& intakes) const;
 
-    const bool worked_;
+    const Of whom_;
     mutable std::mutex mutex_;
     std::optional<std::string> text_;
+    bool sure_ = false;
+    std::int64_t number_ = 0;  ///< of the end
 };
 
 }  // namespace hive::event

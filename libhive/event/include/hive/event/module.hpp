@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/event/encoder_thread.hpp>
+#include <hive/event/end_check.hpp>
 #include <hive/event/home.hpp>
 #include <hive/event/intake.hpp>
 #include <hive/event/link.hpp>
@@ -127,6 +128,10 @@ public:
     /// As Outlet::forget. @param output  empty: every one
     std::size_t forget(const std::string& drone, const std::string& output);
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
+    /// Calls back once the senders that told of their end have said whether it still holds, and that was passed on.
+    void make_sure(EndCheck::Then then);
+    /// An intake may have had such an answer.
+    void look_at_ends() { end_check_.look(); }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
     /// Do results wait here for their first receiver, which will come? Not at the end of this module.
@@ -204,6 +209,7 @@ private:
     std::int64_t registration_ = 0;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
+    EndCheck end_check_{context(), intakes_, options_.timing.silence};
     std::vector<std::shared_ptr<Intake>> leaving_;         ///< removed, and not done with everything
     std::map<std::string, InputStatus> left_;              ///< by input
     std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put

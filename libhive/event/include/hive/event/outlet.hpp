@@ -23,6 +23,8 @@ public:
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
         /// At how many events this drone failed, as text; failures in runs before that of `newest` do not count.
         std::function<std::string(const Event* newest)> failures;
+        /// Calls back once the ends that this drone was told are known to hold still, or not.
+        std::function<void(std::function<void()>)> make_sure;
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
         std::function<void(const std::string& peer, std::function<void()>)> on_encoder_thread;
@@ -53,7 +55,7 @@ public:
     /// Nothing more will come: everybody is told behind all that they are sent.
     /// @param text  what is lacking; empty: nothing, its regular end
     void end(const std::string& text);
-    /// Something may come again.
+    /// Something may come again: who was told of the end is told so.
     void go_on();
     /// Tells all receivers that this drone is being stopped, so that no end waits for it.
     void say_leaving();
@@ -93,14 +95,16 @@ private:
         std::string receiver;
         std::int64_t registration;  ///< its epoch
         EncodingChoice encoding;
-        bool data;                              ///< receives bodies
-        std::int64_t shared = 0, fallback = 0;  ///< bodies that went through shared memory, and that could not
+        bool data;                                ///< receives bodies
+        std::int64_t shared = 0, fallback = 0;    ///< bodies that went through shared memory, and that could not
+        std::int64_t question = 0, answered = 0;  ///< the last one whether the end still holds, and the last answered
     };
     void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] std::int64_t pid_of(const std::string& application) const;
     void transmit(const Send& send, const Emission& form);
     void transmit_end(ReceiverId receiver);
+    void answer(ReceiverId receiver);
     static void send_end(const Place& place, const protocol::End& end);
     void execute(const Decisions& decisions);
     ReceiverId detach(std::map<Key, ReceiverId>::iterator place);

@@ -91,7 +91,8 @@ public:
     /// Nothing more will come: everybody is told, behind what waits for them, and so is who registers later.
     void end(Clock::time_point now, Decisions& decisions);
     /// Something may come again; so may it when an event is offered.
-    void go_on();
+    void go_on(Decisions& decisions);
+    [[nodiscard]] bool told_end(Id id) const;
     [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Nobody needs to wait for a first receiver here: another output has one.
     void release_held();

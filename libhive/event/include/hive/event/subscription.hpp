@@ -111,8 +111,10 @@ public:
     /// Nothing more will come: each consumer is told, behind what waits, and where events are shared, behind their last
     /// acknowledgement.
     void end(Clock::time_point now, Decisions& decisions);
-    /// Something may come again.
-    void go_on();
+    /// Something may come again: who was told of the end is told so.
+    void go_on(Decisions& decisions);
+    /// Was this consumer told of the end, which still holds?
+    [[nodiscard]] bool told_end(ReceiverId id) const;
     /// Leases or the 30 s may be over.
     void tick(Clock::time_point now, Decisions& decisions);
 

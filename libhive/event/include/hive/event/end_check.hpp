@@ -1,0 +1,45 @@
+// Asks the senders that told this module of their end whether it still holds (SPEC.md, section 5.6).
+#pragma once
+
+#include <hive/event/clock.hpp>
+#include <hive/platform/timer.hpp>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace hive::event {
+
+class Intake;
+
+/// Network side. One round of questions is under way at a time, and who asks meanwhile waits for the next one: an
+/// answer is good only for who asked before it was given.
+class EndCheck {
+public:
+    using Then = std::function<void()>;
+    using Intakes = std::vector<std::shared_ptr<Intake>>;
+
+    /// @param intakes  those whose senders are asked
+    /// @param patience  a sender that has not answered by then has nothing to add: it is of an earlier version, or two
+    ///     drones wait for each other
+    EndCheck(asio::io_context& context, const Intakes& intakes, Clock::duration patience)
+        : intakes_(intakes), patience_(patience), timer_(context)
+    {
+    }
+    /// Calls back when each sender has answered or is not there any more; at once if there is none.
+    void begin(Then then);
+    /// One of them may have answered.
+    void look();
+    void stop() { timer_.cancel(); }
+
+private:
+    void ask();
+
+    const Intakes& intakes_;
+    const Clock::duration patience_;
+    platform::Timer timer_;
+    Intakes asked_;
+    std::vector<Then> asking_, waiting_;
+};
+
+}  // namespace hive::event
