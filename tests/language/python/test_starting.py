@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import textwrap
 import threading
+import time
 import unittest
 import unittest.mock
 
@@ -237,6 +238,22 @@ class Starting(World):
                 self.assertEqual(len(list(collector)), 1)
         self.swarm.set("source", count=20)
         self.assertEqual(len(asyncio.run(read())), 1)
+
+    def test_a_source_whose_first_event_takes_long_is_waited_for_and_an_end_is_not(self):
+        self.drone("ticker", "source", "pace=demand", "count=3", "decode_ms=2500")
+        self.drone("sleeper", "worker", "work_ms=1")
+        self.swarm.connect("source", "worker")
+        self.assertEqual(len(list(self.swarm.results("worker"))), 3)
+        self.swarm.set("source", count=4)
+        self.assertEqual(len(list(self.swarm.results("worker"))), 1)
+        self.swarm.set("source", count=5)
+        with self.swarm.collect("worker") as collector:
+            self.assertEqual(len(list(collector)), 1)
+            begun = time.monotonic()
+            self.assertIsNone(collector.next())
+            self.assertEqual(collector.ended, "")
+        self.assertEqual(len(list(self.swarm.results("worker"))), 0)
+        self.assertLess(time.monotonic() - begun, 2)  # a drone that does not answer would have taken longer
 
     def silent(self):
         self.drone("ticker", "source", "pace=demand")

@@ -344,7 +344,7 @@ class Application(Finding):
         options = {"connection": connection, "ordered": ordered, "patience_ms": milliseconds(patience)}
         ends = self._ends(flat(*outputs))
         handle = ask_handle(lib.hive_application_collect, self._handle, as_json(ends), as_json(options))
-        return Collector(handle, *self._when_silent(ends, notify))
+        return Collector(handle, self._when_silent(ends, notify))
 
     def collect_matched(
         self,
@@ -364,28 +364,22 @@ class Application(Finding):
         handle = ask_handle(
             lib.hive_application_collect_matched, self._handle, as_json(ends), match, as_json(options)
         )
-        return MatchedCollector(handle, *self._when_silent(ends, notify))
+        return MatchedCollector(handle, self._when_silent(ends, notify))
 
-    def _when_silent(self, outputs: list[str], notify: bool) -> tuple[Callable[[], str], Callable[[], bool]]:
-        """Why nothing comes, and whether a source says that it has ended."""
+    def _when_silent(self, outputs: list[str], notify: bool) -> Callable[[], str]:
+        """Why nothing comes."""
         wanted = as_json(outputs)
 
-        def explained() -> dict[str, Any]:
-            try:
-                return ask_object(lib.hive_application_explain, self._handle, wanted)
-            except Error:
-                return {"text": "", "causes": []}  # closed, or cancelled
-
-        def has(found: dict[str, Any], what: str) -> bool:
-            return any(cause["what"] == what for cause in found["causes"])
-
         def why() -> str:
-            found = explained()
-            if notify and has(found, "held"):
+            try:
+                found = ask_object(lib.hive_application_explain, self._handle, wanted)
+            except Error:
+                return ""  # closed, or cancelled
+            if notify and any(cause["what"] == "held" for cause in found["causes"]):
                 return f"the source is on demand and waits for a receiver of bodies: {found['text']}"
             return str(found["text"])
 
-        return why, lambda: has(explained(), "source_ended")
+        return why
 
     def results(
         self, *drones: Names, count: Optional[int] = None, timeout: Optional[Seconds] = None, ordered: bool = False

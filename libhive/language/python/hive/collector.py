@@ -15,7 +15,6 @@ from .event import Event
 Seconds = float
 SLICE = 0.1  # how soon Ctrl-C is seen while nothing comes
 SILENCE = 3.0  # after which it is said why nothing comes, as hivectl does
-PROVISIONAL = 2.0  # s: so long an end before the first event may be taken back
 _MOST_IN_SET = 64
 
 
@@ -75,13 +74,9 @@ class _Collecting(Owner):
         self,
         handle: ctypes.c_void_p,
         why: Callable[[], str] = lambda: "",
-        source_ended: Optional[Callable[[], bool]] = None,
     ) -> None:
         self._handle = handle
         self._why = why  # why nothing comes
-        self._source_ended = source_ended
-        self._moved = False  # has anything come since the last end?
-        self._looked: Optional[float] = None  # when the present end was first seen
         self._executor: Any = None
         self._pending: Any = None  # a wait of asyncio: one that was cancelled goes on, and may have taken something
         self._last: Sequence[Event] = ()
@@ -93,7 +88,6 @@ class _Collecting(Owner):
         raise NotImplementedError
 
     def _hand_out(self, taken: Any) -> Any:
-        self._moved, self._looked = taken is not None, None
         self._last = () if taken is None else (taken,) if isinstance(taken, Event) else taken
         return taken
 
@@ -102,15 +96,6 @@ class _Collecting(Owner):
         for event in self._last:
             event._left()
         self._last = ()
-
-    def _over(self) -> bool:
-        """Has everything come?  Before the first event, the end may be that of a source which a set has just replaced, and
-        of which the drones between have yet to hear.  It holds if the source says so as well, or if it stays."""
-        if self.ended is None or self._moved or self._source_ended is None:
-            return self.ended is not None
-        self._looked = self._looked or time.monotonic()
-        held = self._source_ended() or time.monotonic() - self._looked > PROVISIONAL
-        return held and self.ended is not None
 
     def _next(self, timeout: Optional[Seconds]) -> Any:
         self._go_on()
@@ -123,7 +108,7 @@ class _Collecting(Owner):
         while True:
             left = SLICE if end is None else min(SLICE, max(0.0, end - time.monotonic()))
             taken = self._take(left)
-            if taken is not None or (end is not None and time.monotonic() >= end) or self._over():
+            if taken is not None or (end is not None and time.monotonic() >= end) or self.ended is not None:
                 return self._hand_out(taken)
             if silence.due():
                 silence.say()
@@ -150,9 +135,7 @@ class _Collecting(Owner):
                 continue  # another task had it
             self._pending = None
             late = end is not None and time.monotonic() >= end
-            ended = taken is None and not late and self.ended is not None  # an event is handed out without a wait
-            over = ended and await asyncio.wrap_future(self._executor.submit(self._over))
-            if taken is not None or late or over:
+            if taken is not None or late or self.ended is not None:
                 return self._hand_out(taken)
             if silence.due():
                 await asyncio.wrap_future(self._executor.submit(silence.say))

@@ -228,7 +228,8 @@ class Output(Owner):
         lib.hive_output_end(self._handle, encoded(text))
 
     def begin_source(self) -> None:
-        """What is captured from now on is of another source, numbered from 1.  After an end that is so by itself."""
+        """What is captured from now on is of another source, numbered from 1.  After an end that is so by itself; called all
+        the same, it revokes the end at once, before the first event is made."""
         lib.hive_output_begin_source(self._handle)
 
     def _loan(self, size: int) -> _Memory:
