@@ -119,6 +119,9 @@ void ReplayDrone::open(const Opened& wanted)
     output_of_ = std::move(output_of);
     opened_ = wanted;
     damaged_ = without_body_ = 0;
+    if (ended_)
+        for (const auto& declared : outputs_)
+            declared.output.begin_source();
     begun_ = ended_ = asked_before_ = false;
     drone_.condition("waiting for a receiver", hive::Reason::no_receiver);
 }

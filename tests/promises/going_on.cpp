@@ -118,6 +118,21 @@ TEST_CASE("going on: a source that is replaced after its end is waited for")
     CHECK(lines_of(swarm.hivectl_done({"results", "worker"})) == 3);
 }
 
+TEST_CASE("going on: a replay that has ended and is set again has more to give before it gives it")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", "count=5"});
+    const auto file = (swarm.home() / "run.hive").string();
+    swarm.hivectl_done({"record", "source", "-o", file});
+    const auto replay = swarm.drone("replay", "replay", {"file=" + file, "pace=demand"});
+    CHECK(lines_of(swarm.hivectl_done({"results", "replay.tick"})) == 5);
+    swarm.hivectl_done({"halt", "replay"});
+    swarm.hivectl_done({"set", "replay", "speed=2"});
+    CHECK(swarm.hivectl({"results", "replay.tick", "--timeout", "0.5"}).exit_code == 124);
+    swarm.hivectl_done({"resume", "replay"});
+    CHECK(lines_of(swarm.hivectl_done({"results", "replay.tick"})) == 5);
+}
+
 TEST_CASE("going on: members of a group that were told of the end are told, whichever of them gets the next event")
 {
     const Swarm swarm;
