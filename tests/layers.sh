@@ -42,7 +42,7 @@ mapfile -t no_http < <(find libhive -mindepth 1 -maxdepth 1 -not -name http)
 refuse "libmicrohttpd belongs to http" 'microhttpd' protocol "${no_http[@]}" hivectl drones
 refuse "http knows nothing else of Hive" 'hive/([a-z_]+\.hpp|[a-gi-z][a-z]*/)' libhive/http
 refuse "public headers include the standard library and json only" '(asio|opencv|CLI|curl|openssl|spdlog)' \
-    protocol/include/hive/*.hpp libhive/transport/include/hive/key.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
+    protocol/include/hive/*.hpp libhive/transport/include/hive/key.hpp libhive/event/include/hive/event.hpp libhive/event/include/hive/event_text.hpp libhive/event/include/hive/encoder.hpp libhive/event/include/hive/kept_failure.hpp libhive/event/include/hive/match.hpp libhive/service/include/hive libhive/manager/include/hive
 
 if LC_ALL=C.UTF-8 grep -nE '^[^|].{120,}$' README.md || [ "$(wc -l < README.md)" -gt 200 ]; then
     echo "layers: README.md is read in a terminal: lines of at most 120 characters, and at most 200 of them" >&2

@@ -3,12 +3,15 @@
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
+#include "../kept_inputs.hpp"
 #include "../output.hpp"
 #include "../printing.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../targets.hpp"
 #include "../verbs.hpp"
+
+#include <algorithm>
 
 namespace hivectl::exceptions_verb {
 namespace {
@@ -18,25 +21,100 @@ struct Options {
     bool follow = false;
     std::int64_t count = 0;  // 0: without end
     std::string policy;
+    std::string save;
 };
 
-const std::vector<Column> columns{
-    {"DRONE", "drone"}, {"TIME", "time_us", as_time}, {"CODE", "code"}, {"POLICY", "policy"},
-    {"INPUT", "input"}, {"SOURCE", "source"},         {"SEQ", "seq"},   {"TEXT", "text"}};
+const std::vector<Column> columns{{"DRONE", "drone"},
+                                  {"NO", "number", nullptr, nothing},
+                                  {"TIME", "time_us", as_time},
+                                  {"CODE", "code"},
+                                  {"POLICY", "policy", nullptr, nothing},
+                                  {"INPUT", "input"},
+                                  {"SOURCE", "source"},
+                                  {"SEQ", "seq"},
+                                  {"KEPT", "kept", as_size, nothing},
+                                  {"TEXT", "text"}};
 
-int show_last(const std::vector<std::string>& drones, Session& session, Outcome& outcome)
+/// Of the drones that run, and of those that have left something behind.
+std::vector<std::string> drones_meant(const Options& options, hive::Application& application, Outcome& outcome)
 {
-    std::vector<Row> rows;
+    auto left = application.failing();
+    if (options.names.empty()) {
+        auto drones = application.drones();
+        add_new(drones, std::move(left));
+        return drones;
+    }
+    std::vector<std::string> drones;
+    for (const auto& word : options.names)
+        if (std::ranges::find(left, word) != left.end() && !runs(application, word))
+            add_new(drones, {word});
+        else
+            add_new(drones, drones_named(application, {word}, outcome));
+    return drones;
+}
+
+/// The last exception of each, unless its input is kept.
+void add_last(const std::vector<std::string>& drones, Session& session, std::vector<Row>& rows, Outcome& outcome)
+{
     for (const auto& answer : session.application().status(drones)) {
         answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
         if (answer.error || !answer.status.last_exception)
             continue;
-        Row& row = rows.emplace_back(Row{{"drone", answer.drone}});
+        Row row{{"drone", answer.drone}};
         const auto exception = exception_json(*answer.status.last_exception);
         for (const auto& [key, value] : exception.items())
             row.add(key, value);
+        const auto kept = std::ranges::find_if(rows, [&](const Row& other) {
+            return std::ranges::all_of(std::initializer_list<const char*>{"drone", "source", "seq", "code", "text"},
+                                       [&](const char* key) { return other[key] == row[key]; });
+        });
+        if (kept == rows.end())
+            rows.push_back(std::move(row));
+        else
+            kept->add("policy", row["policy"]);
     }
+}
+
+int show_last(const std::vector<std::string>& drones, Session& session, Outcome& outcome)
+{
+    auto& application = session.application();
+    std::vector<Row> rows;
+    for (const auto& drone : drones)
+        for (const auto& failure : application.failures(drone))
+            rows.push_back(failure_row(failure));
+    auto running = drones;
+    const auto all = application.drones();
+    const auto ended = std::erase_if(running, [&](const auto& drone) {
+        return !std::ranges::binary_search(all, drone) && drone.find('@') == std::string::npos;
+    });
+    if (ended > 0)
+        outcome.done();
+    add_last(running, session, rows, outcome);
+    std::ranges::stable_sort(rows, {},
+                             [](const Row& row) { return std::pair(row.text("drone"), row.number("time_us")); });
     print_rows(session.form(), columns, rows);
+    return outcome.exit_code();
+}
+
+int save(const std::vector<std::string>& drones, const Options& options, Session& session, Outcome& outcome)
+{
+    bool any = false;
+    for (const auto& drone : drones)
+        for (const auto& failure : session.application().failures(drone, true))
+            try {
+                any = true;
+                const auto files = save_failure(failure, options.save);
+                outcome.done();
+                auto row = failure_row(failure);
+                write_out(session.json ? row.add("files", files).json() + "\n" : "");
+                for (const auto& file : session.json ? std::vector<std::string>() : files)
+                    write_out(printable((std::filesystem::path(options.save) / file).string()) + "\n");
+            } catch (const hive::Error& error) {
+                outcome.failed(drone, error);
+            }
+    if (!any)
+        throw hive::Error(hive::Errc::not_found, "no input is kept on this machine of a drone that failed",
+                          "see what went wrong: hivectl exceptions");
     return outcome.exit_code();
 }
 
@@ -93,12 +171,13 @@ int run(const Options& options, Session& session)
                           "for all of them: hivectl exceptions '*' --on-exception " + options.policy);
     auto& application = session.application();
     Outcome outcome("exceptions");
-    const auto drones =
-        options.names.empty() ? application.drones() : drones_named(application, options.names, outcome);
+    const auto drones = drones_meant(options, application, outcome);
     if (!options.names.empty() && drones.empty())
         return outcome.exit_code();
     if (!options.policy.empty())
         return change_policy(options, drones, session, outcome);
+    if (!options.save.empty())
+        return save(drones, options, session, outcome);
     return options.follow ? outcome.exit_code(follow(drones, options, session)) : show_last(drones, session, outcome);
 }
 
@@ -111,11 +190,17 @@ Run declare(CommandLine& line, Session& session)
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53)
         .needs(following);
+    const auto saving = line.option("--save", options->save,
+                                    "write each kept input to this directory: NAME-NO.INPUT.jpg (.png, .txt, .bin), "
+                                    "beside a .json with its header and the failure; no file is written over")
+                            .type_name("DIR")
+                            .excludes(following);
     line.option("--on-exception", options->policy,
                 "change what the drones do from now on: skip the input and go on, or halt until resumed")
         .type_name("skip|halt")
         .one_of({"skip", "halt"})
-        .excludes(following);
+        .excludes(following)
+        .excludes(saving);
     return [options, &session] { return run(*options, session); };
 }
 
@@ -126,12 +211,18 @@ Verb verb()
     return {
         .name = "exceptions",
         .group = "errors",
-        .usage = "[NAME...] [--follow | --on-exception skip|halt] [options]",
+        .usage = "[NAME...] [--follow | --save DIR | --on-exception skip|halt] [options]",
         .summary = "Shows what went wrong in drones, or changes what they do then",
         .details = "When a drone's code throws, the drone reports an exception. Without options, this shows the last "
-                   "one of each drone.",
+                   "one of each drone, and each failure whose input is kept, with its number (NO): also those that the "
+                   "drone died of. The drone itself keeps what its code threw at; its sender keeps what a drone had in "
+                   "hand that died, was cut off, or held it beyond its lease. On each machine the last 4 failures of a "
+                   "drone are kept, 64 MiB in all. A drone that dies has failed at the first event that it had not "
+                   "finished, as far as its sender knows; with several senders, one of each is kept. "
+                   "`hivectl rerun` gives a kept input to a fresh drone.",
         .examples = "hivectl exceptions\n"
                     "hivectl exceptions face --follow\n"
+                    "hivectl exceptions face --save broken\n"
                     "hivectl exceptions 'face-*' --on-exception halt",
         .timeout =
             "give up after this long (default 5); with --follow: after this long without an exception (default: never)",

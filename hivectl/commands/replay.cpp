@@ -20,8 +20,6 @@ struct Options {
     bool loop = false, halted = false, info = false;
 };
 
-std::string as_size(const hive::Json& bytes) { return size_text(bytes.get<std::int64_t>()); }
-
 const std::vector<Column> columns{{"OUTPUT", "output"},
                                   {"FROM", "from"},
                                   {"TYPE", "type"},

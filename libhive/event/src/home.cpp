@@ -117,6 +117,15 @@ std::optional<Json> Home::read_state(const std::string& name) const
     return parse_json(text, {.bytes = 1 << 20, .depth = 16, .keys = 1024, .string_bytes = 16 * 1024});
 }
 
+std::optional<Json> Home::read_crash(const std::string& name) const
+{
+    std::ifstream file(path(name, crash_ending));
+    if (!file)
+        return std::nullopt;
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return parse_json(text, {.bytes = 8 * 1024, .depth = 2, .keys = 8, .string_bytes = 2 * 1024});
+}
+
 void Home::write_state(const std::string& name, const Json& state) const
 {
     replace_file(path(name, ".state"), state.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

@@ -131,6 +131,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
     Outlet::Hooks hooks{
         .changed = [this] { demand_changed(); },
         .failed = [this](const EmissionPtr& event) { on_failed(event); },
+        .failed_at = [this](const Outlet::Failing& failing) { on_failed_at(failing); },
         .failures = [this](const Event* newest) { return failures(newest); },
         .make_sure = [this](std::function<void()> then) { make_sure(std::move(then)); },
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },

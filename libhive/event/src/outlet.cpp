@@ -152,7 +152,8 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                               .receiver = registration.receiver,
                               .registration = registration.epoch,
                               .encoding = choice(*link, registration),
-                              .data = registration.options.delivery == Delivery::data});
+                              .data = registration.options.delivery == Delivery::data,
+                              .stateful = registration.stateful});
     confirm(welcome);
     execute(decisions);
 }
@@ -204,9 +205,27 @@ void Outlet::link_closed(const Link& link, Fate how)
 {
     Decisions decisions;
     const auto first = [&] { return ids_.lower_bound({&link, 0}); };
-    for (auto it = first(); it != ids_.end() && it->first.first == &link; it = first())
+    for (auto it = first(); it != ids_.end() && it->first.first == &link; it = first()) {
+        Place place = places_.at(it->second);
         table_.lose(detach(it), how, returns(link, how), lease_now(), decisions);
+        tell_failed_at(std::exchange(decisions.failed_at, {}), place, how);
+    }
     execute(decisions);
+}
+
+/// In the encoding that this receiver got.
+void Outlet::tell_failed_at(const std::vector<FailedAt>& failed, Place& place, Fate how)
+{
+    if (!place.data || is_guest(*place.link) || place.link->peer().kind == "application")
+        return;
+    Failing failing{.link = *place.link, .receiver = place.receiver, .how = how, .events = {}};
+    for (const auto& [receiver, event, worked] : failed)
+        if (place.stateful || !worked) {
+            const auto form = event->rendition(place.encoding.of(event->event()));
+            failing.events.push_back(form ? form : event);
+        }
+    if (!failing.events.empty())
+        hooks_.failed_at(failing);
 }
 
 /// Ends what goes to this registration; the table still has it.
@@ -318,6 +337,9 @@ void Outlet::execute(const Decisions& decisions)
             dispatch_.end(receiver);
     for (const auto& event : decisions.failed)
         hooks_.failed(event);
+    for (const auto& failed : decisions.failed_at)
+        if (const auto place = places_.find(failed.receiver); place != places_.end())
+            tell_failed_at({failed}, place->second, Fate::passed_on);
     refresh();
 }
 

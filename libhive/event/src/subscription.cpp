@@ -206,12 +206,34 @@ void Subscription::give(Consumers::iterator to, std::int64_t number, Clock::time
     if (!consumer.works())
         consumer.head_since = now;
     consumer.credit.sent(job.event->size());
-    consumer.hands.push_back({number});
+    const bool shows = may_show(consumer, job.event);
+    consumer.hands.push_back({.job = number, .live = shows ? job.event : nullptr});
     if (consumer.own)
         consumer.own->came();
     decisions.sends.push_back({id, job.event, consumer.options.delivery, told(number, job)});
     if (!comes_back(job))
         job.event = nullptr;
+}
+
+/// A lossless event is kept as the job that it is: here it would hold up the acknowledgement of its cause. The bound
+/// goes by events of one size; what the receiver of a window works on is in its memory as well.
+bool Subscription::may_show(const Consumer& consumer, const EmissionPtr& event) const
+{
+    const auto before = consumer.hands.size();
+    return !event->lossless() && !kind_.passive && !kind_.application && consumer.options.delivery == Delivery::data
+           && (before == 0 || (before < max_shown_events && (before + 1) * event->size() <= max_shown_bytes));
+}
+
+/// The first event that the consumer has not processed, behind those that it has not acknowledged, as far as they are
+/// still here.
+void Subscription::show_hands(ReceiverId id, const Consumer& consumer, Decisions& decisions) const
+{
+    for (std::size_t i = 0; i < consumer.hands.size() && i <= consumer.head(); ++i) {
+        const Handed& handed = consumer.hands[i];
+        const auto job = open_.find(handed.job);
+        if (const auto& event = handed.live || job == open_.end() ? handed.live : job->second.event)
+            decisions.failed_at.push_back({.receiver = id, .event = event, .worked = i < consumer.head()});
+    }
 }
 
 Share Subscription::share(std::int64_t number, const Job& job) const
@@ -294,7 +316,7 @@ void Subscription::written(ReceiverId id, std::size_t bytes, Clock::time_point n
 void Subscription::acknowledge(Consumer& consumer, std::int64_t count)
 {
     for (; count > 0; --count) {
-        const Handed handed = consumer.hands.front();
+        const Handed handed = std::move(consumer.hands.front());
         consumer.hands.pop_front();
         if (consumer.own && !handed.passed_on)
             consumer.own->went(Fate::acknowledged);
@@ -375,6 +397,7 @@ void Subscription::tick(Clock::time_point now, Decisions& decisions)
         if (consumer.suspect || !consumer.works() || now - consumer.head_since < lease)
             continue;
         consumer.suspect = true;
+        show_hands(id, consumer, decisions);
         for (auto i = consumer.hands.size(); i-- > consumer.head();)
             if (!consumer.hands[i].passed_on)
                 pass_on(consumer, consumer.hands[i], i == consumer.head(), true);

@@ -67,6 +67,8 @@ void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_poi
     auto consumer = consumers_.extract(id);
     if (consumer.empty())
         return;
+    if (how == Fate::lost_killed || how == Fate::lost_cut_off)
+        show_hands(id, consumer.mapped(), decisions);
     if (shared())
         let_go(consumer.mapped(), how);
     if (!present())

@@ -4,6 +4,7 @@
 #include "joint_set.hpp"
 #include "swarm/failed_drones.hpp"
 
+#include <hive/event/failure_store.hpp>
 #include <hive/name.hpp>
 
 #include <algorithm>
@@ -42,6 +43,13 @@ std::vector<FailedDrone> Application::failed()
 }
 
 std::vector<CrashedDrone> Application::crashed() { return crashed_drones(core_->directory.home()); }
+
+std::vector<KeptFailure> Application::failures(const std::string& drone, bool bodies)
+{
+    return event::FailureStore(core_->directory.home()).read(drone, bodies);
+}
+
+std::vector<std::string> Application::failing() { return event::FailureStore(core_->directory.home()).drones(); }
 
 std::vector<std::string> Application::find(const std::string& pattern)
 {

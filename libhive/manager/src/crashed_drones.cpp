@@ -4,25 +4,19 @@
 #include <hive/name.hpp>
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 namespace hive {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr JsonLimits crash_limits{.bytes = 8 * 1024, .depth = 2, .keys = 8, .string_bytes = 2 * 1024};
-
-CrashedDrone read_crash(const fs::path& file)
+CrashedDrone read_crash(const event::Home& home, const std::string& drone)
 {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    const auto object = parse_json(text.str(), crash_limits);
+    const auto object = home.read_crash(drone).value_or(Json::object());
     const Fields fields(object, "a crash");
     constexpr auto most = std::numeric_limits<std::int64_t>::max();
-    return {.drone = file.stem().string(),
+    return {.drone = drone,
             .pid = fields.integer("pid", 1, most),
             .time_us = fields.integer("time_us", 0, most),
             .signal = fields.text("signal"),
@@ -43,7 +37,7 @@ std::vector<CrashedDrone> crashed_drones(const event::Home& home)
             continue;
         try {
             // One that crashed before it had the name says nothing of the one that had it.
-            if (auto crash = read_crash(entry.path()); crash.pid == home.holder(name))
+            if (auto crash = read_crash(home, name); crash.pid == home.holder(name))
                 found.push_back(std::move(crash));
         } catch (const Error&) {
             // The disk was full when it was written, or somebody has changed it by hand.

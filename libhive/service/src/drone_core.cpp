@@ -1,6 +1,7 @@
 // Starts a drone, runs it and ends it.
 #include "drone_core.hpp"
 
+#include "failure_keeper.hpp"
 #include "requests.hpp"
 #include "succession.hpp"
 
@@ -36,6 +37,7 @@ struct DroneCore::Running {
     service::ListenWish wish;
     event::Module module;
     service::Listening listening;
+    service::FailureKeeper failures;
     Worker worker;
     Requests requests;
 };
@@ -50,12 +52,14 @@ DroneCore::Running::Running(DroneCore& core)
               .log = [&reporter = core.reporter_](LogLevel level,
                                                   const std::string& text) { reporter.log(level, text); }}),
       listening(module, home, core.reporter_),
+      failures(core.self_, home, core.reporter_),
       worker({.declaration = core.declaration_,
               .board = core.board_,
               .reporter = core.reporter_,
               .emitter = core.emitter_,
               .mailbox = core.mailbox_,
-              .module = module}),
+              .module = module,
+              .failures = failures}),
       requests({.declaration = core.declaration_,
                 .board = core.board_,
                 .reporter = core.reporter_,
@@ -180,6 +184,9 @@ void DroneCore::prepare()
         reporter_.report(Error(Errc::abandoned, "given up after " + std::to_string(attempts)
                                                     + (attempts == 1 ? " attempt" : " attempts")),
                          &cause);
+    };
+    module.on_failed_at = [this](const event::Outlet::Failing& failing) {
+        running_->failures.receiver_failed(failing);
     };
     module.failures = [this](const Event* newest) { return reporter_.failures(newest); };
     module.on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {

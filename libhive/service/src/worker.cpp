@@ -201,6 +201,8 @@ bool Worker::work(const Set& set, const std::function<void()>& callback)
 /// @param lost  then what it could not give, if that has an identity
 void Worker::failed(const Set& set, const Error& error, const Event* lost)
 {
+    if (!set.empty())
+        parts_.failures.threw(error, set);  // before it is told, so that who hears of it finds it
     parts_.reporter.report(error, set.empty() ? lost : &set.front());
     if (set.empty())
         next_step_ = Clock::now() + pause_after_failure;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "emitter.hpp"
+#include "failure_keeper.hpp"
 #include "reporter.hpp"
 #include "status_board.hpp"
 
@@ -22,6 +23,7 @@ public:
         Emitter& emitter;
         event::Mailbox& mailbox;
         event::Module& module;
+        FailureKeeper& failures;
     };
     explicit Worker(const Parts& parts) : parts_(parts) {}
 

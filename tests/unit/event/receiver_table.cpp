@@ -7,6 +7,8 @@
 
 namespace hive::event {
 
+using namespace std::chrono_literals;
+
 TEST_CASE("receiver table: a notification receiver makes no body wanted")
 {
     World world;

@@ -4,6 +4,7 @@
 #include <hive/error.hpp>
 #include <hive/event.hpp>
 #include <hive/interface.hpp>
+#include <hive/kept_failure.hpp>
 #include <hive/match.hpp>
 #include <hive/status.hpp>
 #include <hive/transfer.hpp>
@@ -186,6 +187,12 @@ public:
     std::vector<std::string> remembered();
     /// Drones that crashed and have left word of it, until they run again or are stopped. Sorted.
     std::vector<CrashedDrone> crashed();
+    /// What this drone failed at, by number: the last 4 times, as far as it was kept on this machine, by the drone
+    /// itself or by those that sent to it. It need not run.
+    /// @param bodies  false: the inputs have their headers and sizes alone
+    std::vector<KeptFailure> failures(const std::string& drone, bool bodies = false);
+    /// Names of drones that have failures here. Sorted.
+    std::vector<std::string> failing();
     /// Drones that crash as soon as whoever stays with their swarm (Swarm::stay) restarts them, until they run again or
     /// are stopped.
     /// Sorted.

@@ -36,6 +36,8 @@ public:
     /// What a drone was told, kept across a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
     void write_state(const std::string& name, const Json& state) const;
+    /// What a drone that died of a signal wrote of that, until the name is claimed again. Throws Errc::malformed.
+    [[nodiscard]] std::optional<Json> read_crash(const std::string& name) const;
     /// And how it crashed.
     void forget_state(const std::string& name) const noexcept;
     [[nodiscard]] std::filesystem::path path(const std::string& name, std::string_view ending) const;

@@ -69,6 +69,8 @@ public:
     std::function<void()> on_subscribers = [] {};  ///< subscribers() may have changed, and nobody was told yet
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {
     };  ///< a shared event is given up; its identity has the last attempt
+    /// See Outlet::Hooks.
+    std::function<void(const Outlet::Failing&)> on_failed_at = [](const Outlet::Failing&) {};
     /// For the text of an end; see Outlet::Hooks.
     std::function<std::string(const Event* newest)> failures = [](const Event*) { return std::string(); };
     /// An encoder threw; the event goes as it is.

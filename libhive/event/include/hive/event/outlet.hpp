@@ -12,15 +12,24 @@
 #include <functional>
 #include <map>
 #include <utility>
+#include <vector>
 
 namespace hive::event {
 
 /// Network side, but for wanted(), received(), asked(), fans_out() and shares().
 class Outlet {
 public:
+    /// What a drone that receives here had in hand when it died, or when its lease expired.
+    struct Failing {
+        const Link& link;
+        const std::string& receiver;
+        Fate how;                         ///< lost_killed, lost_cut_off; passed_on: the lease
+        std::vector<EmissionPtr> events;  ///< as they were sent; one, unless the drone keeps state between events
+    };
     struct Hooks {
         std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
+        std::function<void(const Failing&)> failed_at;
         /// At how many events this drone failed, as text; failures in runs before that of `newest` do not count.
         std::function<std::string(const Event* newest)> failures;
         /// Calls back once the ends that this drone was told are known to hold still, or not.
@@ -96,6 +105,7 @@ private:
         std::int64_t registration;  ///< its epoch
         EncodingChoice encoding;
         bool data;                                ///< receives bodies
+        bool stateful;                            ///< keeps state between events
         std::int64_t shared = 0, fallback = 0;    ///< bodies that went through shared memory, and that could not
         std::int64_t question = 0, answered = 0;  ///< the last one whether the end still holds, and the last answered
     };
@@ -107,6 +117,7 @@ private:
     void answer(ReceiverId receiver);
     static void send_end(const Place& place, const protocol::End& end);
     void execute(const Decisions& decisions);
+    void tell_failed_at(const std::vector<FailedAt>& failed, Place& place, Fate how);
     ReceiverId detach(std::map<Key, ReceiverId>::iterator place);
     void refresh();
 

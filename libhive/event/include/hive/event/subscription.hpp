@@ -19,7 +19,7 @@
 // events, in the order of its number.
 //
 // Which events come back. A lossless one always, unless the subscription is passive; a live one only if it is shared,
-// where another consumer can still do it in time. Of any other live event the body is let go when it is sent.
+// where another consumer can still do it in time. Any other live event is kept only to show what a consumer failed at.
 //
 // The three departures of a consumer (detach):
 //   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
@@ -52,6 +52,8 @@ public:
     static constexpr auto kept_for = std::chrono::seconds(30);
     static constexpr std::size_t max_queued_events = 1024;     ///< of a stream, when they are small
     static constexpr std::size_t max_queued_bytes = 1u << 20;  ///< of a stream, beyond two events
+    /// Of live events that were sent and not acknowledged: how many a consumer's death can be traced to.
+    static constexpr std::size_t max_shown_events = 64, max_shown_bytes = 32u << 20;
     /// A stream that has not caught up for this long is too slow: two events and 64 KiB are queued at most.
     static constexpr auto max_behind = std::chrono::milliseconds(500);
 
@@ -160,6 +162,7 @@ private:
     struct Handed {  ///< one delivery to a consumer
         std::int64_t job = 0;
         bool passed_on = false;  ///< another consumer is given it; only its number is awaited
+        EmissionPtr live{};      ///< a live event as long as it may be what the consumer dies of
     };
     struct Consumer {
         ConnectionOptions options;
@@ -208,6 +211,8 @@ private:
     void close(std::int64_t job, Fate fate);
     void pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds);
     void let_go(Consumer& consumer, Fate how);
+    [[nodiscard]] bool may_show(const Consumer& consumer, const EmissionPtr& event) const;
+    void show_hands(ReceiverId id, const Consumer& consumer, Decisions& decisions) const;
     void resume(Consumer& consumer, const Kept& kept, Decisions& decisions);
     void take_back(Away& away, std::int64_t count);
     void abandon_exhausted(Decisions& decisions);

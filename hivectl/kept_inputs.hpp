@@ -1,0 +1,23 @@
+// The inputs that drones failed at, as rows of a table and as files.
+#pragma once
+
+#include "table.hpp"
+
+#include <hive/kept_failure.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hivectl {
+
+/// As `hivectl exceptions` prints it. "seq" and "source" are those of its first input.
+Row failure_row(const hive::KeptFailure& failure);
+/// Writes each input as a file that other programs open, where its body is one, with its header and the failure beside
+/// it: face-3.image.jpg and face-3.image.json, for their user alone.
+/// @param failure  with bodies
+/// @return         the files, without the directory
+/// @throws Error   refused: a file of this name is there, and nothing was written over; io
+std::vector<std::string> save_failure(const hive::KeptFailure& failure, const std::filesystem::path& directory);
+
+}  // namespace hivectl

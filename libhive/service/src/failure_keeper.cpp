@@ -1,0 +1,77 @@
+// What is kept, with the words that say what happened.
+#include "failure_keeper.hpp"
+
+#include <hive/printable.hpp>
+
+#include <algorithm>
+
+namespace hive::service {
+namespace {
+
+std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
+
+}  // namespace
+
+void FailureKeeper::threw(const Error& error, const std::vector<Event>& inputs)
+{
+    keep({.drone = self_.name,
+          .time_us = event::wall_us(),
+          .code = std::string(info(error.code()).token),
+          .text = shortened(error.what()),
+          .inputs = inputs},
+         {});
+}
+
+void FailureKeeper::receiver_failed(const event::Outlet::Failing& failing)
+{
+    constexpr std::size_t max_inputs = 16;
+    const auto& [link, receiver, how, events] = failing;
+    const auto& peer = link.peer();
+    if (receiver.size() <= peer.name.size() + 1 || (link.local() && home_.succession(peer.name)))
+        return;  // whoever is replaced has not died of it
+    KeptFailure failure{.drone = peer.name,
+                        .time_us = event::wall_us(),
+                        .run = peer.epoch,
+                        .code = how == Fate::passed_on      ? "late"
+                                : how == Fate::lost_cut_off ? "silent"
+                                                            : "died",
+                        .text = how_it_died(link, how),
+                        .inputs = {}};
+    for (std::size_t i = events.size() - std::min(events.size(), max_inputs); i < events.size(); ++i) {
+        Event& input = failure.inputs.emplace_back(events[i]->event());
+        input.input = receiver.substr(peer.name.size() + 1);
+        input.ticket = {};
+    }
+    const auto& last = failure.inputs.back();
+    keep(failure, last.sender + "." + last.output + "," + last.input);
+}
+
+/// The crash of a drone of this machine is told before its connections end.
+std::string FailureKeeper::how_it_died(const event::Link& link, Fate how) const
+{
+    if (how == Fate::passed_on)
+        return "worked on it for longer than its lease";
+    try {
+        const Json crash =
+            (link.local() ? home_.read_crash(link.peer().name) : std::nullopt).value_or(Json{{"pid", -1}});
+        const Fields fields(crash, "a crash");
+        if (fields.integer("pid", -1, max_json_integer) == link.peer().pid) {
+            const auto function = fields.text_or("function", ""), source = fields.text_or("source", "");
+            return fields.text("signal") + (function.empty() ? "" : " in " + function)
+                   + (source.empty() ? "" : " (" + file_name(source) + ")");
+        }
+    } catch (const Error&) {
+        // Half a file, of a full disk: the death is kept without its cause.
+    }
+    return how == Fate::lost_cut_off ? "gave no sign of life and was cut off" : "its process ended";
+}
+
+void FailureKeeper::keep(const KeptFailure& failure, const std::string& edge)
+try {
+    if (kept_.pass(failure.drone, event::Clock::now()) && store_.keep(failure, edge) == 0)
+        reporter_.log(LogLevel::warning, "an input of " + failure.drone + " is too large to be kept");
+} catch (const std::exception& error) {
+    reporter_.log(LogLevel::warning, "could not keep what " + failure.drone + " failed at: " + error.what());
+}
+
+}  // namespace hive::service
