@@ -11,7 +11,7 @@ class CommandLine;
 class Session;
 
 /// What stands at a place of the command line, for completion. The last one of a verb repeats.
-enum class Operand { kind, drone, sender, receiver, setting, setting_of_kind, parameter, file, other };
+enum class Operand { kind, drone, failed_drone, sender, receiver, setting, setting_of_kind, parameter, file, other };
 
 /// Does what was asked once the command line has been read; returns the exit code.
 using Run = std::function<int()>;

@@ -41,6 +41,7 @@
     VERB(explain)                                                                                                      \
     VERB(metrics)                                                                                                      \
     VERB(exceptions)                                                                                                   \
+    VERB(rerun)                                                                                                        \
     VERB(halt)                                                                                                         \
     VERB(resume)                                                                                                       \
     VERB(key)                                                                                                          \

@@ -68,6 +68,7 @@ Words operands(Operand operand, const std::string& first, const std::string& kin
     switch (operand) {
     case Operand::kind: return hive::kinds();
     case Operand::drone: return session.application(300ms).drones();
+    case Operand::failed_drone: return session.application(300ms).failing();
     case Operand::sender: return ends(session.application(300ms), current, true);
     case Operand::receiver: return ends(session.application(300ms), current, false);
     case Operand::parameter: return parameters(interfaces_of(session.application(300ms), first), current, false);

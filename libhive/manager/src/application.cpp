@@ -5,6 +5,7 @@
 #include "swarm/failed_drones.hpp"
 
 #include <hive/event/failure_store.hpp>
+#include <hive/event_text.hpp>
 #include <hive/name.hpp>
 
 #include <algorithm>
@@ -160,6 +161,15 @@ void Application::put(const Endpoint& input, const Json& header, Body body, cons
                }).name;
     }
     core_->ask(input.drone, PacketType::put, {{"input", name}, {"type", type}, {"header", header}}, body);
+}
+
+void Application::put(const Endpoint& input, const Event& event)
+{
+    Json fields = parse_json(event_text(event));
+    fields.erase("lossless");
+    fields.erase("shares");
+    fields["input"] = input.port;
+    core_->ask(input.drone, PacketType::put, fields, event.body);
 }
 
 void Application::halt(const std::string& drone) { core_->ask(drone, PacketType::halt); }

@@ -1,6 +1,7 @@
 // Gives each request to what answers it; put, halt, resume and stop are answered here.
 #include "requests.hpp"
 
+#include <hive/event_text.hpp>
 #include <hive/protocol/requests.hpp>
 
 namespace hive::service {
@@ -67,18 +68,20 @@ void Requests::restore(const Json& state, const std::vector<protocol::Connect>& 
     state_file_.remember();
 }
 
-void Requests::on_put(const Incoming& incoming)
+namespace {
+
+/// With a `source` it is the event of another drone, put again; nobody waits for what becomes of it.
+Event put_event(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "put");
-    const auto& name = parts_.module.self().name;
-    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
-    if (parts_.board.halted())
-        throw Error(Errc::halted, name + " has halted", "let it go on: hivectl resume " + name);
     Event event;
+    if (fields.has("source")) {
+        event = event_from_text(to_text(incoming.header), incoming.body);
+        event.identity.lossless = false;
+        event.identity.shares.clear();
+        return event;
+    }
     event.type = fields.text("type");
-    if (!types_fit(event.type, input.type))
-        throw Error(Errc::type_mismatch,
-                    "the event is " + event.type + ", but " + name + "." + input.name + " takes " + input.type);
     event.identity = {.source = incoming.peer,
                       .epoch = incoming.peer_epoch,
                       .sequence = fields.integer("id", 0, max_json_integer),
@@ -88,11 +91,27 @@ void Requests::on_put(const Incoming& incoming)
     event.sender = incoming.peer;
     event.kind = "application";
     event.output = "put";
-    event.input = input.name;
     if (fields.has("header"))
         event.header = fields.object("header");
     event.body = incoming.body;
     event.size = incoming.body.size();
+    return event;
+}
+
+}  // namespace
+
+void Requests::on_put(const Incoming& incoming)
+{
+    const Fields fields(incoming.header, "put");
+    const auto& name = parts_.module.self().name;
+    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
+    if (parts_.board.halted())
+        throw Error(Errc::halted, name + " has halted", "let it go on: hivectl resume " + name);
+    Event event = put_event(incoming);
+    if (!types_fit(event.type, input.type))
+        throw Error(Errc::type_mismatch,
+                    "the event is " + event.type + ", but " + name + "." + input.name + " takes " + input.type);
+    event.input = input.name;
     event.received = event::Clock::now();
     parts_.module.accept(std::move(event), [this](Event&& arrived) { parts_.mailbox.push(std::move(arrived)); });
     incoming.answer(Json::object());

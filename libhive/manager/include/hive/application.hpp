@@ -244,6 +244,8 @@ public:
     std::unique_ptr<Collector> exceptions(const std::vector<std::string>& drones);
     /// Sends one event into an input; returns when the drone has taken it into its queue.
     void put(const Endpoint& input, const Json& header, Body body, const std::string& type);
+    /// Sends an event as another drone has sent it, with its identity, but as a live one that is nobody's work.
+    void put(const Endpoint& input, const Event& event);
 
     // --- control ---
 

@@ -1,0 +1,299 @@
+// A home of its own keeps the fresh drone apart; an application in that home gives it the inputs.
+#include "background_process.hpp"
+#include "engines/engine.hpp"
+
+#include <hive/event/home.hpp>
+#include <hive/platform/process.hpp>
+#include <hive/program.hpp>
+#include <hive/rerun.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <fcntl.h>
+
+namespace hive {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t lines_of_log = 15;
+
+/// Removed with all that is in it.
+class OwnHome {
+public:
+    OwnHome()
+    {
+        auto pattern = (fs::temp_directory_path() / "hive-rerun-XXXXXX").string();
+        require_done(::mkdtemp(pattern.data()) ? 0 : errno, "make a directory for the fresh drone");
+        directory_ = pattern;
+    }
+    ~OwnHome()
+    {
+        std::error_code ignored;
+        fs::remove_all(directory_, ignored);
+    }
+    OwnHome(const OwnHome&) = delete;
+    OwnHome& operator=(const OwnHome&) = delete;
+    [[nodiscard]] const fs::path& directory() const { return directory_; }
+
+private:
+    fs::path directory_;
+};
+
+/// What it runs with, or ran with before it crashed.
+DroneOrder order_of(Application& application, const std::string& drone, const RerunOptions& options)
+{
+    DroneOrder order{.name = drone, .kind = options.kind};
+    const auto running = application.drones();
+    if (std::ranges::binary_search(running, drone))
+        if (const auto answer = application.status(std::vector{drone}).at(0); !answer.error) {
+            if (order.kind.empty())
+                order.kind = answer.status.order && !answer.status.order->kind.empty() ? answer.status.order->kind
+                                                                                       : answer.status.kind;
+            if (answer.place.host != Place::here)
+                order.set = application.asked({drone}).at(0).result;
+        }
+    if (const auto state = event::Home(application.home()).read_state(drone)) {
+        const Fields fields(*state, "the state of " + drone);
+        if (order.kind.empty())
+            order.kind = fields.text("kind");
+        if (order.set.empty() && fields.has("parameters"))
+            order.set = fields.object("parameters");
+    }
+    if (order.kind.empty())
+        order.kind = kind_by_name(drone).value_or("");
+    if (order.kind.empty())
+        throw Error(Errc::not_found, "nothing is known of the program of " + drone + ", which does not run",
+                    "say what it was: --kind KIND");
+    for (const auto& [name, value] : options.set.items())
+        order.set[name] = value;
+    return order;
+}
+
+class FreshDrone {
+public:
+    FreshDrone(Application& application, const std::string& drone, const RerunOptions& options)
+        : options_(options),
+          order_(order_of(application, drone, options)),
+          application_({.name = {},
+                        .home = home_.directory(),
+                        .timeout = 5s,
+                        .key = home_.directory() / "no-key",
+                        .cancelled = options.cancelled}),
+          process_(started()),
+          end_(Clock::now() + options.limit)
+    {
+    }
+    ~FreshDrone() { process_.end(Clock::now() + (hung_ ? 0s : 3s)); }
+    FreshDrone(const FreshDrone&) = delete;
+    FreshDrone& operator=(const FreshDrone&) = delete;
+
+    Rerun run(const std::vector<Event>& inputs);
+
+private:
+    Child started() const;
+    void until_ready();
+    void give(const std::vector<Event>& inputs);
+    std::optional<Status> until_finished(std::size_t inputs);
+    [[nodiscard]] std::unique_ptr<Collector> receive();
+    [[nodiscard]] bool in_time() const { return !options_.under.empty() || Clock::now() < end_; }
+    void pause() const;
+    [[nodiscard]] fs::path log() const { return event::Home(home_.directory()).path(order_.name, ".log"); }
+    [[nodiscard]] std::string death(int status);
+    void leave_debugger(bool finished);
+
+    const RerunOptions& options_;
+    DroneOrder order_;
+    OwnHome home_;
+    Application application_;
+    Child process_;
+    Clock::time_point end_;
+    bool hung_ = false;
+};
+
+Child FreshDrone::started() const
+{
+    auto command = options_.program.empty()
+                       ? command_of(order_.kind)
+                       : DroneCommand{.program = options_.program, .arguments = {}, .environment = {}};
+    std::vector<std::string> words = options_.under;
+    words.push_back(command.program.string());
+    std::ranges::move(command.arguments, std::back_inserter(words));
+    std::ranges::move(arguments_of(order_), std::back_inserter(words));
+    command.environment.push_back("HIVE_HOME=" + home_.directory().string());
+    const bool attached = !options_.under.empty();
+    const transport::Descriptor out(attached ? -1
+                                             : ::open(log().c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600));
+    require_done(!attached && !out ? errno : 0, "open the log of the fresh drone");
+    return Child({.words = words,
+                  .environment = command.environment,
+                  .in = attached ? 0 : -1,
+                  .out = attached ? 1 : out.get(),
+                  .err = attached ? 2 : out.get(),
+                  .own_session = !attached,
+                  .tied = true});
+}
+
+void FreshDrone::pause() const
+{
+    if (options_.cancelled && options_.cancelled())
+        throw Error(Errc::stopped, "cancelled");
+    platform::sleep_for(5ms);
+}
+
+void FreshDrone::until_ready()
+{
+    const event::Home home(home_.directory());
+    for (; in_time(); pause()) {
+        if (const auto status = process_.ended())
+            throw not_ready(order_.name, *status, last_lines(log(), lines_of_log));
+        if (!home.alive(order_.name))
+            continue;
+        const auto answer = application_.status(std::vector{order_.name}).at(0);
+        if (!answer.error && answer.status.state != State::starting)
+            return;
+    }
+    throw Error(Errc::timeout, "the fresh " + order_.name + " was not ready in time",
+                "allow more time: --timeout SECONDS");
+}
+
+/// Some drones make only what somebody receives.
+std::unique_ptr<Collector> FreshDrone::receive()
+{
+    std::vector<Endpoint> outputs;
+    for (const auto& output : application_.describe(order_.name).outputs)
+        if (output.name != "exceptions")
+            outputs.push_back({order_.name, output.name});
+    return outputs.empty() ? nullptr : application_.collect(outputs);
+}
+
+void FreshDrone::give(const std::vector<Event>& inputs)
+{
+    for (const auto& event : inputs)
+        application_.put({order_.name, event.input}, event);
+}
+
+/// Empty: it has ended, or its time is over.
+std::optional<Status> FreshDrone::until_finished(std::size_t inputs)
+{
+    for (; in_time() && !process_.ended(); pause()) {
+        const auto answer = application_.status(std::vector{order_.name}).at(0);
+        std::int64_t finished = 0;
+        for (const auto& input : answer.status.left)
+            finished += input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped
+                        + input.unmatched;
+        if (!answer.error && finished >= static_cast<std::int64_t>(inputs) && answer.status.state != State::busy)
+            return answer.status;
+    }
+    return std::nullopt;
+}
+
+std::string FreshDrone::death(int status)
+{
+    for (const auto& crash : application_.crashed())
+        return crash.signal + (crash.function.empty() ? "" : " in " + crash.function)
+               + (crash.source.empty() ? "" : " (" + fs::path(crash.source).filename().string() + ")");
+    return how_it_ended(status);
+}
+
+/// The drone ends when it has finished; the debugger, when its user has.
+void FreshDrone::leave_debugger(bool finished)
+{
+    try {
+        if (finished)
+            application_.stop(order_.name);
+    } catch (const Error&) {
+        // It has ended by itself.
+    }
+    while (!process_.ended())
+        pause();
+}
+
+Rerun FreshDrone::run(const std::vector<Event>& inputs)
+{
+    until_ready();
+    Rerun result;
+    std::optional<Status> status;
+    end_ = Clock::now() + options_.limit;
+    try {
+        const auto collector = receive();
+        give(inputs);
+        status = until_finished(inputs.size());
+    } catch (const Error& error) {
+        if (error.code() == Errc::type_mismatch || error.code() == Errc::not_found) {
+            result.outcome = Rerun::Outcome::threw;
+            result.code = std::string(hive::info(error.code()).token);
+            result.text = error.what();
+            return result;
+        }
+        if (error.code() == Errc::stopped || !process_.await_end(Clock::now() + 5s))
+            throw;
+    }
+    if (status) {
+        for (const auto& output : status->outputs)
+            result.emitted += output.name == "exceptions" ? 0 : output.produced;
+        if (const auto& exception = status->last_exception) {
+            result.outcome = Rerun::Outcome::threw;
+            result.code = exception->code;
+            result.text = exception->text;
+        }
+    } else if (const auto ended = process_.ended()) {
+        result.outcome = Rerun::Outcome::died;
+        result.text = death(*ended);
+    } else {
+        result.outcome = Rerun::Outcome::hung;
+        hung_ = true;
+    }
+    if (!options_.under.empty())
+        leave_debugger(status.has_value());
+    result.log = options_.under.empty() ? last_lines(log(), lines_of_log) : "";
+    return result;
+}
+
+}  // namespace
+
+std::string_view token(Rerun::Outcome outcome)
+{
+    switch (outcome) {
+    case Rerun::Outcome::passed: return "passed";
+    case Rerun::Outcome::threw: return "threw";
+    case Rerun::Outcome::died: return "died";
+    case Rerun::Outcome::hung: break;
+    }
+    return "hung";
+}
+
+Json to_json(const KeptFailure& failure)
+{
+    Json inputs = Json::array();
+    for (const auto& event : failure.inputs)
+        inputs.push_back({{"input", event.input},
+                          {"sender", event.sender + "." + event.output},
+                          {"type", event.type},
+                          {"size", event.size},
+                          {"source", event.identity.source},
+                          {"epoch", event.identity.epoch},
+                          {"seq", event.identity.sequence},
+                          {"header", event.header}});
+    return {{"drone", failure.drone}, {"number", failure.number}, {"time_us", failure.time_us},
+            {"code", failure.code},   {"text", failure.text},     {"inputs", std::move(inputs)}};
+}
+
+Json to_json(const Rerun& rerun)
+{
+    return {{"outcome", token(rerun.outcome)},
+            {"code", rerun.code},
+            {"text", rerun.text},
+            {"emitted", rerun.emitted},
+            {"log", rerun.log}};
+}
+
+Rerun rerun(Application& application, const KeptFailure& failure, const RerunOptions& options)
+{
+    return FreshDrone(application, failure.drone, options).run(failure.inputs);
+}
+
+}  // namespace hive
