@@ -60,7 +60,8 @@ DroneOrder order_of(Application& application, const std::string& drone, const Re
         const Fields fields(*state, "the state of " + drone);
         if (order.kind.empty())
             order.kind = fields.text("kind");
-        if (order.set.empty() && fields.has("parameters"))
+        const bool same = options.kind.empty() || is_python_file(options.kind) || options.kind == fields.text("kind");
+        if (same && order.set.empty() && fields.has("parameters"))
             order.set = fields.object("parameters");
     }
     if (order.kind.empty())
@@ -97,6 +98,7 @@ private:
     Child started() const;
     void until_ready();
     void give(const std::vector<Event>& inputs);
+    std::optional<Status> given(const std::vector<Event>& inputs);
     std::optional<Status> until_finished(std::size_t inputs);
     [[nodiscard]] std::unique_ptr<Collector> receive();
     [[nodiscard]] bool in_time() const { return !options_.under.empty() || Clock::now() < end_; }
@@ -212,26 +214,29 @@ void FreshDrone::leave_debugger(bool finished)
         pause();
 }
 
+/// @return  its status when it had finished; empty: it died or hangs
+std::optional<Status> FreshDrone::given(const std::vector<Event>& inputs)
+try {
+    const auto collector = receive();
+    give(inputs);
+    return until_finished(inputs.size());
+} catch (const Error& error) {
+    // It may have died before it had answered, or stand still in a debugger.
+    const auto code = error.code();
+    const bool refused = code == Errc::stopped || code == Errc::type_mismatch || code == Errc::not_found;
+    if (refused || (options_.under.empty() && !process_.await_end(Clock::now() + 10s)))
+        throw;
+    return std::nullopt;
+}
+
 Rerun FreshDrone::run(const std::vector<Event>& inputs)
 {
     until_ready();
     Rerun result;
-    std::optional<Status> status;
     end_ = Clock::now() + options_.limit;
-    try {
-        const auto collector = receive();
-        give(inputs);
-        status = until_finished(inputs.size());
-    } catch (const Error& error) {
-        if (error.code() == Errc::type_mismatch || error.code() == Errc::not_found) {
-            result.outcome = Rerun::Outcome::threw;
-            result.code = std::string(hive::info(error.code()).token);
-            result.text = error.what();
-            return result;
-        }
-        if (error.code() == Errc::stopped || !process_.await_end(Clock::now() + 5s))
-            throw;
-    }
+    const auto status = given(inputs);
+    if (!options_.under.empty())
+        leave_debugger(status.has_value());
     if (status) {
         for (const auto& output : status->outputs)
             result.emitted += output.name == "exceptions" ? 0 : output.produced;
@@ -247,8 +252,6 @@ Rerun FreshDrone::run(const std::vector<Event>& inputs)
         result.outcome = Rerun::Outcome::hung;
         hung_ = true;
     }
-    if (!options_.under.empty())
-        leave_debugger(status.has_value());
     result.log = options_.under.empty() ? last_lines(log(), lines_of_log) : "";
     return result;
 }

@@ -26,7 +26,7 @@ struct RerunOptions {
 struct Rerun {
     enum class Outcome {
         passed,  ///< it did not fail
-        threw,   ///< its code threw, or it refused an input
+        threw,   ///< its code threw
         died,    ///< its process ended
         hung     ///< it had not finished within the limit; it was killed
     };
@@ -46,7 +46,8 @@ std::string_view token(Rerun::Outcome outcome);
 ///
 /// @param failure  with bodies, as Application::failures() gives it
 /// @throws Error  not_found: nothing is known of the drone (say `kind`), or there is no such program; what a start
-///                throws when the fresh drone does not get ready; stopped: cancelled
+///                throws when the fresh drone does not get ready; type_mismatch, not_found: it has no such input;
+///                stopped: cancelled
 Rerun rerun(Application& application, const KeptFailure& failure, const RerunOptions& options = {});
 
 /// {"drone", "number", "time_us", "code", "text", "inputs": [{"input", "sender", "type", "size", "source", "epoch",
