@@ -159,6 +159,8 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_explain, R"(["x"])", &p.text, &p.size),
             ON(hive_application, hive_application_audit, &p.text, &p.size),
             ON(hive_application, hive_application_graph, &p.text, &p.size),
+            ON(hive_application, hive_application_failures, "x", &p.text, &p.size),
+            ON(hive_application, hive_application_rerun, "x", 0, nullptr, &p.text, &p.size),
             ON(hive_application, hive_application_exception_policy, "x", "skip"),
             ON(hive_application, hive_application_replace, "x", nullptr, &p.text),
             ON(hive_application, hive_swarm_open, "{}", R"({"form_only": true})", &p.swarm),

@@ -268,6 +268,9 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     REQUIRE(hive_application_graph(lab.application, text.place(), nullptr) == HIVE_OK);
     CHECK(text.json().at("drones").size() == 2);
     CHECK(text.json().at("connections").at(0).at("to") == "worker.image");
+    REQUIRE(hive_application_failures(lab.application, "worker", text.place(), nullptr) == HIVE_OK);
+    CHECK(text.json() == Json::array());
+    CHECK(hive_application_rerun(lab.application, "worker", 0, nullptr, text.place(), nullptr) == HIVE_NOT_FOUND);
     for (const char* drone : {"source", "worker"})
         CHECK(hive_application_stop(lab.application, drone) == HIVE_OK);
     CHECK(eventually([&] { return hive_application_stop(lab.application, "source") != HIVE_OK && lab.is_empty(); }));

@@ -117,6 +117,24 @@ class Applications(World):
         self.swarm.resume("worker")
         self.assertIsNotNone(self.swarm.collect("worker").next(PATIENCE))
 
+    def test_what_a_drone_failed_at_is_given_to_a_fresh_one(self):
+        os.environ["HIVE_DRONE_PATH"] = PROGRAMS
+        self.addCleanup(os.environ.pop, "HIVE_DRONE_PATH")
+        self.drone("sleeper", "worker", "throw_every=1")
+        self.assertEqual(self.swarm.failures("worker"), [])
+        exceptions = self.swarm.exceptions("worker")
+        self.swarm.put("worker", b"x", "text/plain", header={"page": 3})
+        exceptions.next(PATIENCE)
+        (failure,) = self.swarm.failures("worker")
+        self.assertEqual((failure["number"], failure["code"]), (1, "failed"))
+        self.assertEqual((failure["inputs"][0]["input"], failure["inputs"][0]["size"]), ("image", 1))
+        again = self.swarm.rerun("worker", timeout=PATIENCE)
+        self.assertEqual((again["outcome"], again["text"]), ("threw", failure["text"]))
+        passed = self.swarm.rerun("worker", 1, throw_every=0, timeout=PATIENCE)
+        self.assertEqual((passed["outcome"], passed["emitted"]), ("passed", 1))
+        self.refused("not_found", self.swarm.rerun, "worker", 2)
+        self.assertEqual(self.swarm.drones(), ["worker"])
+
     def test_shared_work_in_order_also_when_a_worker_dies(self):
         self.drone("ticker", "source", "pace=demand", "count=60")
         workers = [self.drone("sleeper", f"worker-{i}", f"work_ms={3 * i}") for i in (1, 2, 3)]

@@ -413,6 +413,17 @@ HIVE_API hive_code hive_application_audit(hive_application* application, char** 
    "connected"}]}. "host" is "local" for this machine, and "" for an application; "state" is "silent" if a drone did not
    answer. */
 HIVE_API hive_code hive_application_graph(hive_application* application, char** json, size_t* length);
+/* What a drone failed at, as far as it is kept on this machine, by number: [{"drone", "number", "time_us", "code",
+   "text", "inputs": [{"input", "sender", "type", "size", "source", "epoch", "seq", "header"}]}]. "code" is that of an
+   error, or "died", "silent" (cut off) or "late" (held it beyond its lease). The drone need not run. */
+HIVE_API hive_code hive_application_failures(hive_application* application, const char* drone, char** json,
+                                             size_t* length);
+/* Gives the inputs of a failure to a fresh drone of the same kind, apart from the swarm: {"outcome": "passed", "threw",
+   "died" or "hung", "code", "text", "emitted", "log"}. `number` 0: the newest. Options: {"kind", "program": of another
+   build, "parameters": beside those that the drone was given, "under": ["valgrind"], "limit_ms": default 30000}. For
+   the main thread, at whose end the fresh drone ends. */
+HIVE_API hive_code hive_application_rerun(hive_application* application, const char* drone, int64_t number,
+                                          const char* options, char** json, size_t* length);
 HIVE_API hive_code hive_application_halt(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_resume(hive_application* application, const char* drone);
 HIVE_API hive_code hive_application_stop(hive_application* application, const char* drone);

@@ -1,11 +1,15 @@
-// Why nothing comes from drones, whether anything was lost, and what a swarm is made of.
+// Why nothing comes from drones, whether anything was lost, what a swarm is made of, and what drones failed at.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
+#include "waiting.hpp"
 
 #include <hive/audit.hpp>
 #include <hive/explain.hpp>
 #include <hive/graph.hpp>
+#include <hive/rerun.hpp>
+
+#include <algorithm>
 
 using namespace hive;
 using namespace hive::c;
@@ -48,4 +52,41 @@ hive_code hive_application_audit(hive_application* application, char** json, siz
 hive_code hive_application_graph(hive_application* application, char** json, size_t* length)
 {
     return give_found(application, json, length, [](Application& open) { return graph(open); });
+}
+
+hive_code hive_application_failures(hive_application* application, const char* drone, char** json, size_t* length)
+{
+    return guarded([&] {
+        get<ApplicationObject>(application)->with([&](Application& open) {
+            Json found = Json::array();
+            for (const auto& failure : open.failures(text_of(drone, "the drone")))
+                found.push_back(to_json(failure));
+            give_json(found, json, length);
+        });
+    });
+}
+
+hive_code hive_application_rerun(hive_application* application, const char* drone, int64_t number, const char* options,
+                                 char** json, size_t* length)
+{
+    return guarded([&] {
+        get<ApplicationObject>(application)->with([&](Application& open) {
+            const auto name = text_of(drone, "the drone");
+            const Options given(options, {"kind", "program", "parameters", "under", "limit_ms"});
+            const auto failures = open.failures(name, true);
+            const auto found = number == 0 && !failures.empty()
+                                   ? failures.end() - 1
+                                   : std::ranges::find(failures, number, &KeptFailure::number);
+            if (found == failures.end())
+                throw Error(Errc::not_found, "no such failure of " + name + " is kept on this machine");
+            give_json(to_json(rerun(open, *found,
+                                    {.kind = given.text("kind"),
+                                     .program = given.text("program"),
+                                     .set = given.object("parameters"),
+                                     .under = given.texts("under"),
+                                     .limit = patience_of(given.integer("limit_ms", 0, 30'000)),
+                                     .cancelled = wait_is_cancelled})),
+                      json, length);
+        });
+    });
 }

@@ -420,6 +420,41 @@ class Application(Finding):
         "state", "connections" have "from", "to", "group" and "connected"."""
         return ask_object(lib.hive_application_graph, self._handle)
 
+    def failures(self, drone: str) -> list[dict[str, Any]]:
+        """What a drone failed at, as far as it is kept on this machine, the newest last: "number", "time_us", "code" (of
+        an error, or "died", "silent", "late"), "text", and "inputs", each with "input", "sender", "source", "seq",
+        "type", "size" and "header".  The drone need not run."""
+        return ask_list(lib.hive_application_failures, self._handle, encoded(drone))
+
+    def rerun(
+        self,
+        drone: str,
+        number: int = 0,
+        *,
+        kind: str = "",
+        program: str = "",
+        timeout: Seconds = 30.0,
+        under: Sequence[str] = (),
+        **parameters: Any,
+    ) -> dict[str, Any]:
+        """Gives the inputs of a failure to a fresh drone of the same kind, apart from the swarm: "outcome" is "passed",
+        "threw", "died" or "hung", "text" what is known of that, "log" the last lines of the drone.
+
+        :param number: of the failure, see :meth:`failures`; 0: the newest
+        :param kind: a kind or a Python file; "": what the drone is or was
+        :param program: of another build
+        :param under: runs the drone under these words at this terminal, such as ``["gdb", "--args"]``
+        :param parameters: beside those that the drone was given
+        """
+        options = {
+            "kind": kind,
+            "program": program,
+            "parameters": parameters,
+            "under": list(under),
+            "limit_ms": milliseconds(timeout),
+        }
+        return ask_object(lib.hive_application_rerun, self._handle, encoded(drone), number, as_json(options))
+
     def exceptions(self, *drones: Names) -> Collector:
         """Receives the exceptions of drones: events whose header has "code", "text", "policy", "input"."""
         return Collector(ask_handle(lib.hive_application_exceptions, self._handle, as_json(self._named(flat(*drones)))))
