@@ -198,7 +198,7 @@ std::string FreshDrone::death(int status)
     for (const auto& crash : application_.crashed())
         return crash.signal + (crash.function.empty() ? "" : " in " + crash.function)
                + (crash.source.empty() ? "" : " (" + fs::path(crash.source).filename().string() + ")");
-    return how_it_ended(status);
+    return (options_.under.empty() ? "" : options_.under.front() + " ") + how_it_ended(status);
 }
 
 /// The drone ends when it has finished; the debugger, when its user has.
