@@ -30,7 +30,6 @@ constexpr int socket_bytes = 64 * 1024;  // in the kernel: what a slow browser s
 
 /// One connection is one request; and other pages may do nothing with ours.
 constexpr std::pair<const char*, const char*> headers[]{
-    {"Allow", "GET"},
     {"Cache-Control", "no-store"},
     {"Connection", "close"},
     {"Content-Security-Policy",
@@ -73,6 +72,9 @@ private:
         Clock::time_point since;
         enum { asking, waiting, answering, streaming, ended } doing = asking;
         std::uint64_t mark = 0;  ///< of the site
+        std::string body{};      ///< what has come of it
+        std::size_t takes = 0;   ///< how much of a body the site takes
+        bool asked = false;      ///< the site knows of it, because it may take a body
     };
     /// The answer to one request for the stream.
     struct Streaming {
@@ -87,6 +89,8 @@ private:
     void end_the_late();
     void make_room();
     [[nodiscard]] bool full() const;
+    [[nodiscard]] Visit visit_of(Visitor& visitor, Clock::time_point now) const;
+    bool read_body(MHD_Connection* connection, const Request& request, std::string_view more);
     MHD_Result answer(MHD_Connection* connection, const Request& request);
     MHD_Result send(MHD_Connection* connection, Answer answer);
     void suspend(MHD_Connection* connection);
@@ -238,23 +242,43 @@ bool Server::Core::full() const
     return static_cast<std::size_t>(answered) > settings_.connections;
 }
 
+Visit Server::Core::visit_of(Visitor& visitor, Clock::time_point now) const
+{
+    return {.bind = address_,
+            .pass = pass_,
+            .streams = streams_,
+            .now = now,
+            .again = visitor.doing == Visitor::waiting,
+            .mark = visitor.mark};
+}
+
+/// Keeps what has come of a body that the site takes; one byte more than that, to know that it is too long. False: all
+/// is there, or the site takes none.
+bool Server::Core::read_body(MHD_Connection* connection, const Request& request, std::string_view more)
+{
+    auto& visitor = visitors_.at(connection);
+    if (!std::exchange(visitor.asked, true)) {
+        visitor.takes = site_.takes(request, visit_of(visitor, Clock::now()));
+        return visitor.takes > 0;
+    }
+    visitor.body += more.substr(0, visitor.takes > 0 ? visitor.takes + 1 - visitor.body.size() : 0);
+    return visitor.takes > 0 && !more.empty();
+}
+
 /// Called again when a request that waits is resumed.
 MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
 {
     auto& visitor = visitors_.at(connection);
     const auto now = Clock::now();
-    Visit visit{.bind = address_,
-                .pass = pass_,
-                .streams = streams_,
-                .now = now,
-                .again = visitor.doing == Visitor::waiting,
-                .mark = visitor.mark};
+    auto visit = visit_of(visitor, now);
     visit.late = visit.again && now - visitor.since >= settings_.preparing;
     if (!visit.again) {
         visitor.doing = Visitor::answering;
         visitor.since = now;
     }
-    auto answer = !visit.again && full() ? sentence(503, "Too many are looking.") : site_.answer(request, visit);
+    auto answer = !visit.again && full()                ? sentence(503, "Too many are looking.")
+                  : visitor.body.size() > visitor.takes ? sentence(413, "The body is too long.")
+                                                        : site_.answer(request, visit);
     if (!answer) {
         visitor.doing = Visitor::waiting;
         suspend(connection);
@@ -273,8 +297,11 @@ MHD_Result Server::Core::send(MHD_Connection* connection, Answer answer)
     if (!response)
         return MHD_NO;
     MHD_add_response_header(response.get(), MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
+    MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ALLOW, settings_.allow);
     for (const auto& [name, value] : headers)
         MHD_add_response_header(response.get(), name, value);
+    if (!answer.tag.empty())
+        MHD_add_response_header(response.get(), MHD_HTTP_HEADER_ETAG, answer.tag.c_str());
     if (!answer.cookie.empty()) {
         MHD_add_response_header(response.get(), MHD_HTTP_HEADER_SET_COOKIE, answer.cookie.c_str());
         MHD_add_response_header(response.get(), MHD_HTTP_HEADER_LOCATION, "/");
@@ -320,9 +347,10 @@ void Server::Core::on_stream_end(void* state)
     --streaming->core.streams_;
 }
 
-/// Called when the head of a request is complete, before any body: it is answered then, with or without one.
+/// Called when the head of a request is complete, before any body: it is answered then, with or without one, unless the
+/// site takes a body. Then it is called again with each piece, and without any at the end.
 MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
-                                    const char*, const char*, std::size_t*, void**)
+                                    const char*, const char* piece, std::size_t* size, void**)
 {
     auto& core = *static_cast<Core*>(self);
     if (core.ending_)
@@ -332,15 +360,20 @@ MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, cons
         return text ? std::optional<std::string_view>(text) : std::nullopt;
     };
     try {
-        return core.answer(connection,
-                           {.method = method,
-                            .path = path,
-                            .host = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST),
-                            .token = value(MHD_GET_ARGUMENT_KIND, "token").value_or(""),
-                            .cookie = value(MHD_COOKIE_KIND, core.pass_.cookie_name().c_str()).value_or(""),
-                            .site = value(MHD_HEADER_KIND, "Sec-Fetch-Site").value_or(""),
-                            .authorization = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_AUTHORIZATION).value_or(""),
-                            .accept = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_ACCEPT).value_or("")});
+        Request request{.method = method,
+                        .path = path,
+                        .host = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST),
+                        .token = value(MHD_GET_ARGUMENT_KIND, "token").value_or(""),
+                        .cookie = value(MHD_COOKIE_KIND, core.pass_.cookie_name().c_str()).value_or(""),
+                        .site = value(MHD_HEADER_KIND, "Sec-Fetch-Site").value_or(""),
+                        .authorization = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_AUTHORIZATION).value_or(""),
+                        .accept = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_ACCEPT).value_or(""),
+                        .origin = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_ORIGIN).value_or(""),
+                        .content_type = value(MHD_HEADER_KIND, MHD_HTTP_HEADER_CONTENT_TYPE).value_or("")};
+        if (core.read_body(connection, request, {piece, std::exchange(*size, 0)}))
+            return MHD_YES;
+        request.body = core.visitors_.at(connection).body;
+        return core.answer(connection, request);
     } catch (const std::exception&) {  // no memory: this connection ends, the others go on
         return MHD_NO;
     }

@@ -25,6 +25,9 @@ struct Request {
     std::string_view site = {};            ///< the header Sec-Fetch-Site
     std::string_view authorization = {};   ///< the header of that name
     std::string_view accept = {};          ///< the header of that name
+    std::string_view origin = {};          ///< the header of that name: which page asks
+    std::string_view content_type = {};    ///< the header of that name
+    std::string_view body = {};            ///< only if the site takes one, see Site::takes()
 };
 
 /// A body without end, for one reader.
@@ -40,6 +43,7 @@ struct Answer {
     std::string type{};  ///< media type
     std::string body{};
     std::string cookie{};                   ///< to be set; the browser then goes on to "/"
+    std::string tag{};                      ///< the header ETag; empty: none
     Bytes bytes{};                          ///< if not null, instead of the body
     std::shared_ptr<EndlessBody> stream{};  ///< if not null, instead of both
 };
@@ -51,5 +55,9 @@ Answer sentence(unsigned code, std::string text);
 /// Nothing if it is. Who may not look learns nothing.
 /// @param hint  a sentence for a client without the token
 std::optional<Answer> refusal(const Request& request, const Address& bind, const Pass& pass, const char* hint);
+/// The same of a site that can also be told to do something: POST is allowed too, to its own pages alone. Such a
+/// request brings the cookie, an Origin that is the site itself, and JSON: no form of another page can send that.
+std::optional<Answer> refusal_of_command(const Request& request, const Address& bind, const Pass& pass,
+                                         const char* hint);
 
 }  // namespace hive::http

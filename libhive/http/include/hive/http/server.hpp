@@ -33,6 +33,9 @@ public:
     /// On the thread of the server: other clients wait as long as this takes. Nothing: asked again after wake(), and
     /// from time to time, until the visit is late.
     virtual std::optional<Answer> answer(const Request& request, Visit& visit) = 0;
+    /// How many bytes of a body are read before the request is answered. A longer one gets 413. 0: it is answered when
+    /// its head is there, and no body is read. On the thread of the server.
+    virtual std::size_t takes(const Request&, const Visit&) { return 0; }
     /// There is something new for visits that wait, and for streams. From any thread.
     void wake() noexcept;
 
@@ -50,6 +53,7 @@ public:
         int port = 0;                                 ///< 0: any that is free
         std::string token = {};                       ///< what clients must know; empty: none is right
         std::string cookie = {};                      ///< the cookie is called so, with "-PORT"; empty: there is none
+        const char* allow = "GET";                    ///< the header Allow
         std::size_t connections = 32;                 ///< at once; more are answered 503
         std::size_t strangers = 16;                   ///< that have not asked yet; one more, and the oldest is closed
         std::size_t streams = 8;                      ///< at once; the site refuses more
