@@ -5,6 +5,7 @@
 #include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
+#include "../table.hpp"
 #include "../verbs.hpp"
 
 #include <hive/audit.hpp>
