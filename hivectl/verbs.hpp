@@ -32,6 +32,7 @@
     VERB(collect)                                                                                                      \
     VERB(snap)                                                                                                         \
     VERB(view)                                                                                                         \
+    VERB(dash)                                                                                                         \
     VERB(put)                                                                                                          \
     VERB(top)                                                                                                          \
     VERB(record)                                                                                                       \

@@ -1,0 +1,77 @@
+// hivectl dash: the swarm in a browser, to look at and to change.
+#include "../command_line.hpp"
+#include "../dash/site.hpp"
+#include "../dash/token.hpp"
+#include "../exit_code.hpp"
+#include "../interrupt.hpp"
+#include "../output.hpp"
+#include "../session.hpp"
+#include "../table.hpp"
+#include "../verbs.hpp"
+
+namespace hivectl::dash_verb {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int usual_port = 7690;
+
+int run(int port, Session& session)
+try {
+    const auto home = session.application().home();
+    hive::http::Server::Settings settings{.port = port,
+                                          .token = dash::lasting_token(home / "dash.token"),
+                                          .cookie = "hive-dash",
+                                          .allow = "GET, POST",
+                                          .connections = 64,
+                                          .streams = 16};
+    const interrupt::Deferred deferred;
+    dash::Site site(
+        {.home = home, .timeout = session.timeout(), .streams = settings.streams, .repeat = settings.repeat});
+    const hive::http::Server server(settings, site);
+    const auto url = hive::http::url_of(settings.bind, server.port()) + "?token=" + settings.token;
+    write_out(session.json ? Row{{"url", url}}.json() + "\n" : url + "\n");
+    while (interrupt::sleep(1h)) {
+    }
+    return interrupt::exit_code();
+} catch (const hive::Error&) {
+    throw;
+} catch (const std::runtime_error& error) {  // the server cannot listen there
+    throw hive::Error(hive::Errc::io, error.what(), "choose another port: hivectl dash --http PORT");
+}
+
+Run declare(CommandLine& line, Session& session)
+{
+    auto port = std::make_shared<int>(usual_port);
+    line.option("--http", *port, "port of this machine at which the page is served (default 7690)")
+        .type_name("PORT")
+        .between(1, 65535);
+    return [port, &session] { return run(*port, session); };
+}
+
+}  // namespace
+
+Verb verb()
+{
+    return {.name = "dash",
+            .group = "results",
+            .usage = "[--http PORT] [options]",
+            .summary = "Shows the swarm in a browser: graph, rates, live images, parameters",
+            .details =
+                "Prints the address to open in a browser on this machine, and serves it until Ctrl-C. The page shows "
+                "drones and connections as a graph, the verdict of hivectl audit and the first cause of hivectl "
+                "explain. A drone that is selected shows its live images, parameters, rates, exceptions and log, and "
+                "can be halted, resumed, replaced and stopped; a connection shows what both ends have counted, and "
+                "takes another window, transfer or encoding.\n\n"
+                "Whoever knows the address can change the swarm. Its token is kept in dash.token, in the directory "
+                "where drones meet, so an open page goes on when hivectl dash is started again. The graph needs the "
+                "package graphviz; without it the drones are listed. A shown image is a receiver of its output: a "
+                "source with pace=demand that has no other receiver produces for it.",
+            .examples = "hivectl dash\n"
+                        "hivectl dash --http 8080",
+            .timeout = "give up what the page asks of drones after this long (default 5)",
+            .operands = {},
+            .declare = declare};
+}
+
+}  // namespace hivectl::dash_verb

@@ -1,0 +1,200 @@
+// A live source is asked for the next frame when a page wants one, so a slow page gets the newest and costs less. A
+// source on demand waits for its receivers: there every frame is taken at once.
+#include "pictures.hpp"
+
+#include "../places.hpp"
+#include "../silence.hpp"
+#include "own_name.hpp"
+
+#include <hive/application.hpp>
+
+#include <set>
+#include <thread>
+
+namespace hivectl::dash {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto unwatched_after = 4s, silence = 3s;
+constexpr auto patience = 250ms;
+
+/// Grows when an output is no longer received and then received again.
+std::uint64_t first_version()
+{
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+}
+
+}  // namespace
+
+/// One output, on a thread of its own: a drone that does not answer holds up no other picture.
+class Pictures::Source {
+public:
+    Source(std::filesystem::path home, std::string output, std::function<void()> ready, Time now)
+        : home_(std::move(home)), output_(std::move(output)), ready_(std::move(ready)), looked_(now)
+    {
+        thread_ = std::thread([this] { run(); });
+    }
+    ~Source()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            ending_ = true;
+        }
+        wake_.notify_all();
+        thread_.join();
+    }
+    Source(const Source&) = delete;
+    Source& operator=(const Source&) = delete;
+
+    Newest newest(int width, std::uint64_t after, Time now)
+    {
+        const std::lock_guard lock(mutex_);
+        looked_ = now;
+        widths_[width] = now;
+        wanted_ = wanted_ || after >= version_;
+        wake_.notify_all();
+        const auto found = ready_for_.find(width);
+        return problem_.empty() && found != ready_for_.end() ? found->second : Newest{0, {}, {}, problem_};
+    }
+    [[nodiscard]] bool ended() const { return ended_; }
+
+private:
+    void run();
+    void receive();
+    bool wait_until_wanted();
+    [[nodiscard]] bool looked_at() const;  ///< with the lock
+    [[nodiscard]] bool is_looked_at() const { return (std::lock_guard(mutex_), looked_at()); }
+    [[nodiscard]] bool is_wanted() const { return (std::lock_guard(mutex_), wanted_); }
+    void show(const hive::Event& event);
+    void report(const std::string& problem);
+
+    const std::filesystem::path home_;
+    const std::string output_;
+    const std::function<void()> ready_;
+    mutable std::mutex mutex_;
+    std::condition_variable wake_;
+    bool ending_ = false, wanted_ = true;
+    Time looked_;
+    std::map<int, Time> widths_;  ///< that pages show it in, and when they asked last
+    std::map<int, Newest> ready_for_;
+    std::string problem_;
+    std::uint64_t version_ = first_version();
+    std::atomic<bool> ended_{false};
+    std::thread thread_;
+};
+
+bool Pictures::Source::looked_at() const
+{
+    return !ending_ && std::chrono::steady_clock::now() - looked_ < unwatched_after;
+}
+
+void Pictures::Source::report(const std::string& problem)
+{
+    {
+        const std::lock_guard lock(mutex_);
+        problem_ = problem;
+    }
+    ready_();
+}
+
+void Pictures::Source::run()
+{
+    while (is_looked_at())
+        try {
+            receive();
+        } catch (const std::exception& error) {  // a drone that is restarting, or an image that cannot be shown
+            report(error.what());
+            std::unique_lock lock(mutex_);
+            wake_.wait_for(lock, 1s, [this] { return ending_; });
+        }
+    ended_ = true;
+}
+
+/// False: nobody looks any more.
+bool Pictures::Source::wait_until_wanted()
+{
+    std::unique_lock lock(mutex_);
+    while (looked_at() && !wanted_)
+        wake_.wait_for(lock, patience);
+    return looked_at();
+}
+
+void Pictures::Source::receive()
+{
+    hive::Application application(
+        {.name = own_name(), .home = home_, .timeout = 2s, .cancelled = [this] { return !is_looked_at(); }});
+    const auto output = application.endpoint(output_);
+    hive::CollectOptions options;
+    options.connection.window = 1;
+    options.connection.first_frame = true;
+    if (is_elsewhere(application.place(output.drone)))
+        options.connection.encoding = "jpeg";
+    const auto collector = application.collect({output}, options);
+    auto last = std::chrono::steady_clock::now();
+    std::optional<hive::Event> held;  // as long as it is, the sender keeps only its newest for us
+    for (bool lossless = false; lossless ? is_looked_at() : wait_until_wanted();) {
+        held.reset();
+        auto next = collector->next(patience);
+        const auto now = std::chrono::steady_clock::now();
+        if (!next && now - last > silence)
+            report(reason_for_silence(application, {output}));
+        if (!next && now - last <= silence)
+            continue;
+        last = now;
+        if (!next)
+            continue;
+        lossless = next->identity.lossless;
+        if (is_wanted())
+            show(*next);
+        if (!lossless)
+            held = std::move(next);
+    }
+}
+
+/// Encodes it for each width outside of the lock.
+void Pictures::Source::show(const hive::Event& event)
+{
+    std::set<int> widths;
+    {
+        const std::lock_guard lock(mutex_);
+        std::erase_if(widths_, [&](const auto& row) { return looked_ - row.second > unwatched_after; });
+        for (const auto& [width, when] : widths_)
+            widths.insert(width);
+        wanted_ = false;
+        ++version_;
+    }
+    std::map<int, Newest> made;
+    for (const int width : widths) {
+        auto image = image_for_page(event, width);
+        made[width] = {version_, std::move(image.type),
+                       std::make_shared<const std::vector<unsigned char>>(std::move(image.bytes)), ""};
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        ready_for_ = std::move(made);
+        problem_.clear();
+    }
+    ready_();
+}
+
+Pictures::Pictures(std::filesystem::path home, std::function<void()> ready)
+    : home_(std::move(home)), ready_(std::move(ready))
+{
+}
+Pictures::~Pictures() = default;
+
+Pictures::Newest Pictures::newest(const std::string& output, int width, std::uint64_t after, Time now)
+{
+    std::erase_if(sources_, [](const auto& row) { return row.second->ended(); });
+    auto found = sources_.find(output);
+    if (found == sources_.end()) {
+        if (sources_.size() >= max_outputs)
+            return {0, {}, {}, "more than " + std::to_string(max_outputs) + " outputs are shown"};
+        found = sources_.emplace(output, std::make_unique<Source>(home_, output, ready_, now)).first;
+    }
+    return found->second->newest(width, after, now);
+}
+
+}  // namespace hivectl::dash

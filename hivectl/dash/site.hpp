@@ -1,0 +1,50 @@
+// Answers the page of hivectl dash. Waits for no drone: what takes time is done on other threads.
+#pragma once
+
+#include "errands.hpp"
+#include "pictures.hpp"
+#include "watch.hpp"
+
+#include <hive/http/server.hpp>
+
+#include <string>
+#include <vector>
+
+namespace hivectl::dash {
+
+class Site final : public hive::http::Site {
+public:
+    struct Settings {
+        std::filesystem::path home{};
+        std::chrono::milliseconds timeout{};  ///< of what drones are asked or told
+        std::size_t streams = 0;              ///< pages at once
+        std::chrono::milliseconds repeat{};   ///< of a stream without news
+    };
+    static constexpr std::size_t max_body = 64 * 1024;
+
+    explicit Site(Settings settings);
+
+private:
+    using Answer = std::optional<hive::http::Answer>;
+    using Request = hive::http::Request;
+    using Visit = hive::http::Visit;
+    using Words = std::vector<std::string>;
+
+    Answer answer(const Request& request, Visit& visit) override;
+    std::size_t takes(const Request& request, const Visit& visit) override;
+    [[nodiscard]] static Answer refusal(const Request& request, const Visit& visit);
+    Answer answer_get(const Words& path, const Request& request, Visit& visit);
+    Answer events(const Visit& visit);
+    [[nodiscard]] Answer drawing() const;
+    Answer picture(const Words& path, Visit& visit);
+    /// What is asked of drones: begun at the first call, and answered when it is done.
+    template <typename MakeWork>
+    Answer errand(Visit& visit, MakeWork make_work);
+
+    const Settings settings_;
+    Watch watch_;
+    Errands errands_;
+    Pictures pictures_;
+};
+
+}  // namespace hivectl::dash

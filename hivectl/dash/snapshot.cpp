@@ -1,0 +1,217 @@
+#include "snapshot.hpp"
+
+#include "../connections.hpp"
+#include "../exception_json.hpp"
+#include "../rates.hpp"
+#include "layout.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace hivectl::dash {
+namespace {
+
+using hive::Json;
+
+/// What a drone is called on the page: rows of rates have numbers, and null where nothing is known.
+Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
+{
+    const auto& status = answer.status;
+    Json row{{"name", answer.drone},
+             {"host", answer.place.host},
+             {"kind", status.kind},
+             {"state", answer.error ? Json("silent") : rates["state"]},
+             {"note", answer.error ? answer.error->what() : status.condition},
+             {"in_per_s", rates["in_per_s"]},
+             {"out_per_s", rates["out_per_s"]},
+             {"busy_percent", rates["busy_percent"]},
+             {"age_us", rates["age_us"]},
+             {"slowest", rates["slowest"] == true},
+             {"why", hive::token(status.why)},
+             {"thrown", status.last_exception ? Json(status.last_exception->time_us) : Json()}};
+    Json pictures = Json::array();
+    for (const auto& output : status.outputs)
+        if (output.type.find("image/") != std::string::npos)
+            pictures.push_back(output.name);
+    row["pictures"] = pictures;
+    return row;
+}
+
+Json application_row(const hive::GraphDrone& application)
+{
+    return {{"name", application.name}, {"host", ""}, {"kind", ""}, {"state", ""}, {"pictures", Json::array()}};
+}
+
+Json edge_row(const hive::AuditRow& audited, const Row& rates, const Row& counts, const hive::SwarmGraph& graph)
+{
+    const auto& ends = audited.ends;
+    const bool lossy = audited.lost() > 0;
+    return {{"id", id_of(ends)},
+            {"from", ends.from},
+            {"to", ends.to},
+            {"sender", owner_of(ends.from, graph)},
+            {"receiver", owner_of(ends.to, graph)},
+            {"group", ends.options().group},
+            {"state", rates["state"]},
+            {"per_s", rates["acknowledged_per_s"]},
+            {"age_us", rates["age_us"]},
+            {"why", counts["why"]},
+            {"lost", audited.lost()},
+            {"losing", rates["losing"] == true},
+            {"verdict", !audited.differences.empty() ? "differs"
+                        : lossy                      ? "lost"
+                                                     : "ok"}};
+}
+
+Json object_of(const Row& row) { return Json::parse(row.json()); }
+
+/// Of the machines of drones: how many drones, and how busy their code is.
+Json machines_of(const Json& drones)
+{
+    std::map<std::string, std::pair<int, double>> machines;
+    for (const auto& drone : drones) {
+        if (drone.at("host") == "")
+            continue;
+        auto& [count, busy] = machines[drone.at("host").get<std::string>()];
+        ++count;
+        busy += drone.at("busy_percent").is_number() ? drone.at("busy_percent").get<double>() : 0;
+    }
+    Json rows = Json::array();
+    for (const auto& [host, machine] : machines)
+        rows.push_back({{"host", host}, {"drones", machine.first}, {"busy_percent", machine.second}});
+    return rows;
+}
+
+/// Clocks of two machines, as their drones have measured them.
+Json clocks_of(const std::vector<hive::StatusAnswer>& answers)
+{
+    std::map<std::pair<std::string, std::string>, std::int64_t> offsets;
+    for (const auto& ends : hive::connection_ends(answers))
+        if (ends.at_receiver && ends.at_receiver->round_trip_us > 0 && ends.from_host != ends.to_host)
+            offsets[{ends.from_host, ends.to_host}] = ends.at_receiver->clock_offset_us;
+    Json rows = Json::array();
+    for (const auto& [hosts, offset] : offsets)
+        rows.push_back({{"host", hosts.first}, {"against", hosts.second}, {"offset_us", offset}});
+    return rows;
+}
+
+std::string verdict_of(const hive::Audit& audit)
+{
+    std::int64_t lost = 0, differs = 0;
+    for (const auto& row : audit.rows) {
+        lost += row.lost();
+        differs += row.differences.empty() ? 0 : 1;
+    }
+    if (differs > 0)
+        return std::to_string(differs) + (differs == 1 ? " connection differs" : " connections differ");
+    if (lost > 0)
+        return std::to_string(lost) + (lost == 1 ? " event lost" : " events lost");
+    return "nothing lost";
+}
+
+}  // namespace
+
+Snapshot snapshot_of(const std::array<Look, 3>& looks, const hive::SwarmGraph& graph)
+{
+    Snapshot snapshot{.look = looks[2]};
+    const auto rates = rates_between(looks[1].answers, looks[2].answers,
+                                     std::max(looks[2].at - looks[1].at, std::chrono::steady_clock::duration(1)));
+    snapshot.drones = Json::array();
+    for (std::size_t i = 0; i < rates.drones.size(); ++i)
+        snapshot.drones.push_back(drone_row(looks[2].answers[i], rates.drones[i]));
+    for (const auto& drone : graph.drones)
+        if (drone.host.empty())
+            snapshot.drones.push_back(application_row(drone));
+    std::set<std::string> there;
+    for (const auto& ends : graph.connections)
+        there.insert(id_of(ends));
+    const auto audit = hive::audit(looks[0].answers, looks[1].answers, looks[2].answers);
+    const auto counts = connection_rows(looks[2].answers);
+    snapshot.edges = Json::array();
+    for (std::size_t i = 0; i < audit.rows.size(); ++i) {
+        const auto id = id_of(audit.rows[i].ends);
+        if (audit.rows[i].ends.is_group() || !there.contains(id))
+            continue;
+        snapshot.edges.push_back(edge_row(audit.rows[i], rates.edges[i], counts[i], graph));
+        snapshot.audit[id] = to_json(audit.rows[i]);
+        snapshot.both[id] = object_of(counts[i]);
+    }
+    return snapshot;
+}
+
+Json bar_of(const std::array<Look, 3>& looks, const Json& drones)
+{
+    const auto audit = hive::audit(looks[0].answers, looks[1].answers, looks[2].answers);
+    return {{"clean", audit.clean()},
+            {"verdict", verdict_of(audit)},
+            {"silent", audit.silent},
+            {"machines", machines_of(drones)},
+            {"clocks", clocks_of(looks[2].answers)}};
+}
+
+void remember(std::map<std::string, Past>& past, const Snapshot& now)
+{
+    std::erase_if(past, [&](const auto& row) {
+        return std::ranges::find(now.look.answers, row.first, &hive::StatusAnswer::drone) == now.look.answers.end();
+    });
+    for (std::size_t i = 0; i < now.look.answers.size(); ++i) {
+        const auto& [drone, status, error, place] = now.look.answers[i];
+        auto& kept = past[drone];
+        const auto number = [&](const char* key) {
+            const auto& value = now.drones[i].at(key);
+            return value.is_number() ? value.get<double>() : 0;
+        };
+        kept.samples.push_back({std::max(number("in_per_s"), number("out_per_s")), number("busy_percent")});
+        if (kept.samples.size() > Past::samples_kept)
+            kept.samples.pop_front();
+        const auto& last = status.last_exception;
+        if (error || !last || (!kept.exceptions.empty() && kept.exceptions.front().time_us == last->time_us))
+            continue;
+        kept.exceptions.push_front(*last);
+        if (kept.exceptions.size() > Past::exceptions_kept)
+            kept.exceptions.pop_back();
+    }
+}
+
+Json drone_details(const Snapshot& snapshot, const std::string& drone)
+{
+    const auto found = std::ranges::find(snapshot.look.answers, drone, &hive::StatusAnswer::drone);
+    if (found == snapshot.look.answers.end())
+        return nullptr;
+    const auto& status = found->status;
+    Json outputs = Json::array(), per_s = Json::array(), busy = Json::array(), exceptions = Json::array();
+    for (const auto& output : status.outputs)
+        outputs.push_back({{"name", output.name},
+                           {"type", output.type},
+                           {"produced", output.produced},
+                           {"why", hive::token(output.why)}});
+    if (const auto past = snapshot.past.find(drone); past != snapshot.past.end()) {
+        for (const auto& sample : past->second.samples) {
+            per_s.push_back(sample.per_s);
+            busy.push_back(sample.busy_percent);
+        }
+        for (const auto& exception : past->second.exceptions)
+            exceptions.push_back(exception_json(exception));
+    }
+    const auto row = snapshot.drones.at(static_cast<std::size_t>(found - snapshot.look.answers.begin()));
+    return {{"drone", row},
+            {"pid", status.pid},
+            {"uptime_us", status.uptime_us},
+            {"on_exception", hive::token(status.policy)},
+            {"places", status.places},
+            {"outputs", outputs},
+            {"per_s", per_s},
+            {"busy_percent", busy},
+            {"exceptions", exceptions}};
+}
+
+Json edge_details(const Snapshot& snapshot, const std::string& id)
+{
+    const auto audit = snapshot.audit.find(id);
+    if (audit == snapshot.audit.end())
+        return nullptr;
+    return {{"audit", audit->second}, {"counts", snapshot.both.at(id)}};
+}
+
+}  // namespace hivectl::dash

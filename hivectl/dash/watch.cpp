@@ -1,0 +1,144 @@
+#include "watch.hpp"
+
+#include "../drawing.hpp"
+#include "../output.hpp"
+#include "layout.hpp"
+#include "own_name.hpp"
+
+#include <hive/key.hpp>
+
+namespace hivectl::dash {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto every_look = 1s, every_explanation = 2s, nobody_looks_after = 4s;
+
+/// Drones of other machines then let us look, and refuse everything else.
+bool have_viewers_key()
+try {
+    const auto file = hive::default_key_file();
+    return !file.empty() && hive::read_key_file(file).front().role == hive::Role::viewer;
+} catch (const hive::Error&) {  // there is none
+    return false;
+}
+
+}  // namespace
+
+Watch::Watch(std::filesystem::path home, std::chrono::milliseconds timeout, std::function<void()> changed)
+    : home_(std::move(home)), timeout_(timeout), changed_(std::move(changed))
+{
+    looker_ = std::thread([this] { run(&Watch::look, every_look); });
+    explainer_ = std::thread([this] { run(&Watch::explain, every_explanation); });
+}
+
+Watch::~Watch()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+    }
+    wake_.notify_all();
+    looker_.join();
+    explainer_.join();
+}
+
+std::shared_ptr<const Snapshot> Watch::newest(Time now)
+{
+    const std::lock_guard lock(mutex_);
+    if (now - looked_ > nobody_looks_after)
+        wake_.notify_all();
+    looked_ = std::max(looked_, now);
+    return newest_;
+}
+
+std::shared_ptr<const Watch::Drawing> Watch::drawing() const
+{
+    const std::lock_guard lock(mutex_);
+    return drawing_;
+}
+
+/// False: it is to end.
+bool Watch::wait_for_looker(Time not_before)
+{
+    std::unique_lock lock(mutex_);
+    wake_.wait_until(lock, not_before, [this] { return ending_; });
+    wake_.wait(lock, [this] { return ending_ || std::chrono::steady_clock::now() - looked_ <= nobody_looks_after; });
+    return !ending_;
+}
+
+void Watch::run(void (Watch::*turn)(hive::Application&), std::chrono::milliseconds every)
+{
+    hive::Application application({.name = own_name(), .home = home_, .timeout = timeout_, .cancelled = [this] {
+                                       const std::lock_guard lock(mutex_);
+                                       return ending_;
+                                   }});
+    for (Time next{}; wait_for_looker(next); next = std::chrono::steady_clock::now() + every)
+        try {
+            (this->*turn)(application);
+        } catch (const std::exception& error) {  // what the next turn may do better
+            complain("dash", error.what());
+        }
+}
+
+void Watch::look(hive::Application& application)
+{
+    auto answers = application.status(application.drones());
+    remove_own(answers);
+    const auto now = std::chrono::steady_clock::now();
+    looks_.push_back({std::move(answers), now});
+    if (looks_.size() > 3)
+        looks_.pop_front();
+    const std::array<Look, 3> three{looks_.front(), looks_[looks_.size() / 2], looks_.back()};
+    const auto graph = hive::graph(three[2].answers);
+    auto snapshot = std::make_shared<Snapshot>(snapshot_of(three, graph));
+    remember(past_, *snapshot);
+    snapshot->past = past_;
+    draw(graph);
+    auto bar = bar_of(three, snapshot->drones);
+    bar["viewer"] = have_viewers_key();
+    {
+        const std::lock_guard lock(mutex_);
+        snapshot->version = newest_ ? newest_->version + 1 : 1;
+        bar["worst"] = worst_;
+        snapshot->text = json_text({{"version", snapshot->version},
+                                    {"hivectl", HIVECTL_VERSION},
+                                    {"drawing", drawing_->version},
+                                    {"bar", bar},
+                                    {"drones", snapshot->drones},
+                                    {"edges", snapshot->edges}});
+        newest_ = std::move(snapshot);
+    }
+    changed_();
+}
+
+void Watch::explain(hive::Application& application)
+{
+    auto explanation = hive::explain(application);
+    const auto& causes = explanation.causes;
+    auto worst = causes.empty() ? hive::Json() : to_json(causes.front());
+    const std::lock_guard lock(mutex_);
+    worst_ = std::move(worst);
+}
+
+/// The graph of a large swarm takes Graphviz seconds, while the numbers go on.
+void Watch::draw(const hive::SwarmGraph& graph)
+{
+    auto dot = dot_of(graph);
+    if (dot == drawn_ || (drawer_.valid() && drawer_.wait_for(0s) != std::future_status::ready))
+        return;
+    drawn_ = dot;
+    drawer_ = std::async(std::launch::async, [this, dot = std::move(dot)] {
+        Drawing drawing;
+        try {
+            drawing.svg = svg_of(dot);
+        } catch (const hive::Error& error) {
+            drawing.problem = std::string(error.what()) + (error.advice().empty() ? "" : "; " + error.advice());
+        }
+        const std::lock_guard lock(mutex_);
+        drawing.version = drawing_->version + 1;
+        drawing_ = std::make_shared<const Drawing>(std::move(drawing));
+    });
+}
+
+}  // namespace hivectl::dash
