@@ -5,11 +5,11 @@ set -euo pipefail
 hivectl() {
     local code=0 limit=60
     case "$1" in
-        top|results|save|view|exceptions|metrics) limit=$patience ;;
+        top|results|save|view|dash|exceptions|metrics) limit=$patience ;;
         record) limit=$((patience + 3)) ;;  # the other commands of a page use what it has recorded
     esac
     timeout -s INT "$limit" "$program" "$@" || code=$?
-    case "$1:$code" in top:124|results:124|record:124|save:124|view:124|exceptions:124|metrics:124) return 0 ;; esac
+    case "$1:$code" in top:124|results:124|record:124|save:124|view:124|dash:124|exceptions:124|metrics:124) return 0 ;; esac
     return $code
 }
 command -v jq > /dev/null || jq() { cat; }

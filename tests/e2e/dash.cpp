@@ -1,0 +1,230 @@
+// hivectl dash: who may look and who may change, over HTTP; and each control, in a real browser.
+#include "swarm.hpp"
+
+#include <doctest/doctest.h>
+#include <free_port.hpp>
+#include <possible.hpp>
+
+#include <csignal>
+#include <filesystem>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// hivectl dash, and curl.
+class Page {
+public:
+    explicit Page(const Swarm& swarm, std::vector<std::string> more = {})
+        : swarm_(swarm), server_(swarm.hivectl_running(words(std::move(more)), "dash"))
+    {
+        REQUIRE(eventually([&] { return has(swarm_.log("dash"), "token="); }));
+        const auto log = swarm_.log("dash");
+        token_ = log.substr(log.rfind("token=") + 6, 32);
+        REQUIRE(token_.size() == 32);
+    }
+    [[nodiscard]] std::string cookie() const { return "hive-dash-" + std::to_string(port_) + "=" + token_; }
+    [[nodiscard]] std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
+    [[nodiscard]] const std::string& token() const { return token_; }
+    [[nodiscard]] int port() const { return port_; }
+
+    /// What curl prints with these words: the body, then the code.
+    [[nodiscard]] std::string curl(const std::string& path, const std::vector<std::string>& more) const
+    {
+        std::vector<std::string> line{"/usr/bin/curl", "-sS", "-m", "20", "-w", "%{http_code}"};
+        line.insert(line.end(), more.begin(), more.end());
+        line.push_back(address() + path);
+        const auto done = swarm_.run(line, patient(30'000ms));
+        CHECK_MESSAGE(done.exit_code == 0, done.err);
+        return done.out;
+    }
+    [[nodiscard]] std::string get(const std::string& path) const { return curl(path, {"-b", cookie()}); }
+    [[nodiscard]] std::string post(const std::string& body, const std::vector<std::string>& more = {}) const
+    {
+        std::vector<std::string> words{
+            "-b", cookie(), "-H", "Origin: " + address(), "-H", "Content-Type: application/json"};
+        words.insert(words.end(), {"--data-binary", body});
+        words.insert(words.end(), more.begin(), more.end());
+        return curl("/orders", words);
+    }
+    void stop()
+    {
+        server_.signal(SIGTERM);
+        CHECK(server_.wait(patient(10'000ms)) == 143);
+    }
+
+private:
+    [[nodiscard]] std::vector<std::string> words(std::vector<std::string> more) const
+    {
+        more.insert(more.begin(), {"dash", "--http", std::to_string(port_)});
+        return more;
+    }
+
+    const Swarm& swarm_;
+    const int port_ = free_port();
+    Process server_;
+    std::string token_;
+};
+
+Json json_of(const std::string& answer) { return Json::parse(answer.substr(0, answer.size() - 3)); }
+
+/// Runs one scenario of dash_page.py.
+void in_browser(const std::string& scenario)
+{
+    const bool there = std::filesystem::exists("/usr/bin/chromium") && std::filesystem::exists("/usr/bin/dot");
+    if (!possible(sanitized() ? missing_if_sanitized() : there ? "" : "chromium and graphviz"))
+        return;
+    const Swarm swarm;
+    const auto done = swarm.run({"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/e2e/dash_page.py", scenario}, 120'000ms);
+    CHECK_MESSAGE(done.exit_code == 0, done.out, done.err);
+}
+
+}  // namespace
+
+TEST_CASE("dash: who has not the token sees nothing, and other sites change nothing")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("ticker", "camera");
+    Page page(swarm);
+    const std::string order = R"({"do": "halt", "drone": "camera"})";
+    const auto halted = [&] { return swarm.application().status("camera").state == hive::State::halted; };
+    for (const auto* path :
+         {"/", "/events", "/dash.js", "/graph.svg", "/drone/camera", "/ask/camera", "/picture/camera.tick/320/0"}) {
+        CHECK_MESSAGE(page.curl(path, {}).ends_with("403"), path);
+        CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Host: evil.example"}).ends_with("403"), path);
+        CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Sec-Fetch-Site: cross-site"}).ends_with("403"),
+                      path);
+    }
+    const auto refused = [&](const std::vector<std::string>& words, const char* code) {
+        auto line = words;
+        line.insert(line.end(), {"--data-binary", order});
+        CHECK_MESSAGE(page.curl("/orders", line).ends_with(code), words.back());
+    };
+    const std::string cookie = page.cookie(), origin = "Origin: " + page.address(),
+                      type = "Content-Type: application/json";
+    refused({"-H", origin, "-H", type}, "403");
+    refused({"-b", cookie, "-H", type}, "403");
+    refused({"-b", cookie, "-H", type, "-H", "Origin: http://127.0.0.1:1"}, "403");
+    refused({"-b", cookie, "-H", origin, "-H", type, "-H", "Sec-Fetch-Site: same-site"}, "403");
+    refused({"-b", cookie, "-H", origin}, "415");
+    refused({"-b", cookie, "-H", origin, "-H", type, "-X", "PUT"}, "405");
+    CHECK_FALSE(halted());
+    CHECK(page.post(order) == "{}200");
+    CHECK(halted());
+    page.stop();
+}
+
+TEST_CASE("dash: the address sets a cookie that scripts and other sites do not get, and stays the same")
+{
+    const Swarm swarm;
+    std::string token;
+    {
+        Page page(swarm);
+        token = page.token();
+        const auto head = page.curl("/?token=" + token, {"-i"});
+        CHECK_MESSAGE(has(head, "303"), head);
+        CHECK_MESSAGE(has(head, "; HttpOnly; SameSite=Strict"), head);
+        CHECK_MESSAGE(has(head, "Content-Security-Policy: default-src 'self'"), head);
+        CHECK(has(page.get("/"), "<!DOCTYPE html>"));
+        page.stop();
+    }
+    namespace fs = std::filesystem;
+    CHECK((fs::status(swarm.home() / "dash.token").permissions() & fs::perms(077)) == fs::perms::none);
+    const Page again(swarm);
+    CHECK(again.token() == token);
+}
+
+TEST_CASE("dash: orders are done, and what drones refuse is said")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source"), worker = swarm.drone("sleeper", "worker");
+    const Page page(swarm);
+    CHECK(json_of(page.post(R"({"do": "set", "drone": "source", "values": {"fps": 20}})"))
+          == Json{{"values", {{"fps", 20.0}}}});
+    const auto refused = json_of(page.post(R"({"do": "set", "drone": "source", "values": {"fps": -1}})"));
+    CHECK_MESSAGE(refused.at("error").at("code") == "refused", refused.dump());
+    CHECK(json_of(page.post(R"({"do": "halt", "drone": "nobody"})")).at("error").at("code") == "not_found");
+    const auto there_is_none = json_of(page.post(R"({"do": "connect", "from": "source.tick", "to": "worker.image"})"));
+    CHECK_MESSAGE(has(there_is_none.dump(), "not connected"), there_is_none.dump());
+    for (const auto* malformed : {"", "{", "[]", R"({"do": "dance", "drone": "source"})", R"({"do": 1})",
+                                  R"({"do": "set", "drone": "source"})"})
+        CHECK_MESSAGE(page.post(malformed).ends_with("400"), malformed);
+    CHECK(page.post(std::string(70'000, ' ')).ends_with("413"));
+    CHECK(page.get("/orders").ends_with("404"));
+    CHECK(page.get("/nothing").ends_with("404"));
+    CHECK(json_of(page.get("/ask/worker")).at("interface").at("kind") == "sleeper");
+}
+
+TEST_CASE("dash: the stream has drones, connections and the verdict, and a slow drone delays no other answer")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source"), worker = swarm.drone("sleeper", "worker");
+    const auto hung = swarm.drone("sleeper", "hung");
+    swarm.application().connect({"source", ""}, {"worker", ""});
+    const Page page(swarm, {"--timeout", "3"});
+    const auto stream = [&] {
+        return swarm
+            .run({"/usr/bin/timeout", "4", "/usr/bin/curl", "-sN", "-b", page.cookie(), page.address() + "/events"})
+            .out;
+    };
+    const auto text = stream();
+    REQUIRE_MESSAGE(has(text, "data: {"), text);
+    const auto from = text.rfind("data: ", text.rfind("\n\n")) + 6;
+    const auto last = Json::parse(text.substr(from, text.find("\n\n", from) - from));
+    CHECK(last.at("drones").size() == 3);
+    REQUIRE(last.at("edges").size() == 1);
+    CHECK(last.at("edges")[0].at("id") == "source.tick>worker.image>");
+    CHECK(last.at("edges")[0].at("per_s").get<double>() > 5);
+    CHECK(last.at("bar").at("clean") == true);
+    CHECK(last.at("bar").at("machines")[0].at("drones") == 3);
+    CHECK(json_of(page.get("/edge/source.tick%3Eworker.image%3E")).at("audit").at("verdict") == "ok");
+
+    hung.signal(SIGSTOP);
+    const auto asking = swarm.run(
+        {"/bin/bash", "-c",
+         "for i in 1 2 3 4 5 6; do curl -s -m 10 -b " + page.cookie() + " " + page.address()
+             + "/ask/hung > $HIVE_HOME/hung-$i & done; sleep 0.3; time=$(curl -s -o /dev/null -w "
+               "'%{time_total}' -b "
+             + page.cookie() + " " + page.address() + "/drone/worker); wait; echo $time; cat $HIVE_HOME/hung-1"});
+    hung.signal(SIGCONT);
+    CHECK_MESSAGE(std::stod(asking.out) < 0.5, asking.out);
+    CHECK_MESSAGE(has(asking.out, "\"error\""), asking.out);
+}
+
+TEST_CASE("dash: an image is a JPEG of the width that is asked for, and an output without images says so")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"width=1280", "height=720"});
+    const auto ticker = swarm.drone("ticker", "ticker");
+    const Page page(swarm);
+    const auto file = (swarm.home() / "image.jpg").string();
+    REQUIRE(eventually([&] {
+        return page.curl("/picture/camera.image/300/0", {"-b", page.cookie(), "-o", file}) == "200";
+    }));
+    const auto kind = swarm.run({"/usr/bin/file", file}).out;
+    CHECK_MESSAGE(has(kind, "JPEG"), kind);
+    CHECK_MESSAGE(has(kind, "320x180"), kind);
+    CHECK(eventually([&] { return has(page.get("/picture/nobody.image/300/0"), "503"); }));
+    CHECK(eventually([&] { return has(page.get("/picture/ticker.nothing/300/0"), "nothing"); }));
+}
+
+TEST_CASE("dash in a browser: a parameter is set at once, with the drone's answer") { in_browser("parameters"); }
+
+TEST_CASE("dash in a browser: halt, resume, replace, and stop when asked once more") { in_browser("buttons"); }
+
+TEST_CASE("dash in a browser: a connection has its account, and takes another window, encoding and transfer")
+{
+    in_browser("edges");
+}
+
+TEST_CASE("dash in a browser: exceptions, log and losses are shown") { in_browser("exceptions"); }
+
+TEST_CASE("dash in a browser: the page survives drones and hivectl dash that are killed") { in_browser("restarts"); }
+
+TEST_CASE("dash in a browser: two pages receive an output once, and closed ones not at all") { in_browser("shared"); }
+
+TEST_CASE("dash in a browser: 24 outputs at once") { in_browser("many"); }
+
+TEST_CASE("dash in a browser: a stranger sees nothing, and another page changes nothing") { in_browser("strangers"); }
