@@ -14,6 +14,17 @@ namespace {
 
 using hive::Json;
 
+/// A source on demand that would produce for whoever receives this output. A live one emits without receivers, too.
+bool waits_for_receiver(const hive::Status& status, const hive::OutputStatus& output)
+{
+    constexpr std::int64_t second_us = 1'000'000;
+    if (output.why == hive::Reason::held || output.why == hive::Reason::watched)
+        return true;
+    const auto now_us = status.epoch + status.uptime_us;  // by the drone's own clock
+    return output.why == hive::Reason::no_receiver && status.inputs.empty()
+           && output.last_emitted_us < now_us - second_us;
+}
+
 /// What a drone is called on the page: rows of rates have numbers, and null where nothing is known.
 Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
 {
@@ -30,11 +41,12 @@ Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
              {"slowest", rates["slowest"] == true},
              {"why", hive::token(status.why)},
              {"thrown", status.last_exception ? Json(status.last_exception->time_us) : Json()}};
-    Json pictures = Json::array();
+    Json pictures = Json::array(), held = Json::array();
     for (const auto& output : status.outputs)
         if (output.type.find("image/") != std::string::npos)
-            pictures.push_back(output.name);
+            (waits_for_receiver(status, output) ? held : pictures).push_back(output.name);
     row["pictures"] = pictures;
+    row["held"] = held;
     return row;
 }
 

@@ -157,7 +157,7 @@ TEST_CASE("dash: orders are done, and what drones refuse is said")
     CHECK(json_of(page.get("/ask/worker")).at("interface").at("kind") == "sleeper");
 }
 
-TEST_CASE("dash: the stream has drones, connections and the verdict, and a slow drone delays no other answer")
+TEST_CASE("dash: the stream has drones, connections and the verdict, and a drone that hangs does not delay them")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source"), worker = swarm.drone("sleeper", "worker");
@@ -226,5 +226,7 @@ TEST_CASE("dash in a browser: the page survives drones and hivectl dash that are
 TEST_CASE("dash in a browser: two pages receive an output once, and closed ones not at all") { in_browser("shared"); }
 
 TEST_CASE("dash in a browser: 24 outputs at once") { in_browser("many"); }
+
+TEST_CASE("dash in a browser: a source on demand waits until its image is asked for") { in_browser("demand"); }
 
 TEST_CASE("dash in a browser: a stranger sees nothing, and another page changes nothing") { in_browser("strangers"); }

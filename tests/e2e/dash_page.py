@@ -190,7 +190,7 @@ def restarts(browser, dash):
     page.see("#notice", "hivectl dash does not answer")
     dash.start()
     count = page.run(drawn)
-    page.until("document.getElementById('verdict').classList.contains('good')")
+    page.until("document.getElementById('verdict').textContent !== 'not connected'")
     page.until(f"{drawn} > {count + 3}", 30)
     assert page.run("document.getElementById('notice').hidden")
 
@@ -233,6 +233,26 @@ def many(browser, dash):
     page.until("document.querySelectorAll('#list tbody tr').length === 1")
     page.click("#list button", "camera-17")
     page.see("#panel h2", "camera-17")
+
+
+def demand(browser, dash):
+    """The page makes no source on demand produce, unless its image is asked for."""
+    folder = pathlib.Path(os.environ["HIVE_HOME"]) / "images"
+    hivectl("start", "camera", "--as", "live")
+    folder.mkdir()
+    for i in range(3):
+        hivectl("snap", "live", str(folder / f"{i}.jpg"))
+    hivectl("stop", "live")
+    hivectl("start", "camera", f"source={folder}", "pace=demand")
+    page = browser.open(dash.url)
+    page.click("button", "Images")
+    page.see("#images", "No drone that fits has images.")
+    page.click("button", "Graph")
+    select(page, "camera")
+    page.see("#panel button", "this takes events from the source")
+    assert not connections(), connections()
+    page.click("#panel button", "Show images")
+    images(page, "#panel canvas", 0)
 
 
 def strangers(browser, dash):

@@ -15,10 +15,16 @@ class Panel {
       element("button", { type: "button", textContent: "×", "aria-label": "Close", onclick: close }));
   }
   start() {
-    this.refresh();
-    this.timer = setInterval(() => { if (!document.hidden) this.refresh(); }, every_ms);
+    const look = async () => {
+      if (!document.hidden) await this.refresh();
+      if (!this.stopped) this.timer = setTimeout(look, every_ms);  // a drone that does not answer is not asked twice
+    };
+    look();
   }
-  stop() { clearInterval(this.timer); }
+  stop() {
+    this.stopped = true;
+    clearTimeout(this.timer);
+  }
   say(result, done) {
     this.answer.className = "answer " + (result.error ? "bad" : "good");
     write(this.answer, result.error ? error_text(result.error) : done);
@@ -133,8 +139,7 @@ export class DronePanel extends Panel {
     if (details?.error) return this.say(details);
     if (!details) {
       write(this.facts, "this drone does not run");
-      this.image?.stop();
-      return this.images.replaceChildren();
+      return this.hide_images();
     }
     this.show_details(details);
     this.show_edges();
@@ -143,10 +148,10 @@ export class DronePanel extends Panel {
     this.show_log(asked.log ?? asked.log_problem);
   }
 
-  show_details({ drone, pid, uptime_us, on_exception, outputs, per_s, busy_percent, exceptions }) {
+  show_details({ drone, pid, uptime_us, on_exception, per_s, busy_percent, exceptions }) {
     const parts = [drone.kind, drone.state, drone.host, `process ${pid}`, `up ${duration(uptime_us)}`];
     write(this.facts, parts.filter(Boolean).join(" · ") + (drone.note ? `. ${drone.note}` : ""));
-    this.show_images(drone, outputs);
+    this.show_images(drone);
     const line = (name, values, top, text) => element("div", { className: "line" },
       element("span", { textContent: name }), line_of(values, top), element("b", { textContent: text }));
     this.lines.replaceChildren(line("events", per_s, 1, per_second(per_s.at(-1))),
@@ -157,20 +162,26 @@ export class DronePanel extends Panel {
   }
 
   /// A source on demand that nobody receives would produce for the page alone, so its image is shown only if asked for.
-  show_images(drone, outputs) {
-    if (this.shown || !drone.pictures.length) return;
-    this.shown = true;
-    const show = name => {
+  show_images(drone) {
+    const names = [...drone.pictures, ...drone.held];
+    if (this.image || !names.length) return;
+    const box = element("div"), first = names[0], show = name => {
       this.image?.stop();
       this.image = new LiveImage(`${this.name}.${name}`, 640);
       box.replaceChildren(this.image.box);
     };
-    const box = element("div"), first = outputs.find(output => output.name === drone.pictures[0]);
+    if (drone.held.includes(first)) {
+      if (this.images.children.length) return;
+      box.append(element("button", { type: "button", textContent: "Show images; this takes events from the source", onclick: () => show(first) }));
+    } else show(first);
     const choice = element("select", { "aria-label": "Output", onchange: () => show(choice.value) },
-      ...drone.pictures.map(name => element("option", { textContent: name })));
-    this.images.replaceChildren(...drone.pictures.length > 1 ? [choice] : [], box);
-    if (first?.why !== "held") return show(first.name);
-    box.append(element("button", { type: "button", textContent: "Show images; this takes events from the source", onclick: () => show(first.name) }));
+      ...names.map(name => element("option", { textContent: name })));
+    this.images.replaceChildren(...names.length > 1 ? [choice] : [], box);
+  }
+  hide_images() {
+    this.image?.stop();
+    this.image = null;
+    this.images.replaceChildren();
   }
 
   show_edges() {

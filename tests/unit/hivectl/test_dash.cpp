@@ -110,7 +110,7 @@ TEST_CASE("dash: the first look has no rates, and is valid JSON")
 {
     const auto only = look(100, 0, 0, 1s);
     const auto now = snapshot({only, only, only});
-    CHECK_NOTHROW(Json::parse(now.drones.dump()));
+    CHECK(Json::parse(now.drones.dump()).size() == 2);
     CHECK(now.edges.size() == 1);
 }
 
