@@ -6,21 +6,24 @@
 namespace hivectl::dash {
 namespace {
 
-std::string prefix() { return "dash-" + std::to_string(::getpid()) + "-"; }
+constexpr std::string_view prefix = "dash-";
 
 }  // namespace
 
 std::string own_name()
 {
     static std::atomic<int> made{0};
-    return prefix() + std::to_string(++made);
+    return std::string(prefix) + std::to_string(::getpid()) + "-" + std::to_string(++made);
 }
 
-void remove_own(std::vector<hive::StatusAnswer>& answers)
+void remove_pages(std::vector<hive::StatusAnswer>& answers)
 {
+    const auto is_page = [](const hive::EdgeStatus& edge) {  // the receiver would be "dash-1.input" if it were a drone
+        return edge.receiver.starts_with(prefix) && edge.receiver.find('.') == std::string::npos;
+    };
     for (auto& answer : answers)
         for (auto& output : answer.status.outputs)
-            std::erase_if(output.edges, [own = prefix()](const auto& edge) { return edge.receiver.starts_with(own); });
+            std::erase_if(output.edges, is_page);
 }
 
 }  // namespace hivectl::dash

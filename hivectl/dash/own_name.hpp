@@ -1,4 +1,4 @@
-// The names of the applications behind the page, by which it leaves itself out of what it shows.
+// The names of the applications behind the page, by which pages leave themselves out of what they show.
 #pragma once
 
 #include <hive/application.hpp>
@@ -10,7 +10,7 @@ namespace hivectl::dash {
 
 /// "dash-PID-N", another one each time.
 std::string own_name();
-/// What outputs count for the pictures of this page is not shown.
-void remove_own(std::vector<hive::StatusAnswer>& answers);
+/// What outputs count for the images of pages is not shown: of this one, of others, and of those that were killed.
+void remove_pages(std::vector<hive::StatusAnswer>& answers);
 
 }  // namespace hivectl::dash

@@ -84,7 +84,7 @@ void Watch::run(void (Watch::*turn)(hive::Application&), std::chrono::millisecon
 void Watch::look(hive::Application& application)
 {
     auto answers = application.status(application.drones());
-    remove_own(answers);
+    remove_pages(answers);
     const auto now = std::chrono::steady_clock::now();
     looks_.push_back({std::move(answers), now});
     if (looks_.size() > 3)

@@ -190,7 +190,7 @@ def restarts(browser, dash):
     page.see("#notice", "hivectl dash does not answer")
     dash.start()
     count = page.run(drawn)
-    page.until("document.getElementById('verdict').textContent !== 'not connected'")
+    page.until("document.getElementById('verdict').classList.contains('good')")
     page.until(f"{drawn} > {count + 3}", 30)
     assert page.run("document.getElementById('notice').hidden")
 
