@@ -18,10 +18,10 @@ namespace {
 class Page {
 public:
     explicit Page(const Swarm& swarm, std::vector<std::string> more = {})
-        : swarm_(swarm), server_(swarm.hivectl_running(words(std::move(more)), "dash"))
+        : swarm_(swarm), server_(swarm.hivectl_running(words(std::move(more)), log_name()))
     {
-        REQUIRE(eventually([&] { return has(swarm_.log("dash"), "token="); }));
-        const auto log = swarm_.log("dash");
+        REQUIRE(eventually([&] { return has(swarm_.log(log_name()), "token="); }));
+        const auto log = swarm_.log(log_name());
         token_ = log.substr(log.rfind("token=") + 6, 32);
         REQUIRE(token_.size() == 32);
     }
@@ -56,6 +56,7 @@ public:
     }
 
 private:
+    [[nodiscard]] std::string log_name() const { return "dash-" + std::to_string(port_); }
     [[nodiscard]] std::vector<std::string> words(std::vector<std::string> more) const
     {
         more.insert(more.begin(), {"dash", "--http", std::to_string(port_)});

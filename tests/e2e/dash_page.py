@@ -204,6 +204,8 @@ def shared(browser, dash):
         images(page, "#panel canvas")
     viewers = lambda: [each for each in connections() if each["state"] == "connected"]  # noqa: E731
     assert len(viewers()) == 1, viewers()
+    looks = pages[0].run("Number(document.body.dataset.version)")
+    pages[0].until(f"document.body.dataset.version > {looks + 3}")
     assert pages[0].run("document.querySelectorAll('g.drone').length") == 1, "the page shows itself"
     for page in pages:
         page.close()
