@@ -21,7 +21,7 @@ bool waits_for_receiver(const hive::Status& status, const hive::OutputStatus& ou
     if (output.why == hive::Reason::held || output.why == hive::Reason::watched)
         return true;
     const auto now_us = status.epoch + status.uptime_us;  // by the drone's own clock
-    return output.why == hive::Reason::no_receiver && status.inputs.empty()
+    return (output.why == hive::Reason::no_receiver || output.produced == 0) && status.inputs.empty()
            && output.last_emitted_us < now_us - second_us;
 }
 

@@ -227,6 +227,7 @@ def many(browser, dash):
     file.write_text(json.dumps(swarm))
     hivectl("up", str(file))
     page = browser.open(dash.url)
+    page.until("document.body.dataset.version > 0")  # before, the buttons do nothing
     page.click("button", "Images")
     page.until("[...document.querySelectorAll('#images canvas')].filter(c => c.dataset.images > 5).length === 24", 60)
     page.click("button", "List")
@@ -247,6 +248,7 @@ def demand(browser, dash):
     hivectl("stop", "live")
     hivectl("start", "camera", f"source={folder}", "pace=demand")
     page = browser.open(dash.url)
+    page.until("document.body.dataset.version > 0")  # before, the buttons do nothing
     page.click("button", "Images")
     page.see("#images", "No drone that fits has images.")
     page.click("button", "Graph")
