@@ -99,15 +99,12 @@ std::string as_tenths(const hive::Json& value)
 {
     return value.is_number() ? tenths_text(value.get<double>()) : std::string();
 }
-std::string as_size(const hive::Json& bytes)
-{
-    return bytes.is_number() ? size_text(bytes.get<std::int64_t>()) : std::string();
-}
 
 std::string as_time(const hive::Json& value)
 {
     return value.is_number() ? time_text(value.get<std::int64_t>()) : std::string();
 }
+
 std::string as_size(const hive::Json& value)
 {
     return value.is_number() ? size_text(value.get<std::int64_t>()) : std::string();

@@ -177,7 +177,7 @@ void RecordDrone::part()
 {
     const auto former = std::exchange(former_, std::nullopt);
     if (former && !opened_.around)
-        last_.take();
+        static_cast<void>(last_.take());  // they belong to no file
     if (former && former->writer)
         finish(*former->writer, former->writes, "another file was set");
 }

@@ -24,7 +24,8 @@ try {
                                           .cookie = "hive-dash",
                                           .allow = "GET, POST",
                                           .connections = 64,
-                                          .streams = 16};
+                                          .streams = 16,
+                                          .preparing = session.timeout() + 15s};  // an order may wait for another
     const interrupt::Deferred deferred;
     dash::Site site(
         {.home = home, .timeout = session.timeout(), .streams = settings.streams, .repeat = settings.repeat});

@@ -53,9 +53,9 @@ public:
         const std::lock_guard lock(mutex_);
         looked_ = now;
         widths_[width] = now;
-        wanted_ = wanted_ || after >= version_;
-        wake_.notify_all();
         const auto found = ready_for_.find(width);
+        wanted_ = wanted_ || found == ready_for_.end() || after >= found->second.version;
+        wake_.notify_all();
         return problem_.empty() && found != ready_for_.end() ? found->second : Newest{0, {}, {}, problem_};
     }
     [[nodiscard]] bool ended() const { return ended_; }

@@ -78,16 +78,29 @@ Json edge_row(const hive::AuditRow& audited, const Row& rates, const Row& counts
 
 Json object_of(const Row& row) { return Json::parse(row.json()); }
 
-/// Of the machines of drones: how many drones, and how busy their code is.
-Json machines_of(const Json& drones)
+/// Of all processors of a drone's machine, between two looks. Null: not known.
+Json machine_busy_percent(const hive::StatusAnswer& answer, const std::vector<hive::StatusAnswer>& earlier)
 {
-    std::map<std::string, std::pair<int, double>> machines;
-    for (const auto& drone : drones) {
-        if (drone.at("host") == "")
+    const auto before = std::ranges::find(earlier, answer.drone, &hive::StatusAnswer::drone);
+    const auto& now = answer.status;
+    if (answer.error || now.machine.processors == 0 || before == earlier.end() || before->error
+        || before->status.epoch != now.epoch || now.uptime_us <= before->status.uptime_us)
+        return nullptr;
+    const auto possible = static_cast<double>((now.uptime_us - before->status.uptime_us) * now.machine.processors);
+    return std::min(100.0, 100.0 * static_cast<double>(now.machine.cpu_us - before->status.machine.cpu_us) / possible);
+}
+
+/// Of the machines of drones: how many drones, and how busy the processors are.
+Json machines_of(const std::array<Look, 3>& looks)
+{
+    std::map<std::string, std::pair<int, Json>> machines;
+    for (const auto& answer : looks[2].answers) {
+        if (answer.place.host.empty())
             continue;
-        auto& [count, busy] = machines[drone.at("host").get<std::string>()];
+        auto& [count, busy] = machines[answer.place.host];
         ++count;
-        busy += drone.at("busy_percent").is_number() ? drone.at("busy_percent").get<double>() : 0;
+        if (auto percent = machine_busy_percent(answer, looks[1].answers); !percent.is_null())
+            busy = std::move(percent);
     }
     Json rows = Json::array();
     for (const auto& [host, machine] : machines)
@@ -152,13 +165,13 @@ Snapshot snapshot_of(const std::array<Look, 3>& looks, const hive::SwarmGraph& g
     return snapshot;
 }
 
-Json bar_of(const std::array<Look, 3>& looks, const Json& drones)
+Json bar_of(const std::array<Look, 3>& looks)
 {
     const auto audit = hive::audit(looks[0].answers, looks[1].answers, looks[2].answers);
     return {{"clean", audit.clean()},
             {"verdict", verdict_of(audit)},
             {"silent", audit.silent},
-            {"machines", machines_of(drones)},
+            {"machines", machines_of(looks)},
             {"clocks", clocks_of(looks[2].answers)}};
 }
 

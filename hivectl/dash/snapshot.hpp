@@ -52,7 +52,7 @@ Snapshot snapshot_of(const std::array<Look, 3>& looks, const hive::SwarmGraph& g
 void remember(std::map<std::string, Past>& past, const Snapshot& now);
 
 /// The bar on top: what audit says in a sentence, and the machines.
-hive::Json bar_of(const std::array<Look, 3>& looks, const hive::Json& drones);
+hive::Json bar_of(const std::array<Look, 3>& looks);
 
 /// Everything of one drone: outputs with their types and counts, exceptions, the last minutes. Null: not known.
 hive::Json drone_details(const Snapshot& snapshot, const std::string& drone);

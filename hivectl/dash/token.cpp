@@ -21,9 +21,9 @@ std::string lasting_token(const std::filesystem::path& file)
     const int descriptor = ::open(part.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
     const bool written =
         descriptor >= 0 && ::write(descriptor, token.data(), token.size()) == static_cast<ssize_t>(token.size());
+    const bool linked = written && (::link(part.c_str(), file.c_str()) == 0 || errno == EEXIST);
     const std::string problem = std::strerror(errno);
     ::close(descriptor);
-    const bool linked = written && (::link(part.c_str(), file.c_str()) == 0 || errno == EEXIST);
     ::unlink(part.c_str());
     if (!linked)
         throw hive::Error(hive::Errc::io, "cannot write " + file.string() + ": " + problem);

@@ -95,7 +95,7 @@ void Watch::look(hive::Application& application)
     remember(past_, *snapshot);
     snapshot->past = past_;
     draw(graph);
-    auto bar = bar_of(three, snapshot->drones);
+    auto bar = bar_of(three);
     bar["viewer"] = have_viewers_key();
     {
         const std::lock_guard lock(mutex_);

@@ -78,7 +78,7 @@ void in_browser(const std::string& scenario)
     if (!possible(sanitized() ? missing_if_sanitized() : there ? "" : "chromium and graphviz"))
         return;
     const Swarm swarm;
-    const auto done = swarm.run({"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/e2e/dash_page.py", scenario}, 120'000ms);
+    const auto done = swarm.run({"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/e2e/dash_page.py", scenario}, 90'000ms);
     CHECK_MESSAGE(done.exit_code == 0, done.out, done.err);
 }
 
@@ -170,10 +170,13 @@ TEST_CASE("dash: the stream has drones, connections and the verdict, and a drone
             .run({"/usr/bin/timeout", "4", "/usr/bin/curl", "-sN", "-b", page.cookie(), page.address() + "/events"})
             .out;
     };
-    const auto text = stream();
-    REQUIRE_MESSAGE(has(text, "data: {"), text);
-    const auto from = text.rfind("data: ", text.rfind("\n\n")) + 6;
-    const auto last = Json::parse(text.substr(from, text.find("\n\n", from) - from));
+    Json last;
+    REQUIRE(eventually([&] {
+        const auto text = stream();
+        const auto from = text.rfind("data: ", text.rfind("\n\n")) + 6;
+        last = has(text, "data: {") ? Json::parse(text.substr(from, text.find("\n\n", from) - from)) : Json();
+        return !last.is_null() && last.at("edges").size() == 1 && last.at("edges")[0].at("per_s").is_number();
+    }));
     CHECK(last.at("drones").size() == 3);
     REQUIRE(last.at("edges").size() == 1);
     CHECK(last.at("edges")[0].at("id") == "source.tick>worker.image>");
@@ -190,7 +193,7 @@ TEST_CASE("dash: the stream has drones, connections and the verdict, and a drone
                "'%{time_total}' -b "
              + page.cookie() + " " + page.address() + "/drone/worker); wait; echo $time; cat $HIVE_HOME/hung-1"});
     hung.signal(SIGCONT);
-    CHECK_MESSAGE(std::stod(asking.out) < 0.5, asking.out);
+    CHECK_MESSAGE(std::stod(asking.out) < 2.5, asking.out);  // of the 3 s for which the others wait
     CHECK_MESSAGE(has(asking.out, "\"error\""), asking.out);
 }
 

@@ -32,7 +32,7 @@ def connections():
     return json.loads(hivectl("connections", "--json"))
 
 
-def eventually(what, seconds=20):
+def eventually(what, seconds=60):
     end = time.monotonic() + seconds
     while not (value := what()):
         assert time.monotonic() < end, f"not within {seconds} s"

@@ -277,7 +277,7 @@ TEST_CASE("completion: drones of the tests are not offered, though they can be s
 {
     const Swarm swarm;
     CHECK(swarm.hivectl_done({"complete", "--", "start", "cam"}) == "camera\n");
-    for (const char* kind : {"ticker", "sleeper", "counter", "crasher", "fork", "join"})
+    for (const char* kind : {"ticker", "sleeper", "counter", "crasher", "breaker", "fork", "join"})
         CHECK(swarm.hivectl_done({"complete", "--", "start", kind}).empty());
 }
 

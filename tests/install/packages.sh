@@ -41,7 +41,7 @@ done
 for file in share/hive/{hive.rules.yml,grafana.json} lib/systemd/user/hive-metrics.service; do
     [ -e "$root/usr/$file" ] || fail "no package has $file"
 done
-[ -z "$(grep -E 'bin/(hive-)?(ticker|sleeper|counter|crasher|fork|join)$' "$place/files")" ] || fail "drones of the tests are in a package"
+[ -z "$(grep -E 'bin/(hive-)?(ticker|sleeper|counter|crasher|breaker|fork|join)$' "$place/files")" ] || fail "drones of the tests are in a package"
 for word in libssl libstdc++ elfutils; do
     grep -q "$word" "$place/libhive0.depends" || fail "libhive0 does not depend on $word: $(cat "$place/libhive0.depends")"
 done

@@ -4,6 +4,7 @@ import itertools
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import threading
@@ -24,8 +25,8 @@ class Browser:
             reader, writer = os.dup(to_read), os.dup(to_write)
             os.dup2(reader, 3), os.dup2(writer, 4)
 
-        self.process = subprocess.Popen(words, preexec_fn=place_pipe, close_fds=False, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.DEVNULL)
+        self.process = subprocess.Popen(words, preexec_fn=place_pipe, close_fds=False, start_new_session=True,
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(to_read), os.close(to_write)
         self.numbers, self.answers, self.arrived = itertools.count(1), {}, threading.Condition()
         threading.Thread(target=self._read, daemon=True).start()
@@ -34,7 +35,7 @@ class Browser:
         return self
 
     def __exit__(self, *_):
-        self.process.kill()
+        os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
         os.close(self.write_end)
         shutil.rmtree(self.profile, ignore_errors=True)
@@ -100,7 +101,7 @@ class Page:
             raise RuntimeError(result["exceptionDetails"].get("exception", {}).get("description", script))
         return result["result"].get("value")
 
-    def until(self, script, seconds=20):
+    def until(self, script, seconds=60):
         """Waits until the expression is true, and returns its value."""
         end = time.monotonic() + seconds
         while True:
@@ -116,7 +117,7 @@ class Page:
     def text(self, selector):
         return self.run(f"document.querySelector({json.dumps(selector)})?.innerText ?? ''")
 
-    def see(self, selector, text, seconds=20):
+    def see(self, selector, text, seconds=60):
         """Waits until what the selector finds contains the text."""
         self.until(f"[...document.querySelectorAll({json.dumps(selector)})].some(e => "
                    f"e.textContent.includes({json.dumps(text)}))", seconds)

@@ -63,10 +63,10 @@ function show_bar({ verdict, clean, silent, worst, machines, clocks, viewer }) {
   const rows = machines.map(machine => {
     const clock = offsets.has(machine.host) ? `, clock ${duration(offsets.get(machine.host))}` : "";
     const count = machine.drones === 1 ? "1 drone" : machine.drones + " drones";
-    return [machine.host, ` ${count}, code busy ${percent(machine.busy_percent)}${clock}`];
+    return [machine.host, ` ${count}, processors busy ${percent(machine.busy_percent)}${clock}`];
   });
   if (at("machines").children.length !== rows.length)
-    at("machines").replaceChildren(...rows.map(() => element("li", { title: "code busy: the time that the code of its drones was working; 100 % is one processor" }, element("b"), "")));
+    at("machines").replaceChildren(...rows.map(() => element("li", {}, element("b"), "")));
   rows.forEach(([host, text], i) => {
     write(at("machines").children[i].firstChild, host);
     at("machines").children[i].lastChild.data = text;
@@ -184,8 +184,11 @@ function listen() {
     stop_listening();
     at("verdict").className = "chip warn";
     write(at("verdict"), "not connected");
+    graph.version = null;  // another hivectl dash counts anew
     const answer = await fetch("/events", { method: "HEAD", cache: "no-store" }).catch(() => null);
-    notice(answer?.status === 403 ? "Open the address that hivectl dash prints." : "hivectl dash does not answer. The page goes on when it runs again.");
+    notice(answer?.status === 403 ? "Open the address that hivectl dash prints."
+      : answer?.status === 405 ? "Connecting again. If this stays here, too many pages are open: close one."
+      : "hivectl dash does not answer. The page goes on when it runs again.");
     setTimeout(listen, 1000);
   };
 }

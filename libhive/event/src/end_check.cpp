@@ -2,6 +2,7 @@
 #include <hive/event/intake.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace hive::event {
@@ -22,6 +23,8 @@ void EndCheck::ask()
         intake->ask_end();
     if (!asked_.empty())
         timer_.run_after(patience_, [this] {
+            // Who waits for the next round may be who was asked: in a cycle, two drones would ask each other for ever.
+            std::ranges::move(std::exchange(waiting_, {}), std::back_inserter(asking_));
             asked_.clear();
             look();
         });

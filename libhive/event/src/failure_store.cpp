@@ -8,9 +8,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -177,7 +180,7 @@ std::int64_t FailureStore::keep(const KeptFailure& failure, const std::string& e
 {
     std::uintmax_t bytes = 0;
     for (const auto& event : failure.inputs)
-        bytes += event.body.size();
+        bytes += event.body.size() + file_limits.header;
     if (bytes > max_bytes)
         return 0;
     if (::mkdir(directory_.c_str(), 0700) != 0 && errno != EEXIST)
@@ -202,7 +205,9 @@ std::int64_t FailureStore::keep(const KeptFailure& failure, const std::string& e
                 break;
         }
     number = std::max<std::int64_t>(number, 1);
-    const auto name = failure.drone + "," + std::to_string(number) + "," + std::to_string(failure.run) + "," + edge;
+    constexpr std::size_t max_edge = 128;  // so that the name is one that file systems take
+    const auto name = failure.drone + "," + std::to_string(number) + "," + std::to_string(failure.run) + ","
+                      + edge.substr(0, max_edge);
     fs::rename(fresh, directory_ / name, problem);
     if (problem) {
         fs::remove(fresh, problem);

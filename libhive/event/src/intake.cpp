@@ -170,7 +170,8 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
     connected_ = true;
     tried_ = 0;
     sender_leaves_ = false;
-    end_.reset();  // the sender tells of it again, if it is still so
+    end_.reset();  // the sender tells of it again, if it is still so, and then it is asked again
+    answered_ = question_;
     changed();
     before_.reset();
     problem_.reset();

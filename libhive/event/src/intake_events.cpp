@@ -51,7 +51,10 @@ void Intake::ask_end()
     tell(request);
 }
 
-bool Intake::unsure() const { return end_ && answered_ < question_ && !sender_leaves_ && !stopped() && !refusal(); }
+bool Intake::unsure() const
+{
+    return end_ && answered_ < question_ && !sender_leaves_ && !stopped() && !refusal() && !gone_for_good();
+}
 
 /// Its sender ended the registration, because an operator said so.
 void Intake::dropped()
@@ -220,7 +223,7 @@ std::int64_t EndOfInputs::doubt()
 {
     const std::lock_guard lock(mutex_);
     sure_ = whom_ == Of::drone;
-    return number_;
+    return ++number_;  // an answer to an earlier doubt is no answer to this one
 }
 
 bool EndOfInputs::confirm(std::int64_t end)

@@ -225,10 +225,11 @@ bool Subscription::may_show(const Consumer& consumer, const EmissionPtr& event) 
 }
 
 /// The first event that the consumer has not processed, behind those that it has not acknowledged, as far as they are
-/// still here.
+/// still here. Of a stream it tells what it has processed after every few, so that it may have got further.
 void Subscription::show_hands(ReceiverId id, const Consumer& consumer, Decisions& decisions) const
 {
-    for (std::size_t i = 0; i < consumer.hands.size() && i <= consumer.head(); ++i) {
+    const std::size_t untold = consumer.options.transfer == Transfer::streaming ? 15 : 0;
+    for (std::size_t i = 0; i < consumer.hands.size() && i <= consumer.head() + untold; ++i) {
         const Handed& handed = consumer.hands[i];
         const auto job = open_.find(handed.job);
         if (const auto& event = handed.live || job == open_.end() ? handed.live : job->second.event)

@@ -114,6 +114,8 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
     if (how != Fate::lost_connection && last.works())
         ++open_.at(last.hands[last.head()].job).failures;  // it may be what the receiver died of
     awaited_until_ = now + kept_for;
+    for (auto& handed : last.hands)
+        handed.live = nullptr;
     away_ = Away{.was = std::move(last), .how = how};
 }
 

@@ -102,15 +102,21 @@ void keep_parameters(std::vector<Answer>& answers)
         }
 }
 
+/// One that got no answer may have been taken all the same.
+struct CountedSet {
+    std::atomic<std::int64_t>& sets;
+    ~CountedSet() { ++sets; }
+};
+
 }  // namespace
 
 Json Application::set(const std::string& drone, const Json& parameters)
 {
     const auto until = core_->deadline();
+    const CountedSet counted{core_->sets};
     try {
         const auto answer = core_->ask(drone, PacketType::set,
                                        {{"parameters", parameters}, {"deadline_ms", deadline_ms_before(until)}});
-        ++core_->sets;
         return parameters_in(drone, answer);
     } catch (const Error& error) {
         if (error.code() != Errc::timeout || event::Clock::now() < until)
@@ -122,14 +128,13 @@ Json Application::set(const std::string& drone, const Json& parameters)
 SetResult Application::set(const std::vector<std::string>& drones, const Json& parameters,
                            const std::function<bool()>& cancelled)
 {
+    const CountedSet counted{core_->sets};
     const auto either = [&] { return cancelled() || (core_->cancelled && core_->cancelled()); };
     JointSet::Terms terms{.drones = {}, .parameters = parameters, .deadline = core_->deadline(), .cancelled = either};
     auto places = core_->places_or_errors(drones);
     for (std::size_t i = 0; i < drones.size(); ++i)
         terms.drones.emplace_back(drones[i], std::move(places[i]));
-    auto result = JointSet(core_->module, std::move(terms)).run();
-    ++core_->sets;
-    return result;
+    return JointSet(core_->module, std::move(terms)).run();
 }
 
 Json Application::get(const std::string& drone, const std::vector<std::string>& names)

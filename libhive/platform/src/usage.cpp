@@ -14,14 +14,15 @@ constexpr std::int64_t second_us = 1'000'000;
 
 std::int64_t microseconds(const timeval& time) { return time.tv_sec * second_us + time.tv_usec; }
 
-/// Of the first line of /proc/stat: "cpu user nice system idle iowait irq softirq ...", in ticks.
+/// Of the first line of /proc/stat: "cpu user nice system idle iowait irq softirq steal ...", in ticks. What other
+/// virtual machines steal is busy as well.
 std::int64_t machine_cpu_us()
 {
     std::ifstream file("/proc/stat");
     std::string word;
-    std::int64_t user = 0, nice = 0, system = 0, idle = 0, waits = 0, irq = 0, softirq = 0;
-    file >> word >> user >> nice >> system >> idle >> waits >> irq >> softirq;
-    return (user + nice + system + irq + softirq) * (second_us / ::sysconf(_SC_CLK_TCK));
+    std::int64_t user = 0, nice = 0, system = 0, idle = 0, waits = 0, irq = 0, softirq = 0, steal = 0;
+    file >> word >> user >> nice >> system >> idle >> waits >> irq >> softirq >> steal;
+    return (user + nice + system + irq + softirq + steal) * (second_us / ::sysconf(_SC_CLK_TCK));
 }
 
 }  // namespace

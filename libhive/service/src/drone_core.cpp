@@ -186,7 +186,8 @@ void DroneCore::prepare()
                          &cause);
     };
     module.on_failed_at = [this](const event::Outlet::Failing& failing) {
-        running_->failures.receiver_failed(failing);
+        if (auto job = running_->failures.receiver_failed(failing))
+            running_->module.do_aside(std::move(job));
     };
     module.failures = [this](const Event* newest) { return reporter_.failures(newest); };
     module.on_not_encoded = [this](const event::EmissionPtr& event, const Error& problem) {

@@ -14,21 +14,24 @@ std::string file_name(const std::string& path) { return path.substr(path.rfind('
 
 void FailureKeeper::threw(const Error& error, const std::vector<Event>& inputs)
 {
-    keep({.drone = self_.name,
-          .time_us = event::wall_us(),
-          .code = std::string(info(error.code()).token),
-          .text = shortened(error.what()),
-          .inputs = inputs},
-         {});
+    if (kept_.pass("itself", event::Clock::now()))
+        keep({.drone = self_.name,
+              .time_us = event::wall_us(),
+              .code = std::string(info(error.code()).token),
+              .text = shortened(error.what()),
+              .inputs = inputs},
+             {});
 }
 
-void FailureKeeper::receiver_failed(const event::Outlet::Failing& failing)
+event::EncoderThread::Job FailureKeeper::receiver_failed(const event::Outlet::Failing& failing)
 {
     constexpr std::size_t max_inputs = 16;
     const auto& [link, receiver, how, events] = failing;
     const auto& peer = link.peer();
     if (receiver.size() <= peer.name.size() + 1 || (link.local() && home_.succession(peer.name)))
-        return;  // whoever is replaced has not died of it
+        return {};  // whoever is replaced has not died of it
+    if (!kept_.pass("receivers", event::Clock::now()))
+        return {};
     KeptFailure failure{.drone = peer.name,
                         .time_us = event::wall_us(),
                         .run = peer.epoch,
@@ -43,7 +46,8 @@ void FailureKeeper::receiver_failed(const event::Outlet::Failing& failing)
         input.ticket = {};
     }
     const auto& last = failure.inputs.back();
-    keep(failure, last.sender + "." + last.output + "," + last.input);
+    const auto edge = last.sender + "." + last.output + "," + last.input;
+    return [this, failure = std::move(failure), edge] { keep(failure, edge); };
 }
 
 /// The crash of a drone of this machine is told before its connections end.
@@ -63,12 +67,14 @@ std::string FailureKeeper::how_it_died(const event::Link& link, Fate how) const
     } catch (const Error&) {
         // Half a file, of a full disk: the death is kept without its cause.
     }
-    return how == Fate::lost_cut_off ? "gave no sign of life and was cut off" : "its process ended";
+    return how == Fate::lost_cut_off ? "gave no sign of life and was cut off"
+           : link.local()            ? "its process ended"
+                                     : "its connection ended";
 }
 
 void FailureKeeper::keep(const KeptFailure& failure, const std::string& edge)
 try {
-    if (kept_.pass(failure.drone, event::Clock::now()) && store_.keep(failure, edge) == 0)
+    if (store_.keep(failure, edge) == 0)
         reporter_.log(LogLevel::warning, "an input of " + failure.drone + " is too large to be kept");
 } catch (const std::exception& error) {
     reporter_.log(LogLevel::warning, "could not keep what " + failure.drone + " failed at: " + error.what());

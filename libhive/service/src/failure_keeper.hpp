@@ -7,7 +7,7 @@
 
 namespace hive::service {
 
-/// At most 8 within 8 s for each drone: who fails at every event would write all of them.
+/// At most 8 within 8 s, and of all receivers together as many: who fails at every event would write all of them.
 class FailureKeeper {
 public:
     FailureKeeper(const protocol::Hello& self, const event::Home& home, const Reporter& reporter)
@@ -17,8 +17,8 @@ public:
 
     /// The user thread. @param inputs  of the callback that threw
     void threw(const Error& error, const std::vector<Event>& inputs);
-    /// The network side; see event::Outlet::Hooks.
-    void receiver_failed(const event::Outlet::Failing& failing);
+    /// The network side; see event::Outlet::Hooks. @return  what writes it, to be done aside; null: nothing is kept
+    [[nodiscard]] event::EncoderThread::Job receiver_failed(const event::Outlet::Failing& failing);
 
 private:
     void keep(const KeptFailure& failure, const std::string& edge);

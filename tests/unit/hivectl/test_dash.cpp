@@ -99,11 +99,18 @@ TEST_CASE("dash: the bar says what is lost, and how busy machines are")
 {
     const std::array<Look, 3> clean{look(100, 0, 0, 1s), look(130, 0, 0, 2s), look(160, 0, 0, 3s)},
         lossy{look(100, 0, 0, 1s), look(130, 1, 0, 2s), look(160, 1, 0, 3s)};
-    CHECK(bar_of(clean, snapshot(clean).drones).at("verdict") == "nothing lost");
-    const auto bar = bar_of(lossy, snapshot(lossy).drones);
+    CHECK(bar_of(clean).at("verdict") == "nothing lost");
+    const auto bar = bar_of(lossy);
     CHECK(bar.at("verdict") == "1 event lost");
     CHECK(bar.at("clean") == false);
-    CHECK(bar.at("machines") == Json::array({{{"host", "local"}, {"drones", 2}, {"busy_percent", 0.0}}}));
+    CHECK(bar.at("machines") == Json::array({{{"host", "local"}, {"drones", 2}, {"busy_percent", nullptr}}}));
+
+    auto busy = clean;
+    for (auto& each : busy)
+        each.answers[0].status.machine.processors = 2;
+    busy[2].answers[0].status.uptime_us = busy[1].answers[0].status.uptime_us + 1'000'000;
+    busy[2].answers[0].status.machine.cpu_us = 1'500'000;
+    CHECK(bar_of(busy).at("machines").at(0).at("busy_percent") == 75.0);
 }
 
 TEST_CASE("dash: the first look has no rates, and is valid JSON")

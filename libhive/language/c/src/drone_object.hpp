@@ -30,7 +30,7 @@ private:
 
 /// The variable of one parameter: the caller's, or one of our own.
 struct Variable {
-    std::string name;
+    std::string name{};
     int* integer = nullptr;
     double* number = nullptr;
     bool* flag = nullptr;

@@ -90,6 +90,9 @@ public:
     std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
     /// How long events have been encoded for receivers.
     [[nodiscard]] std::chrono::nanoseconds encoding() const { return encoder_thread_.worked(); }
+    /// Done on the thread that encodes, for what would hold up the network side, such as a large file; not done if the
+    /// module ends before.
+    void do_aside(EncoderThread::Job job) { encoder_thread_.push("", std::move(job)); }
     /// Where bodies are made that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
@@ -211,7 +214,8 @@ private:
     std::int64_t registration_ = 0;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
-    EndCheck end_check_{context(), intakes_, options_.timing.silence};
+    /// Drones answer before those who ask them give up.
+    EndCheck end_check_{context(), intakes_, options_.timing.silence / (options_.self.kind == "application" ? 1 : 2)};
     std::vector<std::shared_ptr<Intake>> leaving_;         ///< removed, and not done with everything
     std::map<std::string, InputStatus> left_;              ///< by input
     std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put
