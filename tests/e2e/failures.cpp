@@ -109,7 +109,7 @@ TEST_CASE("failures: a drone that dies of one certain event is reproduced from t
         CHECK(application.failures("victim").size() == 1);
         const auto passed = swarm.hivectl({"rerun", "victim", "1", "how=none"}, 30s);
         CHECK_MESSAGE(passed.exit_code == 0, passed.err);
-        CHECK(passed.out == "victim did not fail: emitted 1 event\n");
+        CHECK_MESSAGE(passed.out.starts_with("victim did not fail: emitted "), passed.out);
     }
 }
 
