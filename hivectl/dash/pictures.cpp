@@ -112,7 +112,7 @@ void Pictures::Source::run()
     ended_ = true;
 }
 
-/// False: nobody looks any more.
+/// False: no page looks any more.
 bool Pictures::Source::wait_until_wanted()
 {
     std::unique_lock lock(mutex_);

@@ -14,7 +14,7 @@ namespace {
 
 using hive::Json;
 
-/// A source on demand that would produce for whoever receives this output. A live one emits without receivers, too.
+/// A source on demand that would produce for any receiver of this output. A live one emits without receivers, too.
 bool waits_for_receiver(const hive::Status& status, const hive::OutputStatus& output)
 {
     constexpr std::int64_t second_us = 1'000'000;

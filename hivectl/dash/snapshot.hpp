@@ -1,4 +1,4 @@
-// What the page shows of a swarm at one moment, made of the last answers of all drones. Asks nobody.
+// What the page shows of a swarm at one moment, made of the last answers of all drones. Asks no drone.
 #pragma once
 
 #include <hive/application.hpp>

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto every_look = 1s, every_explanation = 2s, nobody_looks_after = 4s;
+constexpr auto every_look = 1s, every_explanation = 2s, idle_after = 4s;
 
 /// Drones of other machines then let us look, and refuse everything else.
 bool have_viewers_key()
@@ -46,7 +46,7 @@ Watch::~Watch()
 std::shared_ptr<const Snapshot> Watch::newest(Time now)
 {
     const std::lock_guard lock(mutex_);
-    if (now - looked_ > nobody_looks_after)
+    if (now - looked_ > idle_after)
         wake_.notify_all();
     looked_ = std::max(looked_, now);
     return newest_;
@@ -63,7 +63,7 @@ bool Watch::wait_for_looker(Time not_before)
 {
     std::unique_lock lock(mutex_);
     wake_.wait_until(lock, not_before, [this] { return ending_; });
-    wake_.wait(lock, [this] { return ending_ || std::chrono::steady_clock::now() - looked_ <= nobody_looks_after; });
+    wake_.wait(lock, [this] { return ending_ || std::chrono::steady_clock::now() - looked_ <= idle_after; });
     return !ending_;
 }
 

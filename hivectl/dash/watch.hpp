@@ -1,4 +1,4 @@
-// Looks at the swarm each second, as long as somebody has the page open.
+// Looks at the swarm each second, as long as a page is open.
 #pragma once
 
 #include "snapshot.hpp"
@@ -33,7 +33,7 @@ public:
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
 
-    /// Null until the first look is done. Whoever looks calls this again and again. From any thread; never waits.
+    /// Null until the first look is done. A page calls this again and again. From any thread; never waits.
     std::shared_ptr<const Snapshot> newest(Time now);
     [[nodiscard]] std::shared_ptr<const Drawing> drawing() const;
 
@@ -50,7 +50,7 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     bool ending_ = false;
-    Time looked_{};  ///< when somebody asked last
+    Time looked_{};  ///< when a page asked last
     std::shared_ptr<const Snapshot> newest_;
     std::shared_ptr<const Drawing> drawing_ = std::make_shared<Drawing>();
     hive::Json worst_;  ///< what explain says

@@ -89,7 +89,7 @@ void write_packet(std::ofstream& out, PacketType type, const std::string& header
 
 void write_failure(const fs::path& file, const KeptFailure& failure)
 {
-    // Made with its mode, so that nobody can open it before it has that.
+    // Made with its mode, so that no other user can open it before.
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor < 0)
         fail("cannot write " + file.string());

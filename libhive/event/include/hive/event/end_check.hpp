@@ -13,7 +13,7 @@ namespace hive::event {
 class Intake;
 
 /// Network side. One round of questions is under way at a time, and who asks meanwhile waits for the next one: an
-/// answer is good only for who asked before it was given.
+/// answer is good only for those who asked before it was given. A round that takes too long answers both.
 class EndCheck {
 public:
     using Then = std::function<void()>;

@@ -24,7 +24,7 @@ public:
         const Link& link;
         const std::string& receiver;
         Fate how;                         ///< lost_killed, lost_cut_off; passed_on: the lease
-        std::vector<EmissionPtr> events;  ///< as they were sent; one, unless the drone keeps state between events
+        std::vector<EmissionPtr> events;  ///< as they were sent; of a stream or a stateful drone several
     };
     struct Hooks {
         std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
