@@ -8,31 +8,37 @@
 #include "../targets.hpp"
 #include "../verbs.hpp"
 
+#include <hive/connection_option.hpp>
+
+#include <map>
+
 namespace hivectl::connect_verb {
 namespace {
 
 struct Options {
     std::string sender;
     std::vector<std::string> receivers;
-    bool stream = false, notify = false, share = false, first_frame = false;
-    int window = 1;
-    std::string group, encoding;
-    std::optional<double> lease_s;
+    bool share = false;
+    std::map<std::string_view, bool> flags;  ///< of the table of options
+    std::map<std::string_view, std::string> values;
 };
 
 hive::ConnectionOptions connection_of(const Options& options, const std::string& sender)
 {
     hive::ConnectionOptions connection;
-    connection.transfer = options.stream ? hive::Transfer::streaming : hive::Transfer::synchronized;
-    connection.delivery = options.notify ? hive::Delivery::notification : hive::Delivery::data;
-    connection.window = options.window;
-    connection.group = options.group.empty() && options.share ? sender : options.group;
-    connection.first_frame = options.first_frame;
-    connection.encoding = options.encoding;
-    if (options.lease_s && connection.group.empty())
+    for (const auto& option : hive::connection_option_table()) {
+        const auto value = options.values.find(option.name);
+        const bool is_set = option.is_flag() ? option.set(connection, options.flags.at(option.name))
+                                             : value->second.empty() || option.set_text(connection, value->second);
+        if (!is_set)
+            throw hive::Error(hive::Errc::invalid_argument, option.on_command_line() + " must be "
+                                                                + std::string(option.must) + ", not "
+                                                                + hive::in_quotes(value->second));
+    }
+    if (connection.group.empty() && options.share)
+        connection.group = sender;
+    if (connection.lease && connection.group.empty())
         throw hive::Error(hive::Errc::invalid_argument, "--lease is for shared work", "add --share or --group NAME");
-    if (options.lease_s)
-        connection.lease = std::chrono::milliseconds(static_cast<std::int64_t>(*options.lease_s * 1000));
     return connection;
 }
 
@@ -62,6 +68,20 @@ int run(const Options& options, Session& session)
     return outcome.exit_code();
 }
 
+Option declare(CommandLine& line, const hive::ConnectionOption& option, Options& options)
+{
+    const auto name = option.on_command_line();
+    const std::string help(option.help);
+    if (option.is_flag())
+        return line.flag(name, options.flags[option.name], help);
+    const auto declared =
+        line.option(name, options.values[option.name], help).type_name(std::string(option.placeholder));
+    return option.name == "window"     ? declared.between(1, hive::widest_window)
+           : option.name == "lease"    ? declared.seconds(hive::shortest_lease_s, hive::longest_lease_s)
+           : option.name == "encoding" ? declared.encoding()
+                                       : declared;
+}
+
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
@@ -69,41 +89,15 @@ Run declare(CommandLine& line, Session& session)
         .required();
     line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
         .required();
-    const auto stream = line.flag("--stream", options->stream,
-                                  "send every event, not only the newest when the receiver is ready; what it cannot "
-                                  "keep up with is dropped and counted");
-    line.option("--window", options->window,
-                "how many events the receiver may ask for ahead, so that it never waits for a round trip (default 1)")
-        .type_name("N")
-        .between(1, 64)
-        .excludes(stream);
-    const auto notify = line.flag("--notify", options->notify, "send headers without bodies");
-    const auto first_frame = line.flag("--first-frame", options->first_frame,
-                                       "begin with the newest event that exists already; not for shared work");
-    line.flag("--share", options->share,
-              "the receivers share the work: each event goes to exactly one of them, the one with the fewest events in "
-              "hand, or "
-              "of these the one waiting longest")
-        .excludes(stream)
-        .excludes(notify)
-        .excludes(first_frame);
-    line.option("--group", options->group,
-                "share with everyone of that group (default with --share: the sender's name)")
-        .type_name("NAME")
-        .excludes(stream)
-        .excludes(notify)
-        .excludes(first_frame);
-    line.option("--lease", options->lease_s,
-                "how long a member may work on an event before another gets it; the shortest of a group holds "
-                "(default: measured)")
-        .type_name("SECONDS")
-        .seconds();
-    line.option("--encoding", options->encoding,
-                "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across "
-                "a network)")
-        .type_name("NAME")
-        .encoding()
-        .excludes(notify);
+    std::map<std::string_view, Option> declared;
+    declared.emplace("share",
+                     line.flag("--share", options->share,
+                               "the receivers share the work: each event goes to exactly one of them, the one with the "
+                               "fewest events in hand, or of these the one waiting longest"));
+    for (const auto& option : hive::connection_option_table())
+        declared.emplace(option.name, declare(line, option, *options));
+    for (const auto& [one, other] : hive::connection_clashes())
+        declared.at(other).excludes(declared.at(one));
     return [options, &session] { return run(*options, session); };
 }
 

@@ -5,6 +5,7 @@
 #include "../settings.hpp"
 #include "../verbs.hpp"
 
+#include <hive/connection_option.hpp>
 #include <hive/program.hpp>
 
 namespace hivectl::start_verb {
@@ -47,8 +48,8 @@ Run declare(CommandLine& line, Session& session)
         "a drone of this name and kind that runs there already is left as it is, and printed as if it was started");
     line.option("--connect", options->order.connections,
                 "receive from there as soon as the sender is there; may be repeated, and INPUT be left out where there "
-                "is only one. OPTIONs: at=tcp://HOST:PORT, stream, notify, window=N, first_frame, share, group=NAME, "
-                "lease=SECONDS, encoding=NAME")
+                "is only one. OPTIONs: "
+                    + hive::connection_option_words())
         .type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         .one_each();
     line.option("--expect", options->order.expected,

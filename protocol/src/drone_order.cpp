@@ -1,4 +1,6 @@
 // The table of the fields of an order, and what walks it.
+#include "each.hpp"
+
 #include <hive/drone_order.hpp>
 #include <hive/error.hpp>
 
@@ -98,13 +100,6 @@ constexpr std::array order_table{
     OrderField{"log_level", "--log-level", word, &DroneOrder::log_level, "info", log_levels, by_restart, "LEVEL", false,
                "lowest level of the log lines: debug, info (default), warning, error or off"},
 };
-
-template <class... Cases>
-struct Each : Cases... {
-    using Cases::operator()...;
-};
-template <class... Cases>
-Each(Cases...) -> Each<Cases...>;  // for clang 14
 
 }  // namespace
 

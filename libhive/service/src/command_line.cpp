@@ -4,6 +4,7 @@
 #include "bounded_log.hpp"
 #include "crash_trace.hpp"
 
+#include <hive/connection_option.hpp>
 #include <hive/name.hpp>
 
 #include <CLI/CLI.hpp>
@@ -82,9 +83,9 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
         ->type_name("NAME=VALUE");
     app.add_option("--connect", words.connections,
                    "receive from there as soon as the sender is there, and again after each loss; may be repeated. "
-                   "INPUT may be left out where there is only one. OPTIONs: at=tcp://HOST:PORT (where the sender "
-                   "listens, if it is not met in this home), stream, notify, window=N, first_frame, share, group=NAME, "
-                   "lease=SECONDS, encoding=NAME")
+                   "INPUT may be left out where there is only one. OPTIONs, of which `at` says where the sender "
+                   "listens, if it is not met in this home: "
+                       + connection_option_words())
         ->type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         ->allow_extra_args(false);
     app.add_option("--expect", words.expected,

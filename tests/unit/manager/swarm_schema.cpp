@@ -1,6 +1,7 @@
 // The schema, the reader and the table of files that both must accept or refuse.
 #include "swarm_file/words.hpp"
 
+#include <hive/connection_option.hpp>
 #include <hive/swarm_plan.hpp>
 
 #include <doctest/doctest.h>
@@ -61,7 +62,7 @@ TEST_CASE("swarm schema: it has every key that the reader knows, and no other")
     const auto& engines = parts.at("engine").at("properties");
     CHECK_EQ(keys_of(schema.at("properties")), sorted(file_keys));
     CHECK_EQ(keys_of(parts.at("drone").at("properties")), sorted(drone_keys()));
-    CHECK_EQ(keys_of(parts.at("connection").at("properties")), sorted(connection_keys));
+    CHECK_EQ(keys_of(parts.at("connection").at("properties")), sorted(connection_keys()));
     CHECK_EQ(keys_of(engines), sorted(engine_keys));
     CHECK_EQ(keys_of(engines.at("slurm").at("properties")), sorted(slurm_keys));
 }

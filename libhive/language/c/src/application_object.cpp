@@ -4,8 +4,9 @@
 #include "texts.hpp"
 #include "waiting.hpp"
 
+#include <hive/connection_option.hpp>
+
 #include <algorithm>
-#include <array>
 
 namespace hive::c {
 
@@ -197,10 +198,10 @@ Json place_json(const Place& place)
 
 ConnectionOptions connection_of(const Json& given, const ConnectionOptions& fallback)
 try {
-    constexpr std::array known{"transfer", "delivery", "window", "group", "first_frame", "lease_ms", "encoding"};
+    const auto known = connection_option_table();
     Json fields = to_json(fallback);
     for (const auto& [name, value] : given.items()) {
-        if (std::ranges::find(known, name) == known.end())
+        if (std::ranges::find(known, name, &ConnectionOption::field) == known.end())
             throw Error(Errc::invalid_argument, "a connection has no option " + in_quotes(name));
         fields[name] = value;
     }

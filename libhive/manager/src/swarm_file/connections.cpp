@@ -3,10 +3,10 @@
 #include "reader.hpp"
 #include "words.hpp"
 
+#include <hive/connection_option.hpp>
 #include <hive/name.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace hive::swarm_file {
 namespace {
@@ -17,9 +17,19 @@ std::string text_of_end(const Endpoint& end) { return end.port.empty() ? end.dro
 
 }  // namespace
 
+std::span<const std::string_view> connection_keys()
+{
+    static const auto keys = [] {
+        std::vector all{"from"sv, "to"sv, "share"sv};
+        std::ranges::transform(connection_option_table(), std::back_inserter(all), &ConnectionOption::name);
+        return all;
+    }();
+    return keys;
+}
+
 void Reader::read_connection(const Value& connection)
 {
-    Members members(mistakes_, connection, "a connection", connection_keys);
+    Members members(mistakes_, connection, "a connection", connection_keys());
     const auto from = members.require("from"), to = members.require("to");
     const auto options = read_connection_options(members);
     const bool shared = members.flag("share");
@@ -48,53 +58,25 @@ void Reader::connect_all(const std::vector<Endpoint>& senders, const std::vector
 ConnectionOptions Reader::read_connection_options(Members& members)
 {
     ConnectionOptions options;
-    options.transfer = members.flag("stream") ? Transfer::streaming : Transfer::synchronized;
-    options.delivery = members.flag("notify") ? Delivery::notification : Delivery::data;
-    options.window = static_cast<int>(members.integer("window", 1, widest_window).value_or(1));
-    options.first_frame = members.flag("first_frame");
-    options.group = members.text("group").value_or("");
-    if (!options.group.empty() && !is_name(options.group))
-        mistakes_.at_value(*members.find("group"), in_quotes(options.group) + " is not a name for a group");
-    options.lease = read_lease(members);
-    options.encoding = members.text("encoding").value_or("");
-    if (!options.encoding.empty() && !is_encoding(options.encoding))
-        mistakes_.at_value(*members.find("encoding"), in_quotes(options.encoding) + " is not an encoding",
-                           "write raw, png, jpeg or jpeg:QUALITY");
-    check_exclusions(members);
+    for (const auto& option : connection_option_table())
+        if (const auto value = members.find(option.name); value && !option.set(options, *value->json))
+            mistakes_.at_value(*value, in_quotes(option.name) + " must be " + std::string(option.must) + ", not "
+                                           + shown(*value->json));
+    check_clashes(members);
     return options;
 }
 
-/// As the options of hivectl connect exclude each other.
-void Reader::check_exclusions(Members& members)
+void Reader::check_clashes(Members& members)
 {
     const auto given = [&](std::string_view key) {
         const auto value = members.find(key);
         return value && *value->json != Json(false);
     };
-    for (const auto& [one, other] : {std::pair{"stream", "window"},
-                                     {"stream", "share"},
-                                     {"stream", "group"},
-                                     {"notify", "share"},
-                                     {"notify", "group"},
-                                     {"notify", "encoding"},
-                                     {"first_frame", "share"},
-                                     {"first_frame", "group"}})
+    for (const auto& [one, other] : connection_clashes())
         if (given(one) && given(other))
             mistakes_.at_key(*members.find(other), in_quotes(other) + " does not go with " + in_quotes(one));
     if (given("lease") && !given("share") && !given("group"))
         mistakes_.at_key(*members.find("lease"), "\"lease\" is for shared work", "add \"share\": true, or a \"group\"");
-}
-
-std::optional<std::chrono::milliseconds> Reader::read_lease(Members& members)
-{
-    const auto value = members.find("lease");
-    if (!value)
-        return std::nullopt;
-    const double seconds = value->json->is_number() ? value->json->get<double>() : 0;
-    if (seconds >= shortest_lease_s && seconds <= longest_lease_s)
-        return std::chrono::milliseconds(std::llround(seconds * 1000));
-    mistakes_.at_value(*value, "\"lease\" must be a number of seconds from 0.05 to 86400, not " + shown(*value->json));
-    return std::nullopt;
 }
 
 std::vector<Endpoint> Reader::ends_of(const std::string& text, const Value& value)

@@ -65,8 +65,7 @@ private:
     void connect_all(const std::vector<Endpoint>& senders, const std::vector<Endpoint>& receivers,
                      const ConnectionOptions& options, bool shared, const Value& to);
     ConnectionOptions read_connection_options(Members& members);
-    void check_exclusions(Members& members);
-    std::optional<std::chrono::milliseconds> read_lease(Members& members);
+    void check_clashes(Members& members);
     std::vector<Endpoint> ends_of(const std::string& text, const Value& value);
     std::vector<Endpoint> ends_like(const std::string& glob, const Value& value);
     void no_drone(const std::string& text, const Value& value);

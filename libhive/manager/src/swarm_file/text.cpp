@@ -2,6 +2,7 @@
 #include "assembly.hpp"
 #include "words.hpp"
 
+#include <hive/connection_option.hpp>
 #include <hive/swarm_plan.hpp>
 
 namespace hive {
@@ -54,31 +55,16 @@ std::string text_of_drone(const SwarmDrone& drone)
 
 Json end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
-/// Seconds; whole ones without a fraction.
-Json lease_in_seconds(const ConnectionOptions& options)
-{
-    if (!options.lease)
-        return nullptr;
-    const auto ms = options.lease->count();
-    return ms % 1000 == 0 ? Json(ms / 1000) : Json(static_cast<double>(ms) / 1000);
-}
-
 std::string text_of_connection(const SwarmConnection& connection, const Json& to)
 {
-    const auto& options = connection.options;
-    const bool shared = options.group == connection.from.drone;
-    return OneLine()
-        .add("from", end_text(connection.from))
-        .add("to", to)
-        .add_unless(false, "stream", options.transfer == Transfer::streaming)
-        .add_unless(false, "notify", options.delivery == Delivery::notification)
-        .add_unless(1, "window", options.window)
-        .add_unless(false, "first_frame", options.first_frame)
-        .add_unless(false, "share", shared)
-        .add_unless("", "group", shared ? "" : options.group)
-        .add_unless(nullptr, "lease", lease_in_seconds(options))
-        .add_unless("", "encoding", options.encoding)
-        .text();
+    OneLine line;
+    line.add("from", end_text(connection.from)).add("to", to);
+    for (const auto& option : connection_option_table())
+        if (option.name == "group" && connection.options.group == connection.from.drone)
+            line.add("share", true);
+        else
+            line.add_unless(option.value({}), option.name, option.value(connection.options));
+    return line.text();
 }
 
 /// Those that follow each other and differ in the receiver alone are written as one.

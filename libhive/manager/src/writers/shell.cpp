@@ -3,7 +3,7 @@
 #include "command_lines.hpp"
 #include "writer.hpp"
 
-#include <cmath>
+#include <hive/connection_option.hpp>
 
 namespace hive {
 namespace {
@@ -34,29 +34,16 @@ std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
 
 std::string end_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
-std::string seconds_text(std::chrono::milliseconds duration)
-{
-    return to_text(Json(static_cast<double>(duration.count()) / 1000));
-}
-
 std::string connect_line(const SwarmConnection& connection)
 {
-    const auto& options = connection.options;
     std::vector<std::string> words{"connect", end_of(connection.from), end_of(connection.to)};
-    if (options.transfer == Transfer::streaming)
-        words.emplace_back("--stream");
-    if (options.delivery == Delivery::notification)
-        words.emplace_back("--notify");
-    if (options.first_frame)
-        words.emplace_back("--first-frame");
-    if (options.window != 1)
-        words.insert(words.end(), {"--window", std::to_string(options.window)});
-    if (!options.group.empty())
-        words.insert(words.end(), {"--group", options.group});
-    if (options.lease)
-        words.insert(words.end(), {"--lease", seconds_text(*options.lease)});
-    if (!options.encoding.empty())
-        words.insert(words.end(), {"--encoding", options.encoding});
+    for (const auto& option : connection_option_table()) {
+        if (!option.is_given(connection.options))
+            continue;
+        words.push_back(option.on_command_line());
+        if (!option.is_flag())
+            words.push_back(option.text(connection.options));
+    }
     return line_of(words);
 }
 

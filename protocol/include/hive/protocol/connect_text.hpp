@@ -8,8 +8,7 @@
 
 namespace hive::protocol {
 
-/// Reads [INPUT=]DRONE.OUTPUT[,OPTION...]; the input is empty where it is left out. The options are at=ADDRESS, stream,
-/// notify, window=N, first_frame, share, group=NAME, lease=SECONDS and encoding=NAME. Throws Errc::invalid_argument.
+/// Reads [INPUT=]DRONE.OUTPUT[,OPTION...]; the input is empty where it is left out. Throws Errc::invalid_argument.
 Connect connect_from_text(const std::string& text);
 /// What connect_from_text reads as this.
 std::string to_text(const Connect& connect);

@@ -1,0 +1,13 @@
+// A visitor of a variant, made of one function for each case.
+#pragma once
+
+namespace hive {
+
+template <class... Cases>
+struct Each : Cases... {
+    using Cases::operator()...;
+};
+template <class... Cases>
+Each(Cases...) -> Each<Cases...>;  // for clang 14
+
+}  // namespace hive
