@@ -2,14 +2,16 @@
 """Stands in for `systemctl --user` where no systemd runs: it runs the ExecStart of a unit with its Environment alone.
 
 It knows start, stop, show and daemon-reload, as far as the engine systemd says them. What it knows of a unit is in
-$HIVE_TEST_SYSTEMD: UNIT.pid, and UNIT.ended with how it ended.
+$HIVE_TEST_SYSTEMD: UNIT.pid, UNIT.told with what the unit said of itself, and UNIT.ended with how it ended.
 """
 import os
 import pathlib
 import re
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 
 STATE = pathlib.Path(os.environ["HIVE_TEST_SYSTEMD"])
@@ -38,12 +40,33 @@ def settings_of(unit):
     return settings
 
 
+def hear(unit, told):
+    """Writes down what the processes of a unit say of themselves."""
+    while True:
+        news = told.recv(4096).decode()
+        with open(STATE / (unit + ".told"), "a", encoding="utf-8") as file:
+            file.write(news + "\n")
+
+
+def notify_socket(unit):
+    path = STATE / (unit + ".notify")
+    path.unlink(missing_ok=True)
+    told = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    told.bind(str(path))
+    threading.Thread(target=hear, args=(unit, told), daemon=True).start()
+    return str(path)
+
+
 def supervise(unit):
     """Until the process ends, and again as the unit says."""
     settings = settings_of(unit)
     environment = {"PATH": "/usr/bin:/bin", **dict(word.split("=", 1) for word in settings["Environment"])}
+    if settings["Type"] == "notify":
+        environment |= {"NOTIFY_SOCKET": notify_socket(unit),
+                        "WATCHDOG_USEC": str(int(settings["WatchdogSec"]) * 1_000_000)}
     log = settings["StandardOutput"].removeprefix("append:").replace("%%", "%")
     for _ in range(int(settings["StartLimitBurst"])):
+        (STATE / (unit + ".told")).write_text("")
         with open(log, "ab") as out:
             process = subprocess.Popen(words_of(settings["ExecStart"], True), env=environment, stdout=out, stderr=out,
                                        stdin=subprocess.DEVNULL)
@@ -94,7 +117,10 @@ def state_of(unit):
     pid, ended = STATE / (unit + ".pid"), STATE / (unit + ".ended")
     if tuple(end_of(unit)) not in (("0", "0"), ("1", "0")):
         return "failed"
-    return "active" if not ended.exists() and pid.exists() else "inactive"
+    if ended.exists() or not pid.exists():
+        return "inactive"
+    ready = "READY=1" in (STATE / (unit + ".told")).read_text().split()
+    return "active" if ready or settings_of(unit)["Type"] != "notify" else "activating"
 
 
 def is_active(units):

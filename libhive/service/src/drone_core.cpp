@@ -4,6 +4,7 @@
 #include "failure_keeper.hpp"
 #include "requests.hpp"
 #include "succession.hpp"
+#include "supervised.hpp"
 
 #include <hive/event/ticket.hpp>
 #include <hive/platform/process.hpp>
@@ -36,6 +37,7 @@ struct DroneCore::Running {
     Json left;                              ///< by a drone of this name that crashed, or is to be replaced
     service::ListenWish wish;
     event::Module module;
+    service::Supervised supervised{module.context()};
     service::Listening listening;
     service::FailureKeeper failures;
     Worker worker;
@@ -87,7 +89,10 @@ Json DroneCore::Running::first_state(DroneCore& core)
 void DroneCore::Running::end()
 {
     if (module.loop().started())
-        module.call([this] { requests.end(); });
+        module.call([this] {
+            requests.end();
+            supervised.end();
+        });
     module.end();
     listening.end();
     claim.reset();
@@ -261,6 +266,7 @@ void DroneCore::serve()
             module.on_signal([this](int) { end(); });
         running_->listening.begin(running_->wish, running_->left);
         running_->requests.restore(running_->left, settings_.connections, settings_.expected);
+        running_->supervised.ready();
     });
 }
 
@@ -269,6 +275,7 @@ void DroneCore::end()
 {
     if (!board_.stop())
         return;
+    running_->supervised.stopping();
     running_->home.forget_state(self_.name);
     mailbox_.nudge();
     if (settings_.ends_process)
@@ -329,7 +336,10 @@ Status DroneCore::status()
 
 void DroneCore::condition(const std::string& text, Reason why, LogLevel level)
 {
-    if (board_.condition(text, why) && !text.empty())
+    if (!board_.condition(text, why))
+        return;
+    service::Supervised::status(text);
+    if (!text.empty())
         reporter_.log(level, "condition: " + text);
 }
 

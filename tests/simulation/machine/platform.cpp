@@ -4,6 +4,7 @@
 #include <hive/platform/files.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/platform/signals.hpp>
+#include <hive/platform/supervisor.hpp>
 #include <hive/platform/timer.hpp>
 #include <hive/platform/usage.hpp>
 
@@ -36,6 +37,8 @@ void sleep_for(std::chrono::nanoseconds time) { world().sleep(time); }
 std::uint64_t entropy() { return world().entropy(); }
 ProcessUsage process_usage() { return {}; }
 MachineUsage machine_usage() { return {}; }
+void tell_supervisor(const std::string&) noexcept {}
+std::optional<std::chrono::microseconds> patience_of_supervisor() { return std::nullopt; }
 
 bool write_private(const std::filesystem::path& file, const std::string& text)
 {

@@ -191,6 +191,7 @@ TEST_CASE("export: units of systemd, a folder for each machine")
     CHECK(has(file_of(files, "gpu1/hive-doorway.target"),
               "Wants=hive-doorway-face-1.service\nWants=hive-doorway-face-2.service\n"));
     CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "Restart=on-failure\n"));
+    CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "\nType=notify\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"), "\nRestart=no\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"),
               "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --halted "

@@ -23,6 +23,7 @@ TEST_CASE("systemd unit: what systemd would read otherwise is quoted")
     CHECK(has(text, "\nEnvironment=\"HIVE_HOME=/run/100%%/$x\"\n"));
     CHECK(has(text, "\nStandardOutput=append:/run/100%%/cam.1.log\n"));
     CHECK(has(text, "\nRestart=on-failure\n"));
+    CHECK(has(text, "\nType=notify\n"));
 }
 
 TEST_CASE("systemd unit: what could not be stopped is refused")

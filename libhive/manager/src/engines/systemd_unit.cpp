@@ -72,12 +72,15 @@ std::string unit_name(const std::string& drone) { return "hive-" + drone + ".ser
 
 std::string environment_line(const std::string& variable) { return "Environment=" + word(variable, false) + "\n"; }
 
+std::string unit_supervision() { return "Type=notify\nNotifyAccess=all\nTimeoutStartSec=infinity\nWatchdogSec=30\n"; }
+
 std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, const std::filesystem::path& log)
 {
     const auto file = "append:" + without_specifiers(log.string());
-    std::string text =
-        "# Written by hivectl up.\n[Unit]\nDescription=Hive drone " + drone.name + " (" + without_specifiers(drone.kind)
-        + ")\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\nExecStart=" + command_line(command) + "\n";
+    std::string text = "# Written by hivectl up.\n[Unit]\nDescription=Hive drone " + drone.name + " ("
+                       + without_specifiers(drone.kind)
+                       + ")\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\n" + unit_supervision()
+                       + "ExecStart=" + command_line(command) + "\n";
     for (const auto& variable : command.environment)
         text += environment_line(variable);
     return text + "StandardOutput=" + file + "\nStandardError=" + file + "\nRestart=" + restart_of(drone) + "\n";

@@ -21,6 +21,10 @@ std::string quoted_for_systemd(const std::string& word);
 /// The line of a unit that sets NAME=VALUE.
 std::string environment_line(const std::string& variable);
 
+/// The lines of a unit by which systemd hears from the drone that it is ready, however long it waits for a camera, and
+/// that its process is alive. A wrapper may be around it.
+std::string unit_supervision();
+
 /// The unit file.
 /// @param command  runs the drone, with all of its arguments and its environment
 /// @param log      takes what it says

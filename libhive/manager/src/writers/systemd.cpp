@@ -37,8 +37,8 @@ std::string exec_start(const std::vector<std::string>& words, const ExportOption
 std::string service(const SwarmPlan& plan, const SwarmDrone& drone, const std::string& command)
 {
     return "[Unit]\nDescription=Hive drone " + drone.name + " of the swarm " + plan.name + "\nPartOf=hive-" + plan.name
-           + ".target\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\nExecStart=" + command
-           + "\nRestart=" + unit_restart_of(drone) + "\nRestartSec=1\n";
+           + ".target\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\n" + unit_supervision()
+           + "ExecStart=" + command + "\nRestart=" + unit_restart_of(drone) + "\nRestartSec=1\n";
 }
 
 std::string target(const SwarmPlan& plan, const std::vector<std::string>& services)
