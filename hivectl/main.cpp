@@ -10,6 +10,7 @@
 #include <hive/name.hpp>
 #include <hive/version.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <fcntl.h>
 #include <unistd.h>
@@ -24,11 +25,11 @@ int unknown(const std::vector<Verb>& all, const std::string& word)
         if (!verb.group.empty())
             names.emplace_back(verb.name);
     if (word.starts_with('-')) {
-        complain("", "options come after the verb; see all: hivectl --help");
+        complain_about("", {hive::Errc::invalid_argument, "options come after the verb", "see all: hivectl --help"});
         return exit_code::usage;
     }
-    complain("", explained(hive::no_such("there is no verb " + hive::in_quotes(word), word, names,
-                                         "see all: hivectl --help")));
+    complain_about("",
+                   hive::no_such("there is no verb " + hive::in_quotes(word), word, names, "see all: hivectl --help"));
     return exit_code::usage;
 }
 
@@ -43,17 +44,18 @@ int run(const Verb& verb, int argc, char** argv)
             return exit_code::done;
         }
     } catch (const UsageError& error) {
-        complain(verb.name, printable(error.what()) + "; see hivectl " + std::string(verb.name) + " --help");
+        complain_about(verb.name, {hive::Errc::invalid_argument, error.what(),
+                                   "see hivectl " + std::string(verb.name) + " --help"});
         return exit_code::usage;
     }
-    if (session.json)
-        print_failures_as_json();
     return action();
 }
 
 int dispatch(int argc, char** argv)
 {
     const auto all = verbs();
+    if (std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; }))
+        print_failures_as_json();  // also those of reading the command line
     const std::string word = argc > 1 ? argv[1] : "";
     if (word == "--version") {
         write_out("hivectl " HIVECTL_VERSION " (protocol " + std::to_string(hive::protocol_version()) + ")\n");

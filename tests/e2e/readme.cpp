@@ -114,6 +114,21 @@ TEST_CASE("README: hivectl --help has each heading once")
     CHECK(headings.contains("results:"));
 }
 
+TEST_CASE("README: a command line that cannot be read is a failure as any other, with --json as a value")
+{
+    const Swarm swarm;
+    for (const auto& verb : verbs) {
+        const auto wrong = swarm.hivectl({verb.name, "--json", "--no-such-option"});
+        CHECK(wrong.exit_code == 2);
+        const auto error = hive::Json::parse(wrong.err).at("error");
+        CHECK(error.at("code") == "invalid_argument");
+        CHECK(error.at("advice").get<std::string>().ends_with("--help"));
+    }
+    const auto unknown = swarm.hivectl({"colect", "--json"});
+    CHECK(unknown.exit_code == 2);
+    CHECK(hive::Json::parse(unknown.err).at("error").at("advice") == "did you mean collect?");
+}
+
 TEST_CASE("README: the examples of --help work as they stand there")
 {
     if (!possible(missing_if_sanitized()))
