@@ -58,7 +58,6 @@ TEST_CASE("shared memory: only unix sockets can share")
 {
     CHECK(Pair(Unix::address, patient).dialing.connection->can_share());
     CHECK_FALSE(Pair(Tcp::address, patient).dialing.connection->can_share());
-    CHECK_FALSE(Pair(InProcess::address, patient).dialing.connection->can_share());
 }
 
 TEST_CASE("shared memory: a body arrives with its bytes and without being copied, and its slot comes back when it ends")

@@ -302,8 +302,7 @@ TEST_CASE("hostile shared memory: descriptors that nobody asked for end the conn
     CHECK(sent <= 4);
 }
 
-TEST_CASE_TEMPLATE("hostile shared memory: on a connection that cannot share there is no such thing", Place, Tcp,
-                   InProcess)
+TEST_CASE_TEMPLATE("hostile shared memory: on a connection that cannot share there is no such thing", Place, Tcp)
 {
     RawPair pair(Place::address, patient);
     pair.write(hello());

@@ -89,7 +89,7 @@ void trickle(RawPair& pair)
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("bad peer: every wrong opening is closed at once with its reason", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: every wrong opening is closed at once with its reason", Place, Unix, Tcp)
 {
     const auto openings = wrong_openings();
     REQUIRE(openings.size() >= 40);
@@ -111,7 +111,7 @@ TEST_CASE_TEMPLATE("bad peer: when the first bytes are not looked at, a short wr
     CHECK_FALSE(pair.until_closed(300ms));
 }
 
-TEST_CASE_TEMPLATE("bad peer: a version mismatch names both versions", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: a version mismatch names both versions", Place, Unix, Tcp)
 {
     RawPair pair(Place::address, patient);
     pair.write(with_byte(hello(), 4, 9));
@@ -120,7 +120,7 @@ TEST_CASE_TEMPLATE("bad peer: a version mismatch names both versions", Place, Un
     CHECK(pair.end.text.find("version 1") != std::string::npos);
 }
 
-TEST_CASE_TEMPLATE("bad peer: a second hello is malformed", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: a second hello is malformed", Place, Unix, Tcp)
 {
     RawPair pair(Place::address, patient);
     pair.write(hello() + hello());
@@ -129,8 +129,7 @@ TEST_CASE_TEMPLATE("bad peer: a second hello is malformed", Place, Unix, Tcp, In
     CHECK(pair.end.packets.size() == 1);
 }
 
-TEST_CASE_TEMPLATE("bad peer: sizes over the limit are refused from the prefix and cost no memory", Place, Unix, Tcp,
-                   InProcess)
+TEST_CASE_TEMPLATE("bad peer: sizes over the limit are refused from the prefix and cost no memory", Place, Unix, Tcp)
 {
     RawPair warm(Place::address, patient);  // so that the first use of things is not counted
     warm.write(hello());
@@ -147,7 +146,7 @@ TEST_CASE_TEMPLATE("bad peer: sizes over the limit are refused from the prefix a
         CHECK(resident_bytes() < before + (2U << 20));
 }
 
-TEST_CASE_TEMPLATE("bad peer: a promised body that never comes costs no memory", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: a promised body that never comes costs no memory", Place, Unix, Tcp)
 {
     const auto bytes = cost_of_promises(Place::address);
     if (!sanitized)
@@ -163,7 +162,7 @@ TEST_CASE_TEMPLATE("bad peer: when the pages of a promised body are touched, the
         CHECK(bytes > 200 << 20);
 }
 
-TEST_CASE_TEMPLATE("bad peer: who says no hello is closed in time", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: who says no hello is closed in time", Place, Unix, Tcp)
 {
     RawPair pair(Place::address, hasty);
     const auto begin = std::chrono::steady_clock::now();
@@ -180,7 +179,7 @@ TEST_CASE_TEMPLATE("bad peer: without a deadline for the hello, silent strangers
     CHECK_FALSE(pair.until_closed(5 * hasty.first_packet));
 }
 
-TEST_CASE_TEMPLATE("bad peer: a hello byte by byte is closed at the deadline", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: a hello byte by byte is closed at the deadline", Place, Unix, Tcp)
 {
     RawPair pair(Place::address, hasty);
     const auto begin = std::chrono::steady_clock::now();
@@ -195,7 +194,7 @@ TEST_CASE_TEMPLATE("bad peer: a hello byte by byte is closed at the deadline", P
     CHECK(pair.end.packets.empty());
 }
 
-TEST_CASE_TEMPLATE("bad peer: silence after the hello is death", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: silence after the hello is death", Place, Unix, Tcp)
 {
     RawPair pair(Place::address, hasty);
     pair.write(hello());
@@ -214,7 +213,7 @@ TEST_CASE_TEMPLATE("bad peer: when heartbeats are not waited for, silence after 
     CHECK_FALSE(pair.until_closed(4 * hasty.silence));
 }
 
-TEST_CASE_TEMPLATE("bad peer: a packet that trickles is cut off although bytes come", Place, Unix, Tcp, InProcess)
+TEST_CASE_TEMPLATE("bad peer: a packet that trickles is cut off although bytes come", Place, Unix, Tcp)
 {
     RawPair pair(Place::address, hasty);
     trickle(pair);
@@ -235,8 +234,7 @@ TEST_CASE_TEMPLATE("bad peer: when progress is not asked for, a packet that tric
     CHECK(pair.end.closed == 0);
 }
 
-TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers nothing of it", Place, Unix, Tcp,
-                   InProcess)
+TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers nothing of it", Place, Unix, Tcp)
 {
     const auto packet = encoded(PacketType::event, std::string(100, 'h'), std::string(50'000, 'b'));
     struct Cut {
@@ -260,8 +258,7 @@ TEST_CASE_TEMPLATE("bad peer: an end inside a packet says where, and delivers no
     }
 }
 
-TEST_CASE_TEMPLATE("bad peer: a heartbeat with a header or a body is malformed, from its prefix", Place, Unix, Tcp,
-                   InProcess)
+TEST_CASE_TEMPLATE("bad peer: a heartbeat with a header or a body is malformed, from its prefix", Place, Unix, Tcp)
 {
     for (const auto& bytes : {prefix(PacketType::ping, 2, 0), prefix(PacketType::ping, 0, 1),
                               prefix(PacketType::pong, 1, 0), prefix(PacketType::pong, 0, 0xffffffffU)}) {

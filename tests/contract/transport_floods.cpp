@@ -130,7 +130,7 @@ TEST_CASE("flood: a body in records of one byte leaves the others their turns")
 }
 
 TEST_CASE_TEMPLATE("flood: what may not be sent is refused by its prefix, and what has no body is read without", Place,
-                   Unix, Tcp, InProcess)
+                   Unix, Tcp)
 {
     RawPair pair(Place::address, patient);
     pair.end.wants = [](PacketType type, std::uint16_t) {

@@ -58,15 +58,11 @@ struct Gate {
         bool answered = false;
         hive::transport::dial(
             loop.context, listener->address(), 60s,
-            [&](auto connection, std::exception_ptr problem) {
+            [&](auto connection) {
                 answered = true;
-                dialed.connection = std::move(connection);
-                try {
-                    if (problem)
-                        std::rethrow_exception(problem);
-                } catch (const hive::Error& error) {
-                    dialed.error = error;
-                }
+                if (const auto* error = error_of(connection))
+                    dialed.error = *error;
+                dialed.connection = value_or_none(std::move(connection));
             },
             patient, security);
         REQUIRE(loop.until([&] { return answered; }));

@@ -3,7 +3,7 @@
 
 using namespace world;
 
-TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Place, Unix, Tcp, Tls, InProcess)
+TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Place, Unix, Tcp, Tls)
 {
     Pair pair(Place::address, patient, false);  // the listening end does not read yet
     int written = 0;
@@ -23,7 +23,7 @@ TEST_CASE_TEMPLATE("lanes: a control packet overtakes the events that wait", Pla
 }
 
 TEST_CASE_TEMPLATE("lanes: a peer that never reads keeps events waiting and is cut off when control packets pile up",
-                   Place, Unix, Tcp, InProcess)
+                   Place, Unix, Tcp)
 {
     RawPair pair(Place::address, patient);
     pair.write(hello());

@@ -74,9 +74,9 @@ struct Watched {
         middleman = std::make_unique<Middleman>(loop, listener->address());
         hive::transport::dial(
             loop.context, middleman->address(), 5s,
-            [this](auto connection, std::exception_ptr error) {
-                REQUIRE(error == nullptr);
-                dialing.start(std::move(connection));
+            [this](auto connection) {
+                REQUIRE_FALSE(error_of(connection));
+                dialing.start(value_or_none(std::move(connection)));
                 dialing.send(PacketType::hello, "{}");
             },
             patient, security);

@@ -94,9 +94,9 @@ Pair::Pair(Address (*address)(const Folder&), const Timing& timing, bool listeni
         timing, security_of(address, folder));
     hive::transport::dial(
         loop.context, listener->address(), 5s,
-        [this](auto connection, std::exception_ptr error) {
-            REQUIRE(error == nullptr);
-            dialing.start(std::move(connection));
+        [this](auto connection) {
+            REQUIRE_FALSE(error_of(connection));
+            dialing.start(value_or_none(std::move(connection)));
             dialing.send(PacketType::hello, "{}");
         },
         timing, security_of(address, folder));
@@ -109,12 +109,6 @@ Pair::Pair(Address (*address)(const Folder&), const Timing& timing, bool listeni
 RawPair::RawPair(Address (*address)(const Folder&), const Timing& timing)
 {
     const auto place = address(folder);
-    if (place.scheme == Address::Scheme::in_process) {
-        auto [here, there] = hive::transport::make_memory_pipe(loop.context, loop.context, "in-process");
-        raw = std::move(here);
-        end.start(Connection::create(loop.context, std::move(there), timing));
-        return;
-    }
     listener = hive::transport::listen(
         loop.context, place, [this](auto connection) { end.start(std::move(connection)); }, timing);
     const int family = place.scheme == Address::Scheme::tcp ? AF_INET : AF_UNIX;

@@ -2,7 +2,6 @@
 // bytes.
 #pragma once
 
-#include "memory_pipe.hpp"
 #include "socket_stream.hpp"
 
 #include <hive/transport/transport.hpp>
@@ -66,9 +65,6 @@ struct Tcp {
 };
 struct Tls {  ///< tcp, where both ends have a swarm key
     static Address address(const Folder&) { return {Address::Scheme::tcp, "127.0.0.1", 0}; }
-};
-struct InProcess {
-    static Address address(const Folder& folder) { return {Address::Scheme::in_process, folder.path("place"), 0}; }
 };
 
 /// The keys of a file in the folder, which is made when it is not there.

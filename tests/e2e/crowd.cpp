@@ -45,9 +45,10 @@ public:
     {
         transport::dial(
             context_, goal_.address, 5s,
-            [self = shared_from_this()](std::shared_ptr<transport::Connection> connection, std::exception_ptr) {
+            [self = shared_from_this()](auto dialed) {
                 if (self->goal_.over)
                     return;
+                auto connection = value_or_none(std::move(dialed));
                 if (!connection)
                     return self->retry();
                 self->meet(std::move(connection));

@@ -52,9 +52,9 @@ public:
         bool answered = false;
         dial(
             context_, parse_address(address), patient(5000ms),
-            [&](std::shared_ptr<Connection> connection, std::exception_ptr) {
+            [&](auto connection) {
                 answered = true;
-                connection_ = std::move(connection);
+                connection_ = value_or_none(std::move(connection));
             },
             Timing{.silence = patient(5000ms), .first_packet = patient(5000ms)}, security);
         until([&] { return answered; });

@@ -62,7 +62,7 @@ public:
         std::optional<LinkPtr> found;
         module_.call([&] {
             module_.with_link(home_.address(drone), hive::event::Clock::now() + patient(5000ms),
-                              [&](const LinkPtr& link, const hive::Error&) { found = link; });
+                              [&](const hive::Result<LinkPtr>& link) { found = value_or_none(link); });
         });
         module_.loop().wait(hive::event::Clock::time_point::max(), [&] { return found.has_value(); });
         return *found;
@@ -72,7 +72,7 @@ public:
     {
         module_.call([&] {
             module_.with_link(hive::transport::parse_address(address), hive::event::Clock::now() + patient(20'000ms),
-                              [&over](const LinkPtr&, const hive::Error&) { over = true; });
+                              [&over](const hive::Result<LinkPtr>&) { over = true; });
         });
     }
     std::ptrdiff_t open(const std::vector<LinkPtr>& links)

@@ -66,11 +66,12 @@ void refuse(std::string_view bytes, unsigned slice)
     const auto handshake = shake_hands(
         adopt_socket(context, AF_UNIX, ends[0]),
         {.end = TlsEnd::listener, .keys = keys(), .limit = std::chrono::seconds(20), .peer = "fuzz", .local = true},
-        [&](std::unique_ptr<Stream> stream, const hive::Error& error) {
+        [&](const hive::Result<std::unique_ptr<Stream>>& stream) {
             ++told;
-            require(stream == nullptr, "bytes that were written without the key prove no key");
-            require(error.code() != hive::Errc::timeout, "it is known at the end of the bytes at the latest");
-            const std::string_view text = error.what();
+            const auto* error = std::get_if<hive::Error>(&stream);
+            require(error != nullptr, "bytes that were written without the key prove no key");
+            require(error->code() != hive::Errc::timeout, "it is known at the end of the bytes at the latest");
+            const std::string_view text = error->what();
             require(!text.empty() && text.size() < 500, "it is said in one sentence");
             require(std::ranges::all_of(text, [](char c) { return c >= ' ' && c < 0x7F; }), "and it can be shown");
         });

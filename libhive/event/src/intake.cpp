@@ -89,17 +89,17 @@ void Intake::attempt()
         return;
     const std::chrono::microseconds round_trips(6 * round_trip_us_);
     const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
-    module_.with_link(spec_.address, deadline,
-                      [self = shared_from_this(), deadline](const LinkPtr& link, const Error& error) {
-                          if (self->stopped() || self->holds())
-                              return;
-                          if (!link)
-                              self->failed(error);
-                          else if (const auto wrong = met_another(self->spec_, *link))
-                              self->failed(*wrong);
-                          else
-                              self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
-                      });
+    module_.with_link(spec_.address, deadline, [self = shared_from_this(), deadline](const Result<LinkPtr>& found) {
+        if (self->stopped() || self->holds())
+            return;
+        const auto link = value_or_none(found);
+        if (!link)
+            self->failed(*error_of(found));
+        else if (const auto wrong = met_another(self->spec_, *link))
+            self->failed(*wrong);
+        else
+            self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
+    });
 }
 
 void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)

@@ -152,14 +152,13 @@ transport::Address Module::listen(const transport::Address& address)
             const bool local = connection->credentials().role == Role::owner;
             if (local && !has_local_place())
                 return turn_away(*connection);
-            adopt(make_link(std::move(connection), Link::End::accepted),
-                  [this, local](const LinkPtr& link, const Error&) {
-                      if (link && !local && !has_place(*link)) {
-                          turn_away(link->connection());
-                          std::erase(links_, link);  // at once, so that it takes nobody's place until its end is told
-                          link->close(Error(Errc::refused, "there is no place left"));
-                      }
-                  });
+            adopt(make_link(std::move(connection), Link::End::accepted), [this, local](const Result<LinkPtr>& opened) {
+                if (const auto link = value_or_none(opened); link && !local && !has_place(*link)) {
+                    turn_away(link->connection());
+                    std::erase(links_, link);  // at once, so that it takes nobody's place until its end is told
+                    link->close(Error(Errc::refused, "there is no place left"));
+                }
+            });
         },
         options_.timing, security()));
     return listeners_.back()->address();

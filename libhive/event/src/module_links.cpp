@@ -24,7 +24,7 @@ LinkPtr Module::make_link(std::shared_ptr<transport::Connection> connection, Lin
     return std::make_shared<Link>(std::move(connection), end, options_.self, options_.limits, pool_, maps);
 }
 
-void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready)
+void Module::adopt(const LinkPtr& link, OnLink ready)
 {
     links_.push_back(link);
     const auto told = std::make_shared<bool>(false);
@@ -35,7 +35,7 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
                          const auto& place = opened.connection().peer();
                          log_about(LogLevel::debug, place, "opened link to " + opened.peer().name + " at " + place);
                          await_earlier_run(keep);
-                         ready(keep, Error(Errc::failed, ""));
+                         ready(keep);
                      },
                  .packet = [this](Link& from, const protocol::Packet& packet) { on_packet(from, packet); },
                  .closed =
@@ -43,7 +43,7 @@ void Module::adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const
                          const auto keep = closed.shared_from_this();
                          on_closed(closed, reason);
                          if (!*told)
-                             ready(nullptr, reason);
+                             ready(reason);
                      }});
 }
 
@@ -51,7 +51,7 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
 {
     const auto key = to_text(address);
     if (const auto found = dialed_.find(key); found != dialed_.end())
-        return on_link(found->second, Error(Errc::failed, ""));
+        return on_link(found->second);
     auto& waiting = dialing_[key];
     waiting.push_back({deadline, std::move(on_link)});
     arm();
@@ -90,17 +90,13 @@ void Module::dial(const transport::Address& address, const std::string& key, Clo
                                    std::chrono::milliseconds(1));
     transport::dial(
         context(), address, patience,
-        [this, key](std::shared_ptr<transport::Connection> connection, std::exception_ptr problem) {
-            if (connection && ending_)
-                return dialed(key, nullptr, Error(Errc::stopped, options_.self.name + " is ending"));
-            if (connection)
-                return adopt(make_link(std::move(connection), Link::End::dialed),
-                             [this, key](const LinkPtr& link, const Error& error) { dialed(key, link, error); });
-            try {
-                std::rethrow_exception(problem);
-            } catch (const Error& error) {
-                dialed(key, nullptr, error);
-            }
+        [this, key](Result<std::shared_ptr<transport::Connection>> connection) {
+            if (const auto* error = error_of(connection))
+                return dialed(key, *error);
+            if (ending_)
+                return dialed(key, Error(Errc::stopped, options_.self.name + " is ending"));
+            adopt(make_link(value_or_none(std::move(connection)), Link::End::dialed),
+                  [this, key](const Result<LinkPtr>& link) { dialed(key, link); });
         },
         options_.timing, security());
 }
@@ -119,15 +115,15 @@ void Module::let_one_go()
     link->close(Error(Errc::stopped, options_.self.name + " has nothing to ask at present"));
 }
 
-void Module::dialed(const std::string& key, const LinkPtr& link, const Error& error)
+void Module::dialed(const std::string& key, const Result<LinkPtr>& link)
 {
     under_way_.erase(key);
     auto node = dialing_.extract(key);
-    if (link)
-        dialed_[key] = link;
+    if (!error_of(link))
+        dialed_[key] = std::get<LinkPtr>(link);
     if (!node.empty())
         for (const auto& waiting : node.mapped())
-            waiting.on_link(link, error);
+            waiting.on_link(link);
     dial_next();
     last_one_gone();
 }
@@ -144,10 +140,10 @@ void Module::request(const transport::Address& address, PacketType type, Json he
 {
     with_link(address, deadline,
               [this, type, header = std::move(header), body = std::move(body), deadline,
-               on_outcome = std::move(on_outcome)](const LinkPtr& link, const Error& error) {
-                  if (!link)
-                      return on_outcome(error);
-                  link->request(type, header, body, deadline, on_outcome);
+               on_outcome = std::move(on_outcome)](const Result<LinkPtr>& link) {
+                  if (const auto* error = error_of(link))
+                      return on_outcome(*error);
+                  std::get<LinkPtr>(link)->request(type, header, body, deadline, on_outcome);
                   arm();
               });
 }
@@ -283,7 +279,7 @@ void Module::expire_dialing(Clock::time_point now)
             }
     std::erase_if(dialing_, [](const auto& row) { return row.second.empty(); });
     for (const auto& waiting : late)
-        waiting.on_link(nullptr, Error(Errc::timeout, "no sign of life within the time allowed"));
+        waiting.on_link(Error(Errc::timeout, "no sign of life within the time allowed"));
 }
 
 }  // namespace hive::event

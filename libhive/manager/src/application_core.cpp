@@ -159,9 +159,10 @@ Application::Core::Reply Application::Core::send(const Place& place, protocol::P
 void Application::Core::begin(const Asking& asking)
 {
     module.with_link(transport::parse_address(asking.place.address), asking.until,
-                     [this, asking](const event::LinkPtr& link, const Error& error) {
+                     [this, asking](const Result<event::LinkPtr>& found) {
+                         const auto link = value_or_none(found);
                          if (!link) {
-                             *asking.reply = error;
+                             *asking.reply = *error_of(found);
                          } else if (auto wrong = met_another(asking.place, *link)) {
                              *asking.reply = *std::move(wrong);
                          } else {

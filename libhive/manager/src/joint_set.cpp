@@ -77,10 +77,11 @@ void JointSet::prepare()
 void JointSet::prepare(const PartPtr& part, const Place& place)
 {
     module_.with_link(transport::parse_address(place.address), terms_.deadline,
-                      [this, part, place](const event::LinkPtr& link, const Error& error) {
+                      [this, part, place](const Result<event::LinkPtr>& found) {
                           if (part->over)
                               return;  // this object may be gone
-                          const auto wrong = link ? met_another(place, *link) : std::optional(error);
+                          const auto link = value_or_none(found);
+                          const auto wrong = link ? met_another(place, *link) : std::optional(*error_of(found));
                           if (wrong)
                               part->prepared = *wrong;
                           else

@@ -275,9 +275,9 @@ void DroneCore::end()
 {
     if (!board_.stop())
         return;
-    running_->supervised.stopping();
     running_->home.forget_state(self_.name);
     mailbox_.nudge();
+    running_->supervised.stopping();
     if (settings_.ends_process)
         last_grace_.begin(running_->home.path(self_.name, ".sock"));
 }

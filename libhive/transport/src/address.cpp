@@ -47,11 +47,11 @@ Address parse_tcp(std::string_view text, std::string_view rest)
     return {Address::Scheme::tcp, std::string(host), parse_port(text, rest.substr(colon + 1))};
 }
 
-/// A path or an in-process name: not empty, no byte that ends a C string.
+/// A path: not empty, no byte that ends a C string.
 Address parse_name(std::string_view text, Address::Scheme scheme, std::string_view name)
 {
     if (name.empty() || name.find('\0') != std::string_view::npos)
-        fail(text, "no name follows the colon", "use unix:/PATH or in-process:NAME");
+        fail(text, "no name follows the colon", "use unix:/PATH");
     return {scheme, std::string(name), 0};
 }
 
@@ -64,9 +64,7 @@ Address parse_address(std::string_view text)
         return parse_name(text, Address::Scheme::unix_socket, after("unix:"));
     if (text.starts_with("tcp://"))
         return parse_tcp(text, after("tcp://"));
-    if (text.starts_with("in-process:"))
-        return parse_name(text, Address::Scheme::in_process, after("in-process:"));
-    fail(text, "it does not start with tcp://, unix: or in-process:", tcp_form);
+    fail(text, "it does not start with tcp:// or unix:", tcp_form);
 }
 
 Address listen_address(const std::string& text)
@@ -81,7 +79,6 @@ std::string to_text(const Address& address)
 {
     switch (address.scheme) {
     case Address::Scheme::unix_socket: return "unix:" + address.host;
-    case Address::Scheme::in_process: return "in-process:" + address.host;
     case Address::Scheme::tcp: break;
     }
     const bool number6 = address.host.find(':') != std::string::npos;

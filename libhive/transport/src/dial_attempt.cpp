@@ -28,21 +28,22 @@ void DialAttempt::start(std::chrono::milliseconds deadline)
 void DialAttempt::succeed(std::unique_ptr<Stream> stream)
 {
     if (!answered())
-        answer(make_connection(context_, std::move(stream), timing_, nullptr), nullptr);
+        answer(make_connection(context_, std::move(stream), timing_, nullptr));
 }
 
 void DialAttempt::fail(Errc code, const std::string& why, const std::string& advice)
 {
     if (!answered())
-        answer(nullptr, std::make_exception_ptr(Error(code, "cannot reach " + to_text(address_) + ": " + why, advice)));
+        answer(Error(code, "cannot reach " + to_text(address_) + ": " + why, advice));
 }
 
-void DialAttempt::answer(std::shared_ptr<Connection> connection, std::exception_ptr error)
+void DialAttempt::answer(Result<std::shared_ptr<Connection>> result)
 {
     deadline_.cancel();
     cancel();
-    asio::post(context_, [told = std::exchange(on_dialed_, nullptr), connection = std::move(connection),
-                          error]() mutable { told(std::move(connection), error); });
+    asio::post(context_, [told = std::exchange(on_dialed_, nullptr), result = std::move(result)]() mutable {
+        told(std::move(result));
+    });
 }
 
 }  // namespace hive::transport

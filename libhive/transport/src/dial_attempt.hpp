@@ -27,7 +27,7 @@ protected:
     const Address address_;
 
 private:
-    void answer(std::shared_ptr<Connection> connection, std::exception_ptr error);
+    void answer(Result<std::shared_ptr<Connection>> result);
 
     OnDialed on_dialed_;
     const Timing timing_;

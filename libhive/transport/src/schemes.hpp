@@ -10,15 +10,11 @@ std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& a
                                      const Timing& timing, const Security& security);
 std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& address, OnConnection on_connection,
                                       const Timing& timing, const Security& security);
-std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address,
-                                            OnConnection on_connection, const Timing& timing, const Security& security);
 
 using Milliseconds = std::chrono::milliseconds;
 void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
               const Timing& timing, const Security& security);
 void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
                const Timing& timing, const Security& security);
-void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
-                     const Timing& timing, const Security& security);
 
 }  // namespace hive::transport

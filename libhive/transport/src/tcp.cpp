@@ -91,18 +91,18 @@ AcceptLoop::Welcome welcome_by(const Security& security, std::chrono::millisecon
             return nullptr;
         }
         const auto peer = peer_of(socket);
-        return shake_hands(std::move(socket),
-                           {.end = TlsEnd::listener,
-                            .keys = security.keys->accepted(),
-                            .limit = limit,
-                            .peer = peer.text,
-                            .local = peer.local},
-                           [welcomed, refused = security.refused, who = peer.text](std::unique_ptr<Stream> stream,
-                                                                                   const Error& error) {
-                               if (!stream)
-                                   refused("refused " + who + ": " + error.what());
-                               welcomed(std::move(stream));
-                           });
+        return shake_hands(
+            std::move(socket),
+            {.end = TlsEnd::listener,
+             .keys = security.keys->accepted(),
+             .limit = limit,
+             .peer = peer.text,
+             .local = peer.local},
+            [welcomed, refused = security.refused, who = peer.text](Result<std::unique_ptr<Stream>> stream) {
+                if (const auto* error = error_of(stream))
+                    refused("refused " + who + ": " + error->what());
+                welcomed(value_or_none(std::move(stream)));
+            });
     };
 }
 
@@ -214,24 +214,25 @@ private:
     void show_key()
     {
         const auto peer = peer_of(socket_);
-        handshake_ = shake_hands(
-            std::move(socket_),
-            {.end = TlsEnd::dialer,
-             .keys = {keys_.at(shown_)},
-             .limit = std::chrono::hours(1),  // the dial has a deadline of its own
-             .peer = peer.text,
-             .local = peer.local},
-            [this](std::unique_ptr<Stream> stream, const Error& error) { on_shaken(std::move(stream), error); });
+        handshake_ = shake_hands(std::move(socket_),
+                                 {.end = TlsEnd::dialer,
+                                  .keys = {keys_.at(shown_)},
+                                  .limit = std::chrono::hours(1),  // the dial has a deadline of its own
+                                  .peer = peer.text,
+                                  .local = peer.local},
+                                 [this](Result<std::unique_ptr<Stream>> stream) { on_shaken(std::move(stream)); });
     }
     /// A peer that does not know the newest key may know the one before.
-    void on_shaken(std::unique_ptr<Stream> stream, const Error& error)
+    void on_shaken(Result<std::unique_ptr<Stream>> stream)
     {
         const auto self = shared_from_this();
-        if (stream)
-            return succeed(std::move(stream));
-        if (error.code() == Errc::not_permitted && ++shown_ < keys_.size())
+        const auto* error = error_of(stream);
+        if (!error)
+            return succeed(value_or_none(std::move(stream)));
+        if (error->code() == Errc::not_permitted && ++shown_ < keys_.size())
             return try_next();
-        fail(error.code() == Errc::connection_lost ? Errc::unreachable : error.code(), error.what(), error.advice());
+        fail(error->code() == Errc::connection_lost ? Errc::unreachable : error->code(), error->what(),
+             error->advice());
     }
 
     std::unique_ptr<NameLookup> lookup_;

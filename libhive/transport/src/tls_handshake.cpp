@@ -117,7 +117,7 @@ private:
         if (error || !stream_->established())
             return fail(terms_.end == TlsEnd::listener ? why_refused(error) : why_not_taken(error));
         timer_.cancel();
-        std::exchange(on_shaken_, nullptr)(std::move(stream_), Error(Errc::failed, ""));
+        std::exchange(on_shaken_, nullptr)(std::unique_ptr<Stream>(std::move(stream_)));
     }
 
     [[nodiscard]] Error why_refused(std::error_code error) const
@@ -160,7 +160,7 @@ private:
         const auto told = std::exchange(on_shaken_, nullptr);
         end();
         if (told)
-            told(nullptr, error);
+            told(error);
     }
 
     void end() noexcept

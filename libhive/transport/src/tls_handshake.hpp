@@ -3,7 +3,7 @@
 
 #include "tls_stream.hpp"
 
-#include <hive/error.hpp>
+#include <hive/result.hpp>
 
 #include <chrono>
 #include <functional>
@@ -22,7 +22,7 @@ struct HandshakeTerms {
 
 /// The stream, or the error: Errc::not_permitted when the keys do not fit, Errc::malformed when the peer speaks
 /// something else, Errc::timeout, Errc::connection_lost.
-using OnShaken = std::function<void(std::unique_ptr<Stream>, const Error&)>;
+using OnShaken = std::function<void(Result<std::unique_ptr<Stream>>)>;
 
 /// A handshake that is under way; destroying the last copy ends it, and nobody is told.
 using Handshake = std::shared_ptr<void>;

@@ -17,7 +17,6 @@ struct Scheme {
 constexpr std::array schemes{
     Scheme{Address::Scheme::unix_socket, listen_unix, dial_unix},
     Scheme{Address::Scheme::tcp, listen_tcp, dial_tcp},
-    Scheme{Address::Scheme::in_process, listen_in_process, dial_in_process},
 };
 
 const Scheme& scheme_of(const Address& address)

@@ -86,8 +86,8 @@ int run_peer(const std::string& role, const std::string& path)
     std::unique_ptr<Producer> producer;
     std::unique_ptr<Receiver> receiver;
     hive::transport::dial(
-        context, {hive::transport::Address::Scheme::unix_socket, path, 0}, std::chrono::seconds(5),
-        [&](std::shared_ptr<Connection> connection, const std::exception_ptr&) {
+        context, {hive::transport::Address::Scheme::unix_socket, path, 0}, std::chrono::seconds(5), [&](auto dialed) {
+            auto connection = value_or_none(std::move(dialed));
             if (!connection)
                 return;
             if (role == "producer")

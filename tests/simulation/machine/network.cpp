@@ -200,12 +200,6 @@ std::unique_ptr<Listener> listen_unix(asio::io_context& context, const Address& 
     return listen_anywhere(context, address, std::move(on_connection), timing, security);
 }
 
-std::unique_ptr<Listener> listen_in_process(asio::io_context& context, const Address& address,
-                                            OnConnection on_connection, const Timing& timing, const Security& security)
-{
-    return listen_anywhere(context, address, std::move(on_connection), timing, security);
-}
-
 void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
               const Timing& timing, const Security& security)
 {
@@ -214,12 +208,6 @@ void dial_tcp(asio::io_context& context, const Address& address, Milliseconds de
 
 void dial_unix(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
                const Timing& timing, const Security& security)
-{
-    dial_anywhere(context, address, deadline, std::move(on_dialed), timing, security);
-}
-
-void dial_in_process(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
-                     const Timing& timing, const Security& security)
 {
     dial_anywhere(context, address, deadline, std::move(on_dialed), timing, security);
 }

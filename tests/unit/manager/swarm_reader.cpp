@@ -300,8 +300,8 @@ TEST_CASE("swarm file: where a drone is found, when nobody could find it there")
     CHECK_EQ(drone("\"listen\": \"tcp://h\", \"advertise\": \"tcp://0.0.0.0\""),
              "2:54: \"tcp://0.0.0.0\": nobody could dial that; write tcp://HOST or tcp://HOST:PORT, as other machines "
              "know this one\n");
-    CHECK_EQ(drone("\"listen\": \"in-process:x\""),
-             "2:30: \"in-process:x\" is no address on the network; write tcp://HOST or tcp://HOST:PORT\n");
+    CHECK_EQ(drone("\"listen\": \"unix:/x\""),
+             "2:30: \"unix:/x\" is no address on the network; write tcp://HOST or tcp://HOST:PORT\n");
     CHECK_EQ(drone("\"listen\": \"tcp://h:99999\""), "2:30: invalid address \"tcp://h:99999\": the port is not a "
                                                      "number from 0 to 65535; write tcp://HOST or tcp://HOST:PORT\n");
 }

@@ -4,6 +4,7 @@
 #include <hive/event/peer_clock.hpp>
 #include <hive/protocol/messages.hpp>
 #include <hive/protocol/permission.hpp>
+#include <hive/result.hpp>
 #include <hive/transport/connection.hpp>
 
 #include <atomic>
@@ -18,7 +19,7 @@
 namespace hive::event {
 
 /// What a request came to: a result object or an error.
-using Outcome = std::variant<Json, Error>;
+using Outcome = Result<Json>;
 using OnOutcome = std::function<void(const Outcome&)>;
 
 /// A request of the peer that waits for its answer, or for somebody to take it up until its deadline. Any thread.

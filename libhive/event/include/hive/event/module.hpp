@@ -55,7 +55,7 @@ public:
         Log log = [](LogLevel, const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
-    using OnLink = std::function<void(const LinkPtr&, const Error&)>;
+    using OnLink = std::function<void(const Result<LinkPtr>&)>;  ///< to a peer that has said who it is
 
     explicit Module(Options options);
     virtual ~Module();  ///< calls end()
@@ -168,8 +168,8 @@ private:
     [[nodiscard]] transport::Security security();
     void watch_keys();
     void recheck_keys();
-    void adopt(const LinkPtr& link, std::function<void(const LinkPtr&, const Error&)> ready);
-    void dialed(const std::string& key, const LinkPtr& link, const Error& error);
+    void adopt(const LinkPtr& link, OnLink ready);
+    void dialed(const std::string& key, const Result<LinkPtr>& link);
     void last_one_gone();
     void on_packet(Link& link, const protocol::Packet& packet);
     bool make_room(Role newcomer, const std::function<bool(const Link&)>& may_go);

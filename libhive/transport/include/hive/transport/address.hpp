@@ -8,15 +8,15 @@
 namespace hive::transport {
 
 struct Address {
-    enum class Scheme { unix_socket, tcp, in_process };
+    enum class Scheme { unix_socket, tcp };
     Scheme scheme = Scheme::unix_socket;
-    std::string host;        ///< the path of a unix socket, a host name or number, or the in-process name
+    std::string host;        ///< the path of a unix socket, or a host name or number
     std::uint16_t port = 0;  ///< tcp only; 0 when listening: any free one
 
     bool operator==(const Address&) const = default;
 };
 
-/// Reads `unix:/path`, `tcp://HOST:PORT`, `tcp://[::1]:PORT`, `in-process:NAME`. Throws Errc::invalid_argument.
+/// Reads `unix:/path`, `tcp://HOST:PORT`, `tcp://[::1]:PORT`. Throws Errc::invalid_argument.
 Address parse_address(std::string_view text);
 /// What parse_address reads.
 std::string to_text(const Address& address);

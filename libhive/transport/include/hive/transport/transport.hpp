@@ -1,6 +1,7 @@
 // Listening and dialing at an Address, whatever transport it names. A further transport is its file and one line here.
 #pragma once
 
+#include <hive/result.hpp>
 #include <hive/transport/address.hpp>
 #include <hive/transport/connection.hpp>
 
@@ -18,7 +19,7 @@ public:
 };
 
 using OnConnection = std::function<void(std::shared_ptr<Connection>)>;
-using OnDialed = std::function<void(std::shared_ptr<Connection>, std::exception_ptr)>;  ///< one of the two is null
+using OnDialed = std::function<void(Result<std::shared_ptr<Connection>>)>;
 
 /// Listens. On tcp a peer has to prove a key of `security` before there is a connection, within `timing.first_packet`.
 /// A unix socket is made with mode 0600, over a stale one only when nobody answers there; peers of another uid
