@@ -36,8 +36,10 @@ bool Subscription::timed() const
 
 Reason Subscription::why() const
 {
+    if (!present() && retiring())  // what it returned from here goes along when it has acknowledged the rest
+        return has_waiting() ? Reason::not_acknowledged : Reason::none;
     if (!present()) {
-        const bool waits = awaited_ || (!attached() && !open_.empty());
+        const bool waits = awaited_ || !open_.empty();
         return !waits ? Reason::none : shared() ? Reason::group_awaited : Reason::place_kept;
     }
     if (const auto event = next(); event && !shared() && !consumers_.begin()->second.credit.lane_free(event->size()))

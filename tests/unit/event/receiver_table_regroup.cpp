@@ -209,7 +209,8 @@ TEST_CASE("regroup: from a receiver of notifications nothing goes along, and to 
     leaves.offer(1, true);
     leaves.offer(2, true);
     CHECK(leaves.add(face(2, watching)).empty());
-    CHECK(leaves.row("group workers").why == Reason::none);  // nobody is waited for
+    CHECK(leaves.row("group workers").why == Reason::not_acknowledged);
+    CHECK(leaves.table.why() == Reason::watched);  // the source waits for nobody
     leaves.leave(1);
     CHECK(leaves.failed == Sequences{1, 2});
     CHECK_FALSE(leaves.table.awaited());

@@ -97,6 +97,21 @@ TEST_CASE("shared: without leases the work of a member that is gone is lost")
     CHECK(workers.failed.empty());
 }
 
+TEST_CASE("shared: what the last member returned waits until it has acknowledged the rest, and says so")
+{
+    Workers workers(1, sharing(3));
+    for (const int number : {1, 2, 3})
+        workers.offer(number);
+    workers.subscription.retire(1);
+    CHECK(workers.subscription.why() == Reason::none);
+    workers.ask(1, {3, 0, 0}, {2, 3});
+    CHECK(workers.subscription.waiting() == 2);
+    CHECK(workers.subscription.why() == Reason::not_acknowledged);
+    workers.done(1, 3);
+    workers.lose(1, Fate::lost_connection);
+    CHECK(workers.subscription.why() == Reason::group_awaited);
+}
+
 TEST_CASE("shared: what was taken back goes out before newer events, in its order")
 {
     Workers workers(2, sharing(2));
