@@ -133,14 +133,6 @@ void SimulatedGround::freeze(const std::string& drone)
     running_.at(drone).process->frozen = true;
     frozen_[drone] = world_.now();
     links_.frozen(drone, world_.now());
-    if (!has(mixtures::fault::clocks))
-        return;
-    // An application on another machine that takes it for dead would be taken for dead itself (SPEC.md, section 5.5).
-    world_.at(world_.now() + 1300ms,
-              [this, drone, process = running_.at(drone).process, alive = std::weak_ptr(alive_)] {
-                  if (!alive.expired() && std::exchange(process->frozen, false))
-                      links_.thawed(drone, world_.now());
-              });
 }
 
 void SimulatedGround::thaw(const std::string& drone, std::chrono::milliseconds least)

@@ -200,8 +200,8 @@ Fate fate_by(Link& link, const Error& reason)
 {
     if (!link.connection().ended_by_peer())
         return reason.code() == Errc::stopped ? Fate::lost_connection : Fate::lost_cut_off;
-    // On one machine a peer may also have cut off this end.
-    const bool died = !link.local() || platform::process_ends(link.peer().pid);
+    // A peer may also have cut off this end.
+    const bool died = link.local() ? platform::process_ends(link.peer().pid) : !link.connection().seemed_dead();
     return died ? Fate::lost_killed : Fate::lost_connection;
 }
 

@@ -80,6 +80,11 @@ public:
         const auto core = core_.lock();
         return core && core->ended_by_peer();
     }
+    [[nodiscard]] bool seemed_dead() const override
+    {
+        const auto core = core_.lock();
+        return core && core->seemed_dead();
+    }
     [[nodiscard]] std::string peer() const override { return peer_; }
     [[nodiscard]] bool local() const override { return local_; }
     [[nodiscard]] const Credentials& credentials() const override { return credentials_; }

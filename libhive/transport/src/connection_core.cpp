@@ -114,6 +114,7 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
         return;
     ended_ = reason;
     ended_by_peer_ = by_peer;
+    seemed_dead_ = liveness_.seemed_dead(Clock::now());
     if (borrowing_)
         borrowing_->end();  // before the peer can see the end and use its slots again
     if (lending_)

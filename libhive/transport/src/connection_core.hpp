@@ -36,6 +36,7 @@ public:
     void ping(std::function<void(bool)> answered);
     void share(std::shared_ptr<Pool> pool) { lending_.emplace(std::move(pool)); }
     [[nodiscard]] bool ended_by_peer() const { return ended_by_peer_; }
+    [[nodiscard]] bool seemed_dead() const { return seemed_dead_; }
     [[nodiscard]] bool shares() const { return lending_.has_value() && !ended_; }
     /// Ends it; Written callbacks and then `closed` are posted.
     /// @param by_peer  it is the peer that went away
@@ -85,6 +86,7 @@ private:
     bool reading_ = false;
     bool writing_ = false;
     bool ended_by_peer_ = false;
+    bool seemed_dead_ = false;
 };
 
 }  // namespace hive::transport

@@ -44,6 +44,19 @@ TEST_CASE("liveness: the time in which this end itself was held up does not coun
     CHECK(peer.verdict(zero + 12s, false));
 }
 
+TEST_CASE("liveness: an end that sends nothing for 1.5 s may be taken for dead, until 1 s after it has sent again")
+{
+    Liveness own(standard, zero);
+    CHECK_FALSE(own.seemed_dead(zero + 10s));  // the hello is first
+    own.sent(zero + 10s);
+    CHECK_FALSE(own.seemed_dead(zero + 11499ms));
+    CHECK(own.seemed_dead(zero + 11500ms));
+    own.sent(zero + 13s);
+    own.sent(zero + 13500ms);
+    CHECK(own.seemed_dead(zero + 13999ms));
+    CHECK_FALSE(own.seemed_dead(zero + 14s));
+}
+
 TEST_CASE("liveness: a ping is due after a pause in sending, but never before the first packet")
 {
     Liveness peer(standard, zero);
