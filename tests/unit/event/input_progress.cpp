@@ -44,6 +44,17 @@ TEST_CASE("input progress: a full stream takes nothing from a new run of its sen
     CHECK(input.held(true) == 0);
 }
 
+TEST_CASE("input progress: what came from an earlier run of the sender is still to be worked on")
+{
+    auto input = full_at_restarted_sender(window(2), 2);
+    CHECK(input.all_worked());
+    CHECK(input.works());
+    input.heard(1, 1, true, true, false);
+    CHECK(input.works());
+    input.heard(1, 2, true, true, false);
+    CHECK_FALSE(input.works());
+}
+
 TEST_CASE("input progress: a full window takes one from a new run of its sender for each that it has processed")
 {
     auto input = full_at_restarted_sender(window(2), 2);

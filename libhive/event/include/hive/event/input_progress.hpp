@@ -55,6 +55,8 @@ public:
     }
     [[nodiscard]] bool empty() const { return in_hand_.empty(); }
     [[nodiscard]] bool all_worked() const { return worked_ == arrived(); }
+    /// Is anything left to process, of earlier numberings, too?
+    [[nodiscard]] bool works() const { return !all_worked() || unprocessed_before_ > 0; }
     [[nodiscard]] bool lossless_in_hand() const;
     /// Was something processed that is not acknowledged yet?
     [[nodiscard]] bool owes() const;

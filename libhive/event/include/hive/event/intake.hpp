@@ -86,7 +86,7 @@ public:
     /// Was it asked, and may still answer? One that is lost may come back with another source.
     [[nodiscard]] bool unsure() const;
     /// Has everything that came been worked on?
-    [[nodiscard]] bool all_worked() const noexcept { return progress_.all_worked(); }
+    [[nodiscard]] bool all_worked() const noexcept { return !progress_.works(); }
     /// Does the sender know, or is it not there, that this one is gone?
     [[nodiscard]] bool has_left() const noexcept { return stage_ == Stage::left; }
     /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
