@@ -60,6 +60,8 @@ public:
     /// What has come since the last call, in the order of its coming.
     virtual std::vector<Outcome> outcomes() = 0;
     virtual CollectCounts collected() = 0;
+    /// Does the collector know that nothing more comes, and what does it say about that?
+    virtual std::optional<std::string> ended() { return std::nullopt; }
 
     /// Promises that the ground itself has seen broken since the last call.
     virtual std::vector<std::string> complaints() { return {}; }

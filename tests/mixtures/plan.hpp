@@ -79,6 +79,7 @@ namespace fault {
 inline const std::string crash_point = "crash-point";  ///< a killed drone dies between two writes of a handler
 inline const std::string clocks = "clocks";            ///< the drones are on two machines
 inline const std::string clock_step = "clock-step";    ///< the time of day is set, back as well
+inline const std::string ends = "ends";                ///< the source ends when it has made what it may
 inline const std::string forget = "forget";            ///< steps of that name
 inline const std::string lie = "lie";                  ///< peers that are not in the round lie
 inline const std::string silence = "silence";          ///< for a time, one drone does not hear another

@@ -12,7 +12,9 @@ Round::Round(Plan plan, Ground& ground)
       ground_(ground),
       window_(plan_.topology.demand),
       pace_(ground.pace()),
-      sizes_(plan_.topology, std::ssize(plan_.steps) * static_cast<int>(plan_.faults.contains(fault::lie))),
+      sizes_(plan_.topology,
+             std::ssize(plan_.steps)
+                 * static_cast<int>(plan_.faults.contains(fault::lie) || plan_.faults.contains(fault::ends))),
       waits_(plan_.topology.demand),
       idle_(ground.pace())
 {

@@ -55,6 +55,8 @@ private:
     Problems watch(const Statuses& statuses);
     Problems settle(bool last);
     Problems stuck(const Statuses& statuses, Stillness& stillness) const;
+    [[nodiscard]] bool all_up(const Statuses& statuses) const;
+    [[nodiscard]] bool told_end(const Statuses& statuses) const;
     Problems at_rest(const Statuses& statuses, bool complete);
     [[nodiscard]] bool source_done(const Statuses& statuses) const;
     [[nodiscard]] bool whole(const Statuses& statuses, const std::string& drone) const;

@@ -91,6 +91,20 @@ Problems Round::watch(const Statuses& statuses)
     return problems;
 }
 
+/// Are all there, connected and not halted?
+bool Round::all_up(const Statuses& statuses) const
+{
+    const auto halted = [](const auto& row) { return row.second.state == State::halted; };
+    return statuses.size() == plan_.topology.drones().size() && std::ranges::none_of(statuses, halted)
+           && whole(statuses, "");
+}
+
+/// Does the collector know that it has everything, if it can?
+bool Round::told_end(const Statuses& statuses) const
+{
+    return !plan_.faults.contains(fault::ends) || !all_up(statuses) || ground_.ended();
+}
+
 Problems Round::settle(bool last)
 {
     while (!ground_.all_hear())
@@ -109,13 +123,16 @@ Problems Round::settle(bool last)
         all.look(answered ? "those that answer:\n" + picture(statuses) : "");
         const bool done = answered && idle(statuses) && source_done(statuses) && (!last || whole(statuses, ""));
         // In order, a result that is late holds up others that are acknowledged.
-        if (done && (missing(statuses).empty() || (all.still() && !plan_.topology.ordered)))
+        const bool over = done && (missing(statuses).empty() || (all.still() && !plan_.topology.ordered));
+        if (over && told_end(statuses))
             return at_rest(statuses, true);
         if (!done && !last && all.still())
             return at_rest(statuses, false);
     }
     const auto statuses = ground_.statuses();
     auto problems = missing(statuses);
+    if (!told_end(statuses))
+        problems.insert(problems.begin(), "end: the source has ended, and the collector is not told");
     problems.insert(problems.begin(), "settles: no rest in " + std::to_string(most_time.count()) + " ms");
     return problems;
 }
@@ -126,6 +143,10 @@ Problems Round::at_rest(const Statuses& statuses, bool complete)
     std::ranges::move(disagreeing(statuses, ground_.born()), std::back_inserter(problems));
     if (auto problem = values_.found(ground_.settings()))
         problems.push_back(*problem);
+    // A drone that has halted does not keep back that there is more.
+    const bool more = !source_done(statuses) || !missing(statuses).empty();
+    if (more && ground_.ended() && statuses.size() == plan_.topology.drones().size() && whole(statuses, ""))
+        problems.push_back("end: the collector was told the end, and something is still to come");
     if (statuses.contains(source))
         if (const auto count = ground_.count(); count != ground_.fed())
             problems.push_back("restored: the source's count is " + std::to_string(count) + "; "

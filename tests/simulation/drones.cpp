@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 namespace hive::simulation {
 
@@ -17,13 +18,26 @@ struct Source {
     std::string pace = "live";
     double fps = 30;
     int count = 0;
-    std::int64_t made = 0;
+    bool ends = false;
+    OnCapture on_capture;
+    std::int64_t made = 0, made_before = 0;  ///< in all, and until the last end
+    bool ended = false;
     std::optional<Time> next{};
 
+    void change(const Output& tick)
+    {
+        if (made < count && std::exchange(ended, false))
+            tick.begin_source();
+    }
     std::chrono::microseconds step(const Output& tick)
     {
-        if (made >= count)
+        if (made >= count) {
+            if (ends && !std::exchange(ended, true)) {
+                tick.end();
+                made_before = made;
+            }
             return 1s;
+        }
         if (pace == "demand")
             return tick.asked() ? (emit(tick, true), 0us) : 1s;
         const auto now = world().now();
@@ -36,7 +50,9 @@ struct Source {
     void emit(const Output& tick, bool lossless)
     {
         ++made;
-        const auto captured = std::chrono::system_clock::time_point(std::chrono::microseconds(event::wall_us()));
+        const auto us = event::wall_us();
+        const auto captured = std::chrono::system_clock::time_point(std::chrono::microseconds(us));
+        on_capture(us, made - made_before, made);
         tick.emit_captured(captured, lossless, {{"index", made}}, [] { return Body(std::string(100, 'x')); });
     }
 };
@@ -62,11 +78,19 @@ struct Worker {
 
 void source(Drone& drone)
 {
+    source(drone, [](auto, auto, auto) {});
+}
+
+void source(Drone& drone, OnCapture on_capture)
+{
     const auto self = std::make_shared<Source>();
+    self->on_capture = std::move(on_capture);
     drone.parameter("pace", self->pace, one_of({"live", "demand"}), "");
     drone.parameter("fps", self->fps, between(0.1, 100'000), "");
     drone.parameter("count", self->count, at_least(0), "how many in all");
+    drone.parameter("ends", self->ends, {}, "the last of them is the end");
     const auto tick = drone.output("tick", "application/octet-stream", "");
+    drone.on_change([self, tick] { self->change(tick); });
     drone.main([self, tick] { return self->step(tick); });
 }
 

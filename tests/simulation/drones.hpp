@@ -3,10 +3,17 @@
 
 #include <hive/drone.hpp>
 
+#include <functional>
+
 namespace hive::simulation {
 
-/// Numbered events, live or on demand, up to `count`.
+/// An event of a source: when it was captured, its number since the last end, and since the start.
+using OnCapture = std::function<void(std::int64_t captured_us, std::int64_t sequence, std::int64_t number)>;
+
+/// Numbered events, live or on demand, up to `count`, which is the end if it `ends`.
 void source(Drone& drone);
+/// @param on_capture  called with each event before it is emitted
+void source(Drone& drone, OnCapture on_capture);
 /// Takes its time over each event, throws or refuses when it is told to.
 void worker(Drone& drone);
 

@@ -30,7 +30,7 @@ int main(int argc, char** argv)
     };
     const int code = hive::mixtures::play_rounds(
         app, argc, argv, play,
-        {fault::clocks, fault::clock_step, fault::crash_point, fault::forget, fault::lie, fault::silence});
+        {fault::clocks, fault::clock_step, fault::crash_point, fault::ends, fault::forget, fault::lie, fault::silence});
     const Seconds took = std::chrono::steady_clock::now() - begin;
     std::cout << std::fixed << std::setprecision(0) << "a second: " << static_cast<double>(histories) / took.count()
               << " histories, " << simulated / took << " simulated seconds, "

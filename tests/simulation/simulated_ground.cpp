@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <iomanip>
 #include <iostream>
+#include <tuple>
 
 namespace hive::simulation {
 
@@ -17,10 +18,10 @@ using mixtures::Topology;
 
 namespace {
 
-Json first_parameters(const Topology& topology, const std::string& drone, std::int64_t fed)
+Json first_parameters(const Topology& topology, const std::string& drone, std::int64_t fed, bool ends)
 {
     if (drone == mixtures::source)
-        return {{"pace", topology.demand ? "demand" : "live"}, {"fps", 200}, {"count", fed}};
+        return {{"pace", topology.demand ? "demand" : "live"}, {"fps", 200}, {"count", fed}, {"ends", ends}};
     if (drone == mixtures::watcher)
         return Json::object();
     return {{"work_ms", mixtures::first_setting.work_ms},
@@ -143,7 +144,7 @@ void SimulatedGround::start(const std::string& drone, bool remembers, std::optio
     links_.broken(drone, world_.now());
     EmbeddedOptions options{.name = drone};
     if (!remembers)
-        options.parameters = first_parameters(topology_, drone, fed_);
+        options.parameters = first_parameters(topology_, drone, fed_, has(mixtures::fault::ends));
     options.log = log_of(drone);
     Running& running = running_[drone] = {};
     running.process = &world_.spawn(drone, [this, drone, options] { live(drone, options); });
@@ -171,9 +172,16 @@ void SimulatedGround::live(const std::string& name, EmbeddedOptions options)
     Running& running = running_[name];
     const std::shared_ptr<void> gone(nullptr, [&running](void*) { running.drone = nullptr; });
     Drone& drone = embedded.drone();
-    (name == mixtures::source ? source : worker)(drone);
+    if (name == mixtures::source)
+        source(drone, [this, &running](std::int64_t us, std::int64_t sequence, std::int64_t number) {
+            if (has(mixtures::fault::ends))
+                captures_[{us, sequence}] = {running.epoch, number};
+        });
+    else
+        worker(drone);
     drone.on_start([&] {
         running.drone = &drone;
+        running.epoch = drone.status().epoch;
         running.ready = true;
     });
     embedded.run();
@@ -210,7 +218,8 @@ std::int64_t SimulatedGround::count()
 std::vector<std::string> SimulatedGround::complaints()
 {
     auto all = links_.take_problems();
-    std::ranges::move(std::exchange(wrong_ages_, {}), std::back_inserter(all));
+    for (auto* const seen : {&wrong_ages_, &wrong_ends_})
+        std::ranges::move(std::exchange(*seen, {}), std::back_inserter(all));
     for (auto* const more : {&calls_, &waits_, &impatient_calls_})
         std::ranges::move(more->take_problems(), std::back_inserter(all));
     return all;
@@ -248,7 +257,10 @@ std::vector<std::string> SimulatedGround::end()
 void SimulatedGround::take(const Event& event, bool failed)
 {
     check_age(event);
-    collected_.came.push_back(mixtures::outcome_of(event, failed));
+    auto outcome = mixtures::outcome_of(event, failed);
+    if (const auto found = captures_.find({event.identity.captured_us, outcome.sequence}); found != captures_.end())
+        std::tie(outcome.epoch, outcome.sequence) = found->second;
+    collected_.came.push_back(std::move(outcome));
     trace_.line("collector", std::to_string(event.identity.sequence) + ": " + to_text(collected_.came.back()));
 }
 
@@ -266,13 +278,19 @@ void SimulatedGround::check_age(const Event& event)
                               + std::to_string(std::chrono::floor<std::chrono::microseconds>(age).count()) + " us old");
 }
 
-void SimulatedGround::collect()
+/// What is collected.
+std::vector<Endpoint> SimulatedGround::ends() const
 {
-    Application application(application_named("collector")), hearing(application_named(mixtures::hearer));
     std::vector<Endpoint> ends;
     for (const auto& drone : topology_.stages.back().drones)
         ends.push_back({drone, Topology::output_of(drone)});
-    const auto results = application.collect(ends, {.ordered = topology_.ordered});
+    return ends;
+}
+
+void SimulatedGround::collect()
+{
+    Application application(application_named("collector")), hearing(application_named(mixtures::hearer));
+    const auto results = application.collect(ends(), {.ordered = topology_.ordered});
     const auto exceptions = hearing.exceptions(topology_.drones());
     for (collected_.begun = true; !collected_.ending;) {
         if (const auto result = waits_.keep("next", [&] { return results->next(turn_time); }))
@@ -281,6 +299,7 @@ void SimulatedGround::collect()
         if (exception && exception->identity.sequence > 0)
             take(*exception, true);
         collected_.counts = results->counts();
+        collected_.ended = results->ended();
     }
 }
 

@@ -64,6 +64,7 @@ public:
     [[nodiscard]] const std::map<std::string, int>& born() const override { return born_; }
     std::vector<Outcome> outcomes() override { return std::exchange(collected_.came, {}); }
     CollectCounts collected() override { return collected_.counts; }
+    std::optional<std::string> ended() override { return collected_.ended; }
     std::vector<std::string> complaints() override;
     std::vector<std::string> fallen() override;
     std::vector<std::string> end() override;
@@ -73,10 +74,12 @@ private:
         Process* process = nullptr;
         Drone* drone = nullptr;  ///< while it exists
         bool ready = false;
+        std::int64_t epoch = 0;
     };
     struct Collected {
         std::vector<Outcome> came;
         CollectCounts counts;
+        std::optional<std::string> ended;
         Process* process = nullptr;
         bool begun = false, ending = false;
     };
@@ -89,6 +92,7 @@ private:
     [[nodiscard]] bool has(const std::string& fault) const { return faults_.contains(fault); }
     void live(const std::string& drone, EmbeddedOptions options);
     [[nodiscard]] Log log_of(const std::string& drone);
+    [[nodiscard]] std::vector<Endpoint> ends() const;
     void collect();
     void take(const Event& event, bool failed);
     void check_age(const Event& event);
@@ -108,6 +112,10 @@ private:
     void cut_sometimes();
     void set_clock_sometimes();
     void silence_sometimes();
+    void watch_sometimes();
+    void watch_until_the_end(const std::string& name);
+    /// Can all drones answer at once, and ask those from which they receive?
+    [[nodiscard]] bool all_answer();
     void wait_until_heard();
     /// Sleeps until then.
     void until(const std::function<bool()>& condition);
@@ -124,8 +132,12 @@ private:
     std::set<std::string> killed_;
     std::map<std::string, int> born_;
     int starts_ = 0;
-    int liars_ = 0;
-    std::vector<Process*> guests_;     ///< who is not in the round: liars, and whoever listens to them
+    /// Epoch of the source's run, and number in it, by what an event says.
+    std::map<std::pair<std::int64_t, std::int64_t>, std::pair<std::int64_t, std::int64_t>> captures_;
+    std::vector<std::string> wrong_ends_;
+    int disturbances_ = 0;  ///< faults so far, and orders that are not for the source
+    int liars_ = 0, watchers_ = 0;
+    std::vector<Process*> guests_;     ///< who is not in the round: liars, whoever listens to them, and watchers
     std::vector<std::string> fallen_;  ///< of them
     std::int64_t fed_ = 1;
     Collected collected_;

@@ -42,6 +42,7 @@ void SimulatedGround::perform(const Step& step)
     cut_sometimes();
     set_clock_sometimes();
     lie_sometimes();
+    disturbances_ += step.verb == Verb::feed || step.verb == Verb::rest ? 0 : 1;
     if (step.verb == Verb::connect || step.verb == Verb::change || step.verb == Verb::disconnect)
         wait_until_heard();
     else
@@ -165,6 +166,7 @@ void SimulatedGround::cut_sometimes()
             *found->second.process, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; });
         if (peer.empty())
             return;
+        ++disturbances_;
         trace_.line("network", "cut " + name + " - " + peer);
         links_.cut(name, peer, world_.now());
     });
@@ -196,6 +198,7 @@ void SimulatedGround::silence_sometimes()
     if (peer.empty())
         return;
     silent_until_ = until;
+    ++disturbances_;
     trace_.line("network", "between " + process.name + " and " + peer + " one does not hear the other");
     links_.silent(process.name, peer, world_.now(), until);
 }
@@ -210,6 +213,7 @@ void SimulatedGround::feed(int events)
     const auto produced = statuses().at(mixtures::source).outputs.at(0).produced;
     fed_ = std::max(fed_, produced) + events;
     calls_.keep("set", [&] { application_->set(mixtures::source, {{"count", fed_}}); });
+    watch_sometimes();
 }
 
 Told SimulatedGround::set(const Change& change)

@@ -1,5 +1,6 @@
 // A source that had ended is set anew, and somebody begins to collect behind two drones as soon as that is confirmed:
-// what comes is all of the new source, or its end, and nothing of the old one, whatever links are lost meanwhile.
+// what comes is all of the new source, or its end, and nothing of the old one, whatever is done to the drones
+// meanwhile.
 #include "../drones.hpp"
 #include "network.hpp"
 #include "world.hpp"
@@ -11,6 +12,9 @@
 #include <hive/protocol/defended.hpp>
 
 #include <doctest/doctest.h>
+
+#include <iterator>
+#include <map>
 
 using namespace hive;
 using namespace std::chrono_literals;
@@ -103,44 +107,91 @@ struct Watched {
     }
 };
 
-/// @param cuts  links between drones are lost at random
-std::vector<std::string> wrong_in(std::uint64_t seed, bool cuts)
+struct Drones {
+    explicit Drones(World& in) : world(in)
+    {
+        for (const std::string name : {"source", "first", "second"})
+            start(name);
+    }
+    void start(const std::string& name)
+    {
+        processes[name] = &world.spawn(name, [name] {
+            EmbeddedDrone embedded({name, "of a test"}, {.name = name});
+            (name == "source" ? play_clips : simulation::worker)(embedded.drone());
+            embedded.run();
+        });
+    }
+
+    World& world;
+    std::map<std::string, simulation::Process*> processes{};
+};
+
+/// What is done again and again while it is being collected. The drone in the middle is the first one.
+using Disturb = void (*)(Drones& drones, Application& application);
+
+void nothing(Drones&, Application&) {}
+
+/// Links between drones are lost.
+void cut(Drones& drones, Application&)
+{
+    const auto one = std::next(drones.processes.begin(), static_cast<std::ptrdiff_t>(drones.world.chance_of(3)));
+    simulation::cut_one_connection(*one->second,
+                                   [&](const auto& peer) { return drones.processes.contains(peer.name); });
+}
+
+void halt(Drones& drones, Application& application)
+{
+    application.halt("first");
+    drones.world.sleep(drones.world.between(0ms, 300ms));
+    application.resume("first");
+}
+
+void regroup(Drones&, Application& application)
+{
+    for (const std::string group : {"workers", ""})
+        application.connect({"source", "tick"}, {"first", "image"}, {.group = group, .lease = {}});
+}
+
+/// As when it is replaced after a crash.
+void restart(Drones& drones, Application&)
+{
+    drones.world.kill(*drones.processes.at("first"));
+    drones.world.sleep(drones.world.between(0ms, 200ms));
+    drones.start("first");
+    drones.world.sleep(500ms);
+}
+
+std::vector<std::string> wrong_in(std::uint64_t seed, Disturb disturb)
 {
     simulation::enter_empty_home();
     World world(seed);
     Watched watched;
-    std::vector<simulation::Process*> drones;
-    for (const std::string name : {"source", "first", "second"})
-        drones.push_back(&world.spawn(name, [name] {
-            EmbeddedDrone embedded({name, "of a test"}, {.name = name});
-            (name == "source" ? play_clips : simulation::worker)(embedded.drone());
-            embedded.run();
-        }));
+    Drones drones(world);
     world.spawn("operator", [&] {
         world.sleep(500ms);
         watched.watch(world);
         watched.done = true;  // its application is gone, too
     });
-    const auto among_drones = [](const simulation::Process& peer) {
-        return peer.name == "source" || peer.name == "first" || peer.name == "second";
-    };
-    auto next_cut = world.now() + 600ms;
-    for (const auto limit = world.now() + 120s; !watched.done && world.step(limit);)
-        if (cuts && world.now() >= next_cut) {
-            next_cut = world.now() + world.between(1ms, 150ms);
-            simulation::cut_one_connection(*drones[world.chance_of(drones.size())], among_drones);
+    world.spawn("disturber", [&] {
+        world.sleep(600ms);
+        for (auto application = application_named("disturber"); !watched.done;) {
+            disturb(drones, application);
+            world.sleep(world.between(1ms, 150ms));
         }
+    });
+    for (const auto limit = world.now() + 120s; !watched.done && world.step(limit);) {
+    }
     if (!watched.done)
         watched.wrong.emplace_back("the last clip does not end");
     return watched.wrong;
 }
 
 /// As lines.
-std::string wrong_until(std::uint64_t last, bool cuts)
+std::string wrong_until(std::uint64_t last, Disturb disturb)
 {
     std::string lines;
     for (std::uint64_t seed = 1; seed <= last; ++seed)
-        for (const auto& wrong : wrong_in(seed, cuts))
+        for (const auto& wrong : wrong_in(seed, disturb))
             lines += "seed " + std::to_string(seed) + ", " + wrong + "\n";
     return lines;
 }
@@ -149,13 +200,20 @@ std::string wrong_until(std::uint64_t last, bool cuts)
 
 TEST_CASE("ends: who collects once another source is set gets that one")
 {
-    CHECK(wrong_until(200, false) == "");
-    CHECK(wrong_until(200, true) == "");
+    CHECK(wrong_until(200, nothing) == "");
+    CHECK(wrong_until(200, cut) == "");
+}
+
+TEST_CASE("ends: the same while the drone in the middle is halted, connected in another way, or started again")
+{
+    CHECK(wrong_until(100, halt) == "");
+    CHECK(wrong_until(100, regroup) == "");
+    CHECK(wrong_until(100, restart) == "");
 }
 
 TEST_CASE("ends: if nobody asks whether an end still holds, some get that of the source before")
 {
     leave_out("end-question");
-    CHECK_FALSE(wrong_until(50, true).empty());
+    CHECK_FALSE(wrong_until(50, cut).empty());
     leave_out({});
 }

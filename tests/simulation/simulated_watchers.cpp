@@ -1,0 +1,48 @@
+// Applications that begin to watch the results right after the source was given more to do: whoever is told the end
+// then is told that of all which the source may make.
+#include "simulated_ground.hpp"
+
+#include <algorithm>
+
+namespace hive::simulation {
+
+using namespace std::chrono_literals;
+
+bool SimulatedGround::all_answer()
+{
+    const auto connected = [](const auto& row) {
+        return std::ranges::all_of(row.second.inputs, &InputStatus::connected);
+    };
+    const auto all = statuses();
+    return all_hear() && all.size() == topology_.drones().size() && std::ranges::all_of(all, connected);
+}
+
+/// One at a time. It takes notifications, so that nobody waits for it.
+void SimulatedGround::watch_sometimes()
+{
+    const auto dead = [](const Process* guest) { return guest->dead; };
+    if (!has(mixtures::fault::ends) || !all_answer() || !std::ranges::all_of(guests_, dead) || !world_.chance(50))
+        return;
+    const auto name = "watcher-" + std::to_string(++watchers_);
+    guests_.push_back(&world_.spawn(name, [this, name] { watch_until_the_end(name); }));
+}
+
+/// A fault in between may be answered for after 1 s, with what was known before.
+void SimulatedGround::watch_until_the_end(const std::string& name)
+try {
+    const auto before = disturbances_;
+    const auto fed = fed_;
+    Application application(application_named(name, short_timeout));
+    const auto collector =
+        application.collect(ends(), {.connection = {.delivery = Delivery::notification, .group = {}, .lease = {}}});
+    for (const auto last = world_.now() + 5s; world_.now() < last && !collector->ended();)
+        static_cast<void>(collector->next(10ms));
+    const auto produced = statuses().at(mixtures::source).outputs.at(0).produced;
+    if (collector->ended() && disturbances_ == before && all_answer() && produced < fed)
+        wrong_ends_.push_back("end: who began to watch when the source might make " + std::to_string(fed)
+                              + " events was told the end after " + std::to_string(produced));
+} catch (const Error& error) {
+    trace_.line(name, error.what());
+}
+
+}  // namespace hive::simulation
