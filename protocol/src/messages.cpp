@@ -89,6 +89,8 @@ std::string to_text(const Request& request)
         fields.raw(",\"back\":", hive::to_text(Json(request.back)));
     if (request.end != 0)
         fields.number(",\"end\":", request.end);
+    if (request.end != 0 && request.within_ms != Request::most_within_ms)
+        fields.number(",\"within_ms\":", request.within_ms);
     fields.close();
     return text;
 }
@@ -114,6 +116,7 @@ Request request_from_json(const Json& object)
                     fields.integer_or("done", 0, max_json_integer, 0)};
     request.worked = fields.integer_or("worked", 0, max_json_integer, request.done);
     request.end = fields.integer_or("end", 0, max_json_integer, 0);
+    request.within_ms = fields.integer_or("within_ms", 0, Request::most_within_ms, Request::most_within_ms);
     if (fields.has("back"))
         for (const auto& item : fields.array("back")) {
             const auto number = json_integer(item);

@@ -3,14 +3,13 @@
 #include <hive/event/intake.hpp>
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace hive::event {
 
-void EndCheck::begin(Then then)
+void EndCheck::begin(std::chrono::milliseconds within, Then then)
 {
-    waiting_.push_back(std::move(then));
+    waiting_.push_back({Clock::now() + within, std::move(then)});
     if (asking_.empty())
         ask();
 }
@@ -18,14 +17,14 @@ void EndCheck::begin(Then then)
 void EndCheck::ask()
 {
     asking_ = std::exchange(waiting_, {});
+    const auto until = std::ranges::max(asking_, {}, &Question::until).until;
+    const auto left = std::chrono::floor<std::chrono::milliseconds>(until - Clock::now());
     asked_ = intakes_;
-    std::erase_if(asked_, [](const auto& intake) { return !intake->ended(); });
+    std::erase_if(asked_, [&](const auto& intake) { return !intake->ended() || left.count() <= 0; });
     for (const auto& intake : asked_)
-        intake->ask_end();
+        intake->ask_end(left);
     if (!asked_.empty())
-        timer_.run_after(patience_, [this] {
-            // Who waits for the next round may be who was asked: in a cycle, two drones would ask each other for ever.
-            std::ranges::move(std::exchange(waiting_, {}), std::back_inserter(asking_));
+        timer_.run_after(left, [this] {
             asked_.clear();
             look();
         });
@@ -38,8 +37,8 @@ void EndCheck::look()
         return;
     timer_.cancel();
     asked_.clear();
-    for (const auto& then : std::exchange(asking_, {}))
-        then();
+    for (const auto& question : std::exchange(asking_, {}))
+        question.then();
     if (asking_.empty() && !waiting_.empty())
         ask();
 }

@@ -41,13 +41,14 @@ void Intake::on_end(protocol::End end)
     module_.look_at_ends();
 }
 
-void Intake::ask_end()
+void Intake::ask_end(std::chrono::milliseconds within)
 {
     ++question_;
     if (!connected_)
         return;
     auto request = progress_.told();
     request.end = question_;
+    request.within_ms = std::min<std::int64_t>(within.count(), protocol::Request::most_within_ms);
     tell(request);
 }
 

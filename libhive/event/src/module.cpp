@@ -133,7 +133,7 @@ Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)
         .failed = [this](const EmissionPtr& event) { on_failed(event); },
         .failed_at = [this](const Outlet::Failing& failing) { on_failed_at(failing); },
         .failures = [this](const Event* newest) { return failures(newest); },
-        .make_sure = [this](std::function<void()> then) { make_sure(std::move(then)); },
+        .make_sure = [this](auto within, auto then) { make_sure(within, std::move(then)); },
         .not_encoded = [this](const EmissionPtr& event, const Error& problem) { on_not_encoded(event, problem); },
         .on_encoder_thread = [this](const std::string& peer,
                                     std::function<void()> job) { encoder_thread_.push(peer, std::move(job)); },
@@ -255,11 +255,11 @@ void Module::remove_intake(const std::shared_ptr<Intake>& intake, std::function<
     keep->stop(std::move(left));
 }
 
-void Module::make_sure(EndCheck::Then then)
+void Module::make_sure(std::chrono::milliseconds within, EndCheck::Then then)
 {
     if (!defended("end-question"))
         return then();
-    end_check_.begin(std::move(then));
+    end_check_.begin(within, std::move(then));
 }
 
 namespace {

@@ -170,6 +170,7 @@ void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Re
     const auto place = places_.find(id);
     if (place == places_.end() || place->second.registration != request.epoch || request.end <= place->second.question)
         return;
+    place->second.answer_until = Clock::now() + std::chrono::milliseconds(request.within_ms);
     if (std::exchange(place->second.question, request.end) == place->second.answered)
         answer(id);
 }
@@ -177,7 +178,9 @@ void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Re
 /// One question of a receiver is worked on at a time. The answer goes behind all that the receiver has been sent.
 void Outlet::answer(ReceiverId receiver)
 {
-    hooks_.make_sure([this, alive = std::weak_ptr(alive_), receiver, number = places_.at(receiver).question] {
+    const auto& asking = places_.at(receiver);
+    const auto left = std::chrono::floor<std::chrono::milliseconds>(asking.answer_until - Clock::now());
+    hooks_.make_sure(left, [this, alive = std::weak_ptr(alive_), receiver, number = asking.question] {
         if (alive.expired())
             return;
         const auto place = places_.find(receiver);

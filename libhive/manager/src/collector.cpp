@@ -12,6 +12,7 @@ namespace hive {
 namespace {
 
 constexpr auto exceptions_output = "exceptions";
+constexpr auto patience_to_make_sure = std::chrono::seconds(2);  // a drone answers within one
 
 /// The connections of a collector. Kept by them while they leave, too.
 struct Inputs {
@@ -23,7 +24,7 @@ struct Inputs {
 void make_sure(event::Module& module, const std::shared_ptr<Inputs>& inputs,
                const std::shared_ptr<event::Mailbox>& mailbox)
 {
-    module.make_sure([mailbox, weak = std::weak_ptr(inputs), end = inputs->end.doubt()] {
+    module.make_sure(patience_to_make_sure, [mailbox, weak = std::weak_ptr(inputs), end = inputs->end.doubt()] {
         if (const auto alive = weak.lock(); alive && alive->end.confirm(end))
             mailbox->nudge();
     });

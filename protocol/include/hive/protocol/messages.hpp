@@ -50,6 +50,9 @@ struct Request {
     std::int64_t worked = 0;              ///< events worked on so far: what was made of them may still be on its way
     std::vector<std::int64_t> back = {};  ///< numbers of deliveries that a group is to give to others
     std::int64_t end = 0;                 ///< the number of a question: does the end still hold? 0: none is asked
+    std::int64_t within_ms = most_within_ms;  ///< for how long the answer to that is waited for
+
+    static constexpr std::int64_t most_within_ms = 1000;
 };
 std::string to_text(const Request& request);
 Request request_from_json(const Json& object);

@@ -13,33 +13,34 @@ namespace hive::event {
 class Intake;
 
 /// Network side. One round of questions is under way at a time, and who asks meanwhile waits for the next one: an
-/// answer is good only for those who asked before it was given. A round that takes too long answers both.
+/// answer is good only for those who asked before it was given. The senders are asked within what is left of the time
+/// of who asks, so that questions which go in a circle end.
 class EndCheck {
 public:
     using Then = std::function<void()>;
     using Intakes = std::vector<std::shared_ptr<Intake>>;
 
     /// @param intakes  those whose senders are asked
-    /// @param patience  a sender that has not answered by then has nothing to add: it is of an earlier version, or two
-    ///     drones wait for each other
-    EndCheck(asio::io_context& context, const Intakes& intakes, Clock::duration patience)
-        : intakes_(intakes), patience_(patience), timer_(context)
-    {
-    }
+    EndCheck(asio::io_context& context, const Intakes& intakes) : intakes_(intakes), timer_(context) {}
     /// Calls back when each sender has answered or is not there any more; at once if there is none.
-    void begin(Then then);
+    /// @param within  a sender that has not answered by then has nothing to add: it is of an earlier version, or drones
+    ///     wait for each other
+    void begin(std::chrono::milliseconds within, Then then);
     /// One of them may have answered.
     void look();
     void stop() { timer_.cancel(); }
 
 private:
+    struct Question {
+        Clock::time_point until;
+        Then then;
+    };
     void ask();
 
     const Intakes& intakes_;
-    const Clock::duration patience_;
     platform::Timer timer_;
     Intakes asked_;
-    std::vector<Then> asking_, waiting_;
+    std::vector<Question> asking_, waiting_;
 };
 
 }  // namespace hive::event

@@ -81,8 +81,8 @@ public:
     [[nodiscard]] std::optional<Error> refusal() const;
     /// What the sender said about its end, if it has come to it.
     [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
-    /// Asks the sender whether that still holds.
-    void ask_end();
+    /// Asks the sender whether that still holds. @param within  what the answer is waited for
+    void ask_end(std::chrono::milliseconds within);
     /// Was it asked, and may still answer? One that is lost may come back with another source.
     [[nodiscard]] bool unsure() const;
     /// Has everything that came been worked on?

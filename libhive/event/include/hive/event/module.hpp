@@ -134,7 +134,7 @@ public:
     std::size_t forget(const std::string& drone, const std::string& output);
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
     /// Calls back once the senders that told of their end have said whether it still holds, and that was passed on.
-    void make_sure(EndCheck::Then then);
+    void make_sure(std::chrono::milliseconds within, EndCheck::Then then);
     /// An intake may have had such an answer.
     void look_at_ends() { end_check_.look(); }
     /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
@@ -215,7 +215,7 @@ private:
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
     /// Drones answer before those who ask them give up.
-    EndCheck end_check_{context(), intakes_, options_.timing.silence / (options_.self.kind == "application" ? 1 : 2)};
+    EndCheck end_check_{context(), intakes_};
     std::vector<std::shared_ptr<Intake>> leaving_;         ///< removed, and not done with everything
     std::map<std::string, InputStatus> left_;              ///< by input
     std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put

@@ -33,7 +33,7 @@ public:
         /// At how many events this drone failed, as text; failures in runs before that of `newest` do not count.
         std::function<std::string(const Event* newest)> failures;
         /// Calls back once the ends that this drone was told are known to hold still, or not.
-        std::function<void(std::function<void()>)> make_sure;
+        std::function<void(std::chrono::milliseconds within, std::function<void()>)> make_sure;
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
         std::function<void(const std::string& peer, std::function<void()>)> on_encoder_thread;
@@ -108,6 +108,7 @@ private:
         bool stateful;                            ///< keeps state between events
         std::int64_t shared = 0, fallback = 0;    ///< bodies that went through shared memory, and that could not
         std::int64_t question = 0, answered = 0;  ///< the last one whether the end still holds, and the last answered
+        Clock::time_point answer_until{};         ///< of the last question
     };
     void require_few_encodings(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] EncodingChoice choice(const Link& link, const protocol::Registration& registration) const;
