@@ -1,5 +1,6 @@
 #include "drawing.hpp"
 
+#include "interrupt.hpp"
 #include "output.hpp"
 
 #include <hive/error.hpp>
@@ -40,7 +41,7 @@ std::string svg_of(const std::string& dot)
     const Unnamed file(dot);
     const auto drawn = [&] {
         try {
-            return hive::run_command({"dot", "-Tsvg", file.path()}, 30s);
+            return hive::run_command({"dot", "-Tsvg", file.path()}, 30s, {}, interrupt::requested);
         } catch (const hive::Error& error) {
             throw hive::Error(hive::Errc::not_found, "dot cannot be run: " + std::string(error.what()),
                               "install Graphviz (apt install graphviz)");

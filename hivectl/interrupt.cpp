@@ -79,6 +79,12 @@ void defer_until_exit() { ++deferred; }
 bool requested() { return first != 0; }
 int exit_code() { return 128 + (requested() ? first.load() : SIGINT); }
 
+void exit_after(unsigned seconds)
+{
+    std::signal(SIGALRM, [](int) { ::_exit(exit_code()); });
+    ::alarm(seconds);
+}
+
 bool sleep(std::chrono::milliseconds duration)
 {
     const auto end = std::chrono::steady_clock::now() + duration;

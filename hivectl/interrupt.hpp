@@ -22,6 +22,8 @@ void defer_until_exit();
 bool requested();
 /// 128 + the signal that came; 130 if none did.
 int exit_code();
+/// The process exits with exit_code() after this many seconds, whatever it does then.
+void exit_after(unsigned seconds);
 /// Sleeps until Ctrl-C; false when it was pressed.
 bool sleep(std::chrono::milliseconds duration);
 

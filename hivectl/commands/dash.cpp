@@ -34,6 +34,7 @@ try {
     write_out(session.json ? Row{{"url", url}}.json() + "\n" : url + "\n");
     while (interrupt::sleep(1h)) {
     }
+    interrupt::exit_after(1);  // a drone, or a program that a drone is started with, may take longer to let go
     return interrupt::exit_code();
 } catch (const hive::Error&) {
     throw;

@@ -5,7 +5,6 @@
 namespace hivectl::dash {
 namespace {
 
-constexpr int threads = 4;
 constexpr std::size_t max_results = 256;  // of pages that were closed meanwhile
 
 hive::Json result_of(const Errands::Work& work, hive::Application& application)
@@ -25,8 +24,6 @@ try {
 Errands::Errands(std::filesystem::path home, std::chrono::milliseconds timeout, std::function<void()> done)
     : home_(std::move(home)), timeout_(timeout), done_(std::move(done))
 {
-    for (int i = 0; i < threads; ++i)
-        threads_.emplace_back([this] { run(); });
 }
 
 Errands::~Errands()
@@ -52,6 +49,8 @@ std::uint64_t Errands::begin(Work work)
     if (waiting_.size() >= max_waiting)
         return 0;
     waiting_.emplace_back(++begun_, std::move(work));
+    if (idle_ < waiting_.size() && threads_.size() < max_threads)
+        threads_.emplace_back([this] { run(); });
     wake_.notify_one();
     return begun_;
 }
@@ -72,7 +71,9 @@ void Errands::run()
     hive::Application application(
         {.name = own_name(), .home = home_, .timeout = timeout_, .cancelled = [this] { return ending(); }});
     for (std::unique_lock lock(mutex_);;) {
+        ++idle_;
         wake_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
+        --idle_;
         if (ending_)
             return;
         const auto [errand, work] = std::move(waiting_.front());

@@ -1,4 +1,4 @@
-// What the page has done by drones, on threads of its own: each order has a deadline, and none delays a request.
+// What the page has done by drones, on threads of its own: each errand has a deadline, and none waits for another.
 #pragma once
 
 #include <hive/application.hpp>
@@ -20,6 +20,7 @@ class Errands {
 public:
     /// What is to be done. Its result is for the page; what it throws becomes {"error": {"code", "text", "advice"}}.
     using Work = std::function<hive::Json(hive::Application&)>;
+    static constexpr std::size_t max_threads = 32;  ///< more errands than that wait
     static constexpr std::size_t max_waiting = 64;
 
     /// @param done  called from its threads when an errand is done
@@ -43,10 +44,11 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     bool ending_ = false;
+    std::size_t idle_ = 0;  ///< threads that wait for an errand
     std::uint64_t begun_ = 0;
     std::deque<std::pair<std::uint64_t, Work>> waiting_;
     std::map<std::uint64_t, hive::Json> results_;  ///< the oldest go when there are too many
-    std::vector<std::thread> threads_;
+    std::vector<std::thread> threads_;             ///< as many as were ever busy at once
 };
 
 }  // namespace hivectl::dash

@@ -1,5 +1,6 @@
 #include "orders.hpp"
 
+#include "../interrupt.hpp"
 #include "../places.hpp"
 
 #include <hive/explain.hpp>
@@ -58,6 +59,7 @@ Json replace(Application& application, const std::string& drone)
 {
     hive::StartOptions options;
     options.drone.name = drone;
+    options.cancelled = interrupt::requested;
     const auto started = hive::replace(application, options);
     return {{"before", started.before}};
 }

@@ -38,11 +38,7 @@ public:
     }
     ~Source()
     {
-        {
-            const std::lock_guard lock(mutex_);
-            ending_ = true;
-        }
-        wake_.notify_all();
+        end();
         thread_.join();
     }
     Source(const Source&) = delete;
@@ -57,6 +53,12 @@ public:
         wanted_ = wanted_ || found == ready_for_.end() || after >= found->second.version;
         wake_.notify_all();
         return problem_.empty() && found != ready_for_.end() ? found->second : Newest{0, {}, {}, problem_};
+    }
+    void end()
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+        wake_.notify_all();
     }
     [[nodiscard]] bool ended() const { return ended_; }
 
@@ -183,7 +185,11 @@ Pictures::Pictures(std::filesystem::path home, std::function<void()> ready)
     : home_(std::move(home)), ready_(std::move(ready))
 {
 }
-Pictures::~Pictures() = default;
+Pictures::~Pictures()
+{
+    for (const auto& [output, source] : sources_)  // all at once, and then each is waited for
+        source->end();
+}
 
 Pictures::Newest Pictures::newest(const std::string& output, int width, std::uint64_t after, Time now)
 {

@@ -44,7 +44,8 @@ int width_for(std::uint64_t box) { return box <= 320 ? 320 : box <= 640 ? 640 : 
 Site::Site(Settings settings)
     : settings_(std::move(settings)),
       watch_(settings_.home, 1s, [this] { wake(); }),
-      errands_(settings_.home, settings_.timeout, [this] { wake(); }),
+      orders_(settings_.home, settings_.timeout, [this] { wake(); }),
+      questions_(settings_.home, settings_.timeout, [this] { wake(); }),
       pictures_(settings_.home, [this] { wake(); })
 {
 }
@@ -60,11 +61,11 @@ std::size_t Site::takes(const Request& request, const Visit& visit)
 }
 
 template <typename MakeWork>
-Site::Answer Site::errand(Visit& visit, MakeWork make_work)
+Site::Answer Site::errand(Errands& errands, Visit& visit, MakeWork make_work)
 {
-    if (!visit.again && (visit.mark = errands_.begin(make_work())) == 0)
-        return sentence(503, "Too many orders are waiting.");
-    if (const auto result = errands_.take(visit.mark))
+    if (!visit.again && (visit.mark = errands.begin(make_work())) == 0)
+        return sentence(503, "Too many drones do not answer.");
+    if (const auto result = errands.take(visit.mark))
         return json(*result);
     return visit.late ? Answer(sentence(503, "There is no answer yet.")) : std::nullopt;
 }
@@ -79,7 +80,7 @@ Site::Answer Site::answer(const Request& request, Visit& visit)
     if (request.path != "/orders")
         return nothing_here();
     try {
-        return errand(visit, [&] { return order_in(request.body); });
+        return errand(orders_, visit, [&] { return order_in(request.body); });
     } catch (const hive::Error& error) {
         return sentence(400, error.what());
     }
@@ -104,9 +105,9 @@ Site::Answer Site::answer_get(const Words& path, const Request& request, Visit& 
     if (path.size() == 2 && path[0] == "edge" && snapshot)
         return json(edge_details(*snapshot, path[1]));
     if (path.size() == 2 && path[0] == "ask")
-        return errand(visit, [&] { return ask_of(path[1]); });
+        return errand(questions_, visit, [&] { return ask_of(path[1]); });
     if (path.size() == 3 && path[0] == "why")
-        return errand(visit, [&] { return explain_of(path[1], path[2]); });
+        return errand(questions_, visit, [&] { return explain_of(path[1], path[2]); });
     return nothing_here();
 }
 

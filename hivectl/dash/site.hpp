@@ -39,11 +39,11 @@ private:
     Answer picture(const Words& path, Visit& visit);
     /// What is asked of drones: begun at the first call, and answered when it is done.
     template <typename MakeWork>
-    Answer errand(Visit& visit, MakeWork make_work);
+    static Answer errand(Errands& errands, Visit& visit, MakeWork make_work);
 
     const Settings settings_;
     Watch watch_;
-    Errands errands_;
+    Errands orders_, questions_;  ///< an order waits for no question
     Pictures pictures_;
 };
 

@@ -1,12 +1,15 @@
 // hivectl dash: who may look and who may change, over HTTP; and each control, in a real browser.
-#include "swarm.hpp"
+#include "dash_server.hpp"
+#include "successors.hpp"
 
 #include <doctest/doctest.h>
-#include <free_port.hpp>
 #include <possible.hpp>
 
+#include <array>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -14,62 +17,29 @@ using hive::Json;
 
 namespace {
 
-/// hivectl dash, and curl.
-class Page {
-public:
-    explicit Page(const Swarm& swarm, std::vector<std::string> more = {})
-        : swarm_(swarm), server_(swarm.hivectl_running(words(std::move(more)), log_name()))
-    {
-        REQUIRE(eventually([&] { return has(swarm_.log(log_name()), "token="); }));
-        const auto log = swarm_.log(log_name());
-        token_ = log.substr(log.rfind("token=") + 6, 32);
-        REQUIRE(token_.size() == 32);
-    }
-    [[nodiscard]] std::string cookie() const { return "hive-dash-" + std::to_string(port_) + "=" + token_; }
-    [[nodiscard]] std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
-    [[nodiscard]] const std::string& token() const { return token_; }
-    [[nodiscard]] int port() const { return port_; }
+Json json_of(const std::string& answer) { return Json::parse(answer.substr(0, answer.size() - 3)); }
 
-    /// What curl prints with these words: the body, then the code.
-    [[nodiscard]] std::string curl(const std::string& path, const std::vector<std::string>& more) const
+/// A program dot that takes half a minute and says that it has begun; as long as this lives, it is the first in the
+/// path.
+class SlowDot {
+public:
+    explicit SlowDot(const Swarm& swarm) : begun_(swarm.home() / "drawing")
     {
-        std::vector<std::string> line{"/usr/bin/curl", "-sS", "-m", "20", "-w", "%{http_code}"};
-        line.insert(line.end(), more.begin(), more.end());
-        line.push_back(address() + path);
-        const auto done = swarm_.run(line, patient(30'000ms));
-        CHECK_MESSAGE(done.exit_code == 0, done.err);
-        return done.out;
+        const auto folder = swarm.home() / "programs";
+        std::filesystem::create_directories(folder);
+        std::ofstream(folder / "dot") << "#!/bin/sh\ntouch " << begun_ << "\nexec sleep 30\n";
+        std::filesystem::permissions(folder / "dot", std::filesystem::perms::owner_all);
+        ::setenv("PATH", (folder.string() + ":" + path_).c_str(), 1);
     }
-    [[nodiscard]] std::string get(const std::string& path) const { return curl(path, {"-b", cookie()}); }
-    [[nodiscard]] std::string post(const std::string& body, const std::vector<std::string>& more = {}) const
-    {
-        std::vector<std::string> words{
-            "-b", cookie(), "-H", "Origin: " + address(), "-H", "Content-Type: application/json"};
-        words.insert(words.end(), {"--data-binary", body});
-        words.insert(words.end(), more.begin(), more.end());
-        return curl("/orders", words);
-    }
-    void stop()
-    {
-        server_.signal(SIGTERM);
-        CHECK(server_.wait(patient(10'000ms)) == 143);
-    }
+    ~SlowDot() { ::setenv("PATH", path_.c_str(), 1); }
+    SlowDot(const SlowDot&) = delete;
+    SlowDot& operator=(const SlowDot&) = delete;
+    [[nodiscard]] bool begun() const { return std::filesystem::exists(begun_); }
 
 private:
-    [[nodiscard]] std::string log_name() const { return "dash-" + std::to_string(port_); }
-    [[nodiscard]] std::vector<std::string> words(std::vector<std::string> more) const
-    {
-        more.insert(more.begin(), {"dash", "--http", std::to_string(port_)});
-        return more;
-    }
-
-    const Swarm& swarm_;
-    const int port_ = free_port();
-    Process server_;
-    std::string token_;
+    const std::string path_ = std::getenv("PATH");
+    const std::filesystem::path begun_;
 };
-
-Json json_of(const std::string& answer) { return Json::parse(answer.substr(0, answer.size() - 3)); }
 
 /// Runs one scenario of dash_page.py.
 void in_browser(const std::string& scenario)
@@ -195,6 +165,51 @@ TEST_CASE("dash: the stream has drones, connections and the verdict, and a drone
     hung.signal(SIGCONT);
     CHECK_MESSAGE(std::stod(asking.out) < 2.5, asking.out);  // of the 3 s for which the others wait
     CHECK_MESSAGE(has(asking.out, "\"error\""), asking.out);
+}
+
+TEST_CASE("dash: an order waits for no drone but its own")
+{
+    const Swarm swarm;
+    const auto good = swarm.drone("sleeper", "good");
+    std::vector<Process> hung;
+    for (int i = 1; i <= 6; ++i)
+        hung.push_back(swarm.drone("sleeper", "hung-" + std::to_string(i)));
+    const Page page(swarm, {"--timeout", "30"});
+    std::vector<Process> asking;
+    for (int i = 1; i <= 6; ++i) {
+        hung[i - 1U].signal(SIGSTOP);
+        const auto drone = "hung-" + std::to_string(i);
+        asking.push_back(page.begin("/ask/" + drone));
+        asking.push_back(page.begin("/orders", R"({"do": "halt", "drone": ")" + drone + R"("})"));
+    }
+    std::this_thread::sleep_for(300ms);  // until they have come: nothing shows that
+    const auto begin = Clock::now();
+    CHECK(page.post(R"({"do": "halt", "drone": "good"})") == "{}200");
+    CHECK(Clock::now() - begin < stated(1000ms));
+    for (auto& each : asking)
+        CHECK_FALSE(each.wait(0ms));
+}
+
+TEST_CASE("dash: Ctrl-C ends it within a second or so, whatever is under way")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
+    const auto before = swarm.application().status("worker").pid;
+    swarm.hivectl_done({"set", "worker", "start_ms=20000"});
+    const auto hung = swarm.drone("ticker", "hung");
+    hung.signal(SIGSTOP);
+    const SlowDot dot(swarm);
+    Page page(swarm, {"--timeout", "30"});
+    const std::array under_way{page.begin("/events"), page.begin("/ask/hung"), page.begin("/picture/hung.tick/320/0"),
+                               page.begin("/orders", R"({"do": "halt", "drone": "hung"})"),
+                               page.begin("/orders", R"({"do": "replace", "drone": "worker"})")};
+    CHECK(eventually([&] { return dot.begun(); }));
+    CHECK(eventually([&] { return !successors(swarm).empty(); }));
+    const auto begin = Clock::now();
+    page.stop();
+    CHECK(Clock::now() - begin < stated(1500ms));
+    CHECK(eventually([&] { return successors(swarm).empty(); }));
+    CHECK(swarm.application().status("worker").pid == before);
 }
 
 TEST_CASE("dash: an image is a JPEG of the width that is asked for, and an output without images says so")

@@ -1,5 +1,6 @@
 // A new process takes over from a drone while the swarm runs: nothing of a source on demand is lost or comes twice.
 #include "measure.hpp"
+#include "successors.hpp"
 
 #include <doctest/doctest.h>
 
@@ -125,21 +126,6 @@ Finished replace_with(const Swarm& swarm, const fs::path& folder, const std::vec
                                  swarm.program("hivectl").string(), "replace"};
     all.insert(all.end(), words.begin(), words.end());
     return swarm.run(all, long_patience);
-}
-
-/// The processes of this home that are to take over, or were.
-std::vector<pid_t> successors(const Swarm& swarm)
-{
-    std::vector<pid_t> found;
-    std::error_code ignored;
-    const auto home = "HIVE_HOME=" + swarm.home().string() + '\0';
-    for (const auto& entry : fs::directory_iterator("/proc", ignored))
-        if (const auto pid = std::atoi(entry.path().filename().c_str());
-            pid > 0 && text_of(entry.path() / "cmdline").find("--take-over") != std::string::npos
-            && (text_of(entry.path() / "environ") + '\0').find(home) != std::string::npos)
-            found.push_back(pid);
-    std::ranges::sort(found);
-    return found;
 }
 
 }  // namespace

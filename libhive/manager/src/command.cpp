@@ -132,6 +132,8 @@ std::optional<CommandResult> RunningCommand::poll(std::chrono::milliseconds pati
     }
 }
 
+void RunningCommand::end() { parts_->end = Clock::now(); }
+
 std::vector<int> RunningCommand::descriptors() const
 {
     std::vector<int> open;
@@ -142,12 +144,16 @@ std::vector<int> RunningCommand::descriptors() const
 }
 
 CommandResult run_command(const std::vector<std::string>& words, std::chrono::milliseconds limit,
-                          const std::vector<std::string>& environment)
+                          const std::vector<std::string>& environment, const std::function<bool()>& cancelled)
 {
+    constexpr std::chrono::milliseconds look_period(50);
     RunningCommand command(words, limit, environment);
-    for (;;)
-        if (auto result = command.poll(limit))
+    for (;;) {
+        if (auto result = command.poll(cancelled ? look_period : limit))
             return *std::move(result);
+        if (cancelled && cancelled())
+            command.end();
+    }
 }
 
 int run_attached(const std::vector<std::string>& words)

@@ -22,6 +22,8 @@ public:
     /// What it came to, once it has ended or its time is over; waits so long for that. Throws Errc::too_large when it
     /// prints more than 16 MiB.
     std::optional<CommandResult> poll(std::chrono::milliseconds patience = {});
+    /// Its time is over.
+    void end();
     /// One of them is readable when poll() has something to do.
     [[nodiscard]] std::vector<int> descriptors() const;
 

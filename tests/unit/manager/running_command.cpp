@@ -46,6 +46,8 @@ TEST_CASE("command: when its time is over it is ended, also if it does not want 
     const auto polite = hive::run_command(shell("exec sleep 60"), 50ms);
     CHECK(polite.late);
     CHECK(polite.exit_code == 128 + 15);
+    const auto cancelled = hive::run_command(shell("exec sleep 60"), 60s, {}, [] { return true; });
+    CHECK(cancelled.late);
     const auto stubborn = hive::run_command(shell("trap '' TERM; echo on; while :; do sleep 1; done"), 2s);
     CHECK(stubborn.late);
     CHECK(stubborn.exit_code == 128 + 9);

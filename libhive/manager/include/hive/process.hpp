@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,10 @@ struct CommandResult {
 /// Runs a program of $PATH with stdin from /dev/null and waits for its end; it gets SIGTERM when its time is over.
 /// `environment` are NAME=VALUE on top of ours. Throws Errc::io when it cannot be run, Errc::too_large when it prints
 /// more than 16 MiB.
+/// @param cancelled  asked while it waits; true: the time is over
 CommandResult run_command(const std::vector<std::string>& words, std::chrono::milliseconds limit,
-                          const std::vector<std::string>& environment = {});
+                          const std::vector<std::string>& environment = {},
+                          const std::function<bool()>& cancelled = {});
 /// Runs a program of $PATH in our place: it has our terminal, and what it returns is returned.
 int run_attached(const std::vector<std::string>& words);
 
