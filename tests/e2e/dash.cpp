@@ -1,14 +1,13 @@
 // hivectl dash: who may look and who may change, over HTTP; and each control, in a real browser.
+#include "dash_browser.hpp"
 #include "dash_server.hpp"
 #include "successors.hpp"
 
 #include <doctest/doctest.h>
-#include <possible.hpp>
 
 #include <array>
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 using namespace hive::test;
@@ -41,14 +40,12 @@ private:
     const std::filesystem::path begun_;
 };
 
-/// Runs one scenario of dash_page.py.
-void in_browser(const std::string& scenario)
+void in_browser(const std::string& scenario, const std::string& file = "dash_page")
 {
-    const bool there = std::filesystem::exists("/usr/bin/chromium") && std::filesystem::exists("/usr/bin/dot");
-    if (!possible(sanitized() ? missing_if_sanitized() : there ? "" : "chromium and graphviz"))
+    if (!possible(missing_for_browser()))
         return;
     const Swarm swarm;
-    const auto done = swarm.run({"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/e2e/dash_page.py", scenario}, 90'000ms);
+    const auto done = swarm.run(browser_words(file, scenario), 90'000ms);
     CHECK_MESSAGE(done.exit_code == 0, done.out, done.err);
 }
 
@@ -249,3 +246,10 @@ TEST_CASE("dash in a browser: 24 outputs at once") { in_browser("many"); }
 TEST_CASE("dash in a browser: a source on demand waits until its image is asked for") { in_browser("demand"); }
 
 TEST_CASE("dash in a browser: a stranger sees nothing, and another page changes nothing") { in_browser("strangers"); }
+
+TEST_CASE("dash in a browser: the keyboard reaches each control, its focus is seen, and each has a label")
+{
+    in_browser("keyboard", "dash_people");
+}
+
+TEST_CASE("dash in a browser: two hivectl dash of one swarm change it") { in_browser("together", "dash_people"); }

@@ -314,9 +314,13 @@ def picture(browser, dash, file):
     page.screenshot(file)
 
 
-if __name__ == "__main__":
+def run_scenario(scenarios):
     try:
         with Browser() as a_browser, Dash() as a_dash:
-            globals()[sys.argv[1]](a_browser, a_dash, *sys.argv[2:])
+            scenarios[sys.argv[1]](a_browser, a_dash, *sys.argv[2:])
     finally:
         subprocess.run(["hivectl", "stop", "--all"], capture_output=True, timeout=60)
+
+
+if __name__ == "__main__":
+    run_scenario(globals())

@@ -1,0 +1,25 @@
+// What a person does with hivectl dash: scenarios of dash_page.py and dash_people.py, in a real browser.
+#pragma once
+
+#include "eventually.hpp"
+
+#include <possible.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hive::test {
+
+inline std::string missing_for_browser()
+{
+    const bool there = std::filesystem::exists("/usr/bin/chromium") && std::filesystem::exists("/usr/bin/dot");
+    return sanitized() ? missing_if_sanitized() : there ? "" : "chromium and graphviz";
+}
+
+inline std::vector<std::string> browser_words(const std::string& file, const std::string& scenario)
+{
+    return {"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/e2e/" + file + ".py", scenario};
+}
+
+}  // namespace hive::test
