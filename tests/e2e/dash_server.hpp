@@ -25,6 +25,7 @@ public:
     [[nodiscard]] std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
     [[nodiscard]] const std::string& token() const { return token_; }
     [[nodiscard]] int port() const { return port_; }
+    [[nodiscard]] pid_t pid() const { return server_.pid(); }
 
     /// What curl prints with these words: the body, then the code.
     [[nodiscard]] std::string curl(const std::string& path, const std::vector<std::string>& more) const
