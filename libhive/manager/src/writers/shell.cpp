@@ -1,4 +1,6 @@
 // A script of hivectl's verbs: what people would type.
+#include "shell.hpp"
+
 #include "../engines/engine.hpp"
 #include "command_lines.hpp"
 #include "writer.hpp"
@@ -13,8 +15,12 @@ std::string line_of(const std::vector<std::string>& words)
     std::string text = "hivectl";
     for (const auto& word : words)
         text += " " + shell_word(word);
-    return text + "\n";
+    return text;
 }
+
+std::string end_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
+}  // namespace
 
 std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
 {
@@ -32,8 +38,6 @@ std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
     return line_of(words);
 }
 
-std::string end_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 std::string connect_line(const SwarmConnection& connection)
 {
     std::vector<std::string> words{"connect", end_of(connection.from), end_of(connection.to)};
@@ -47,16 +51,14 @@ std::string connect_line(const SwarmConnection& connection)
     return line_of(words);
 }
 
-}  // namespace
-
 ExportedFiles write_shell(const SwarmPlan& plan, const ExportOptions&)
 {
     std::string text = "#!/usr/bin/env bash\n# The swarm " + plan.name
                        + ": starts its drones and connects them.\nset -euo pipefail\n\n";
     for (const auto& drone : plan.drones)
-        text += start_line(plan, drone);
+        text += start_line(plan, drone) + "\n";
     for (const auto& connection : plan.connections)
-        text += connect_line(connection);
+        text += connect_line(connection) + "\n";
     return {{plan.name + ".sh", text, true}};
 }
 

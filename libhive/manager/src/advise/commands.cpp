@@ -1,0 +1,153 @@
+// Connections are made again with other options; a further member is started as the first one, and connected likewise.
+#include "commands.hpp"
+
+#include "../directory.hpp"
+#include "../swarm/running_plan.hpp"
+#include "../writers/shell.hpp"
+
+#include <hive/duration_text.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hive::advising {
+namespace {
+
+/// "19.9"
+std::string tenths(double number)
+{
+    const auto rounded = std::llround(number * 10);
+    return std::to_string(rounded / 10) + "." + std::to_string(rounded % 10);
+}
+
+Endpoint endpoint(const std::string& end)
+{
+    const auto drone = explaining::owner_of(end);
+    return {drone, end.substr(drone.size() + 1)};
+}
+
+std::string joined(const std::vector<std::string>& lines)
+{
+    std::string text;
+    for (const auto& line : lines)
+        text += (text.empty() ? "" : " && ") + line;
+    return text;
+}
+
+/// Each member, connected again with other options.
+std::string reconnected(const Stage& stage, const ConnectionOptions& options)
+{
+    std::vector<std::string> lines;
+    for (const auto& member : stage.members)
+        lines.push_back(connect_line({endpoint(stage.from), {member, port_of(stage.to)}, options}));
+    return joined(lines);
+}
+
+/// "face-2" beside "face" or "face-1", and not in use.
+std::string free_name(Application& application, const std::string& member)
+{
+    const auto used = application.drones();
+    auto base = drone_of(member);
+    if (const auto dash = base.find_last_not_of("0123456789");
+        dash != std::string::npos && dash > 0 && base[dash] == '-')
+        base.resize(dash);
+    for (int number = 2;; ++number)
+        if (auto name = base + "-" + std::to_string(number); std::ranges::find(used, name) == used.end())
+            return name;
+}
+
+/// An address that the drone of the order does not have to itself.
+std::string without_port(const std::string& address)
+{
+    const auto colon = address.rfind(':');
+    return colon == std::string::npos || colon < address.find("//") + 2 ? address : address.substr(0, colon);
+}
+
+std::string further_member(Application& application, const Measured& measured, const Change& change)
+{
+    const auto& stage = measured.line.stages[change.stage];
+    std::vector<std::string> drones = stage.members;
+    drones.push_back(explaining::owner_of(stage.from));
+    if (change.stage + 1 < measured.way.size())
+        for (const auto& member : measured.way[change.stage + 1].members)
+            drones.push_back(member);
+    auto plan = swarm::running_plan(application, "advice", drones);
+    plan.name.clear();  // it belongs to the swarm of the first member, if any
+    const auto first = drone_of(stage.members.front());
+    auto added = *plan.drone(first);
+    added.name = free_name(application, first);
+    added.listen = without_port(added.listen);
+    added.advertise = without_port(added.advertise);
+    if (change.what == Proposal::What::machine) {
+        added.host = change.name;
+        plan.engines.emplace_back(change.name, SwarmEngine{"ssh", measured.line.machines.at(change.name).ssh});
+    }
+    std::vector<std::string> lines{start_line(plan, added)};
+    for (auto connection : plan.connections) {
+        const bool receives = std::ranges::find(stage.members, connection.to.drone) != stage.members.end()
+                              && connection.from.drone == drone_of(explaining::owner_of(stage.from));
+        if (receives && connection.options.group.empty()) {
+            connection.options.group = connection.from.drone;
+            connection.options.first_frame = false;
+            lines.push_back(connect_line(connection));
+        }
+        if (receives && connection.to.drone == first)
+            connection.to.drone = added.name;
+        else if (connection.from.drone == first)
+            connection.from.drone = added.name;
+        else
+            continue;
+        lines.push_back(connect_line(connection));
+    }
+    return joined(lines);
+}
+
+std::string command(Application& application, const Measured& measured, const Change& change)
+{
+    const auto& stage = measured.line.stages[change.stage];
+    auto options = stage.options;
+    switch (change.what) {
+    case Proposal::What::worker:
+    case Proposal::What::machine: return further_member(application, measured, change);
+    case Proposal::What::window: options.window = change.window; return reconnected(stage, options);
+    case Proposal::What::transfer:
+        options.transfer = Transfer::synchronized;
+        options.window = 1;
+        return reconnected(stage, options);
+    case Proposal::What::encoding: options.encoding = change.encoding; return reconnected(stage, options);
+    case Proposal::What::source_rate:
+        return "hivectl set " + stage.members.front() + " " + measured.line.rate_parameter + "=" + tenths(change.fps);
+    case Proposal::What::halt: return "hivectl halt " + change.name;
+    }
+    return {};
+}
+
+std::string text(const Line& line, const Change& change)
+{
+    const auto& stage = line.stages[change.stage];
+    switch (change.what) {
+    case Proposal::What::worker: return "one more drone that shares the work of " + names(stage);
+    case Proposal::What::machine:
+        return "one more drone on " + change.name + " that shares the work of " + names(stage);
+    case Proposal::What::window:
+        return "a window of " + std::to_string(change.window) + " instead of " + std::to_string(stage.options.window)
+               + " at " + connection(stage);
+    case Proposal::What::transfer: return "the newest event on request instead of each event, at " + connection(stage);
+    case Proposal::What::encoding:
+        return (change.encoding == "raw" ? std::string("no encoding") : change.encoding) + " at " + connection(stage);
+    case Proposal::What::source_rate:
+        return "a lower rate of " + names(stage) + ", " + tenths(change.fps) + " per second";
+    case Proposal::What::halt: return "the processors without " + change.name;
+    }
+    return {};
+}
+
+}  // namespace
+
+void complete(Application& application, const Measured& measured, Candidate& candidate)
+{
+    candidate.proposal.text = text(measured.line, candidate.change);
+    candidate.proposal.command = command(application, measured, candidate.change);
+}
+
+}  // namespace hive::advising

@@ -1,0 +1,148 @@
+// From a drone against the direction of the events to the source; of several inputs, the one with the oldest events.
+#include "trace.hpp"
+
+#include "../directory.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hive::advising {
+namespace {
+
+using explaining::Look;
+using explaining::owner_of;
+
+const StatusAnswer* answering(const Look& look, const std::string& drone)
+{
+    const auto* answer = look.find(drone);
+    return answer && !answer->error ? answer : nullptr;
+}
+
+/// Do its events come from that drone, directly or not?
+bool comes_from(const Look& look, const std::string& drone, const std::string& source, std::set<std::string> seen = {})
+{
+    const auto* answer = answering(look, drone);
+    if (!answer || !seen.insert(answer->drone).second)
+        return false;
+    return answer->drone == source || std::ranges::any_of(answer->status.inputs, [&](const InputStatus& input) {
+               return input.connected && comes_from(look, owner_of(input.from), source, seen);
+           });
+}
+
+const InputStatus* input_on_way(const Look& look, const Status& status, const std::string& source)
+{
+    const InputStatus* found = nullptr;
+    for (const auto& input : status.inputs)
+        if (input.connected && input.options.delivery == Delivery::data && answering(look, owner_of(input.from))
+            && (source.empty() || comes_from(look, owner_of(input.from), source))
+            && (!found || input.last_age_us > found->last_age_us))
+            found = &input;
+    return found;
+}
+
+std::vector<std::string> members_of(const Look& look, const StatusAnswer& one, const Step& step)
+{
+    if (step.group.empty())
+        return {one.drone};
+    std::vector<std::string> members;
+    for (const auto& answer : look.answers)
+        if (!answer.error && std::ranges::any_of(answer.status.inputs, [&](const InputStatus& input) {
+                return input.connected && input.from == step.from && input.options.group == step.group;
+            }))
+            members.push_back(answer.drone);
+    return members;
+}
+
+/// Empty: the source is not reached.
+std::vector<Step> way_to(const Look& look, const std::string& target, const std::string& source)
+{
+    std::vector<Step> way;
+    std::set<std::string> seen;
+    for (const auto* answer = answering(look, target); answer && seen.insert(answer->drone).second;) {
+        const auto* input = answer->drone == source ? nullptr : input_on_way(look, answer->status, source);
+        Step step{.members = {answer->drone}};
+        if (input) {
+            step = {.from = input->from, .input = input->input, .group = input->options.group};
+            step.members = members_of(look, *answer, step);
+        }
+        way.insert(way.begin(), step);
+        if (!input)
+            return source.empty() || answer->drone == source ? way : std::vector<Step>();
+        answer = answering(look, owner_of(input->from));
+    }
+    return {};
+}
+
+/// Those that receive, and that no other drone receives from.
+std::vector<std::string> last_drones(const Look& look)
+{
+    std::set<std::string> senders;
+    for (const auto& answer : look.answers)
+        for (const auto& input : answer.status.inputs)
+            if (const auto* sender = input.connected ? answering(look, owner_of(input.from)) : nullptr)
+                senders.insert(sender->drone);
+    std::vector<std::string> last;
+    for (const auto& answer : look.answers)
+        if (!answer.error && !senders.contains(answer.drone) && input_on_way(look, answer.status, ""))
+            last.push_back(answer.drone);
+    return last;
+}
+
+void require_running(const Look& look, const std::string& drone)
+{
+    const auto* answer = look.find(drone);
+    if (!answer)
+        throw Error(Errc::not_found, drone + " is not running", "see which run: hivectl ps");
+    if (answer->error)
+        throw *answer->error;
+}
+
+}  // namespace
+
+std::vector<const InputStatus*> inputs_of(const Status& member, const Step& step)
+{
+    std::vector<const InputStatus*> rows;
+    for (const auto& input : member.inputs)
+        if (input.connected && input.input == step.input && port_of(input.from) == port_of(step.from))
+            rows.push_back(&input);
+    return rows;
+}
+
+const EdgeStatus* edge_of(const Status& sender, const Step& step, const std::string& member)
+{
+    const auto receiver = step.group.empty() ? drone_of(member) + "." + step.input : "group " + step.group;
+    for (const auto& output : sender.outputs)
+        if (output.name == port_of(step.from))
+            for (const auto& edge : output.edges)
+                if (edge.receiver == receiver && edge.group == !step.group.empty())
+                    return &edge;
+    return nullptr;
+}
+
+std::string port_of(const std::string& end) { return end.substr(end.rfind('.') + 1); }
+
+std::vector<std::vector<Step>> trace(const Look& look, const std::vector<std::string>& drones)
+{
+    for (const auto& drone : drones)
+        require_running(look, drone);
+    const std::string source = drones.size() == 2 ? look.find(drones.front())->drone : "";
+    std::vector<std::vector<Step>> ways;
+    std::set<std::string> reached;
+    for (const auto& target : drones.empty() ? last_drones(look) : std::vector{drones.back()}) {
+        if (reached.contains(target))
+            continue;
+        auto way = way_to(look, target, source);
+        if (way.size() < 2)
+            continue;
+        reached.insert(way.back().members.begin(), way.back().members.end());
+        ways.push_back(std::move(way));
+    }
+    if (ways.empty() && !drones.empty())
+        throw Error(Errc::not_found,
+                    source.empty() ? drones.back() + " receives from no drone that answers"
+                                   : "no events go from " + source + " to " + drones.back(),
+                    "hivectl explain " + drones.back());
+    return ways;
+}
+
+}  // namespace hive::advising
