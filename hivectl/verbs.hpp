@@ -40,6 +40,7 @@
     VERB(replay)                                                                                                       \
     VERB(audit)                                                                                                        \
     VERB(explain)                                                                                                      \
+    VERB(advise)                                                                                                       \
     VERB(metrics)                                                                                                      \
     VERB(exceptions)                                                                                                   \
     VERB(rerun)                                                                                                        \
