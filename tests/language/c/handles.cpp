@@ -157,6 +157,7 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_stop, "x"),
             ON(hive_application, hive_application_start, "x", nullptr, &p.text),
             ON(hive_application, hive_application_explain, R"(["x"])", &p.text, &p.size),
+            ON(hive_application, hive_application_advise, R"(["x"])", nullptr, &p.text, &p.size),
             ON(hive_application, hive_application_audit, &p.text, &p.size),
             ON(hive_application, hive_application_graph, &p.text, &p.size),
             ON(hive_application, hive_application_failures, "x", &p.text, &p.size),

@@ -257,6 +257,15 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     CHECK(start("sleeper", {{"knid", "x"}}) == HIVE_INVALID_ARGUMENT);
     REQUIRE(start("sleeper", {{"name", "worker"}, {"ready_ms", ready_ms}}) == HIVE_OK);
     REQUIRE(hive_application_connect(lab.application, "source", "worker", nullptr, nullptr) == HIVE_OK);
+    const auto advise = [&](const char* drones, const char* options) {
+        return hive_application_advise(lab.application, drones, options, text.place(), nullptr);
+    };
+    REQUIRE(advise("[]", R"({"goal":"latency","time_ms":300})") == HIVE_OK);
+    CHECK(text.json().at("goal") == "latency");
+    CHECK(text.json().at("lines").at(0).at("to") == "worker");
+    CHECK(advise(nullptr, nullptr) == HIVE_INVALID_ARGUMENT);
+    CHECK(advise("[]", R"({"goal":"colour"})") == HIVE_INVALID_ARGUMENT);
+    CHECK(advise(R"(["nobody"])", nullptr) == HIVE_NOT_FOUND);
     REQUIRE(hive_application_halt(lab.application, "source") == HIVE_OK);
     REQUIRE(hive_application_explain(lab.application, R"(["worker.result"])", text.place(), nullptr) == HIVE_OK);
     CHECK_MESSAGE(text.json().at("text").get<std::string>().find("source has halted") != std::string::npos,

@@ -150,6 +150,17 @@ class Applications(World):
         counts = results.counts()
         self.assertEqual((counts["missing"], counts["received"]), (0, 60))
 
+    def test_advice_names_the_bottleneck_and_a_command(self):
+        self.drone("ticker", "source")
+        self.drone("sleeper", "worker", "work_ms=80")
+        self.swarm.connect("source", "worker")
+        (line,) = self.swarm.advise("source", "worker", time=1)["lines"]
+        self.assertEqual((line["limits"][0]["what"], line["limits"][0]["at"]), ("work", "worker"))
+        self.assertIn("hivectl start sleeper --as worker-2 work_ms=80", line["proposals"][0]["command"])
+        self.assertEqual(self.swarm.advise(goal="latency", time=0.3)["goal"], "latency")
+        self.refused("not_found", self.swarm.advise, "nobody")
+        self.refused("invalid_argument", self.swarm.advise, goal="colour")
+
     def test_a_stopped_drone_is_gone_and_one_that_was_killed_is_remembered(self):
         self.drone("sleeper", "worker")
         self.swarm.set("worker", work_ms=9)

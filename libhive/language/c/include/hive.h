@@ -404,6 +404,14 @@ HIVE_API hive_code hive_application_replace(hive_application* application, const
    "age_us"}]}. Looks twice, 300 ms apart. */
 HIVE_API hive_code hive_application_explain(hive_application* application, const char* outputs, char** json,
                                             size_t* length);
+/* Where the time of events goes, and what would help: {"goal", "lines": [{"from", "to", "per_s", "latency_us",
+   "stations":
+   [{"what", "at", "time_us", "max_per_s"}], "limits": the same, the bottleneck first, "proposals": [{"what", "text",
+   "command", "predicted_per_s", "predicted_us", "next", "sure", "unsure"}], the best first}]}, as hivectl advise --help
+   explains. `drones`: ["face"], or the first and the last drone of a line; []: all lines. Options: {"goal": "fps"
+   (default) or "latency", "time_ms": how long to measure, default 2000}. */
+HIVE_API hive_code hive_application_advise(hive_application* application, const char* drones, const char* options,
+                                           char** json, size_t* length);
 /* Whether anything was lost: {"clean": false if it was, "connections": [{"from", "to", "state", "came", a count for
    each fate, "in_flight", "received", "processed", "lost", "fates": a text, "losses": [{"fate", "at", "events",
    "promised"}], "differences": [text], "verdict": "ok", "lost" or "differs"}], "silent": [drones that did not answer]}.

@@ -1,9 +1,11 @@
-// Why nothing comes from drones, whether anything was lost, what a swarm is made of, and what drones failed at.
+// Why nothing comes from drones, what would make them faster, whether anything was lost, what a swarm is made of, and
+// what drones failed at.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
 #include "waiting.hpp"
 
+#include <hive/advise.hpp>
 #include <hive/audit.hpp>
 #include <hive/explain.hpp>
 #include <hive/graph.hpp>
@@ -41,6 +43,20 @@ hive_code hive_application_explain(hive_application* application, const char* ou
         for (const auto& text : names_of(required(outputs, "the outputs"), "the outputs"))
             ends.push_back(open.endpoint(text));
         return explain(open, ends);
+    });
+}
+
+hive_code hive_application_advise(hive_application* application, const char* drones, const char* options, char** json,
+                                  size_t* length)
+{
+    return give_found(application, json, length, [&](Application& open) {
+        const Options given(options, {"goal", "time_ms"});
+        const auto goal = given.text("goal");
+        if (!goal.empty() && goal != token(Goal::fps) && goal != token(Goal::latency))
+            throw Error(Errc::invalid_argument, "goal is \"fps\" or \"latency\"");
+        return advise(open, names_of(required(drones, "the drones"), "the drones"),
+                      {.goal = goal == token(Goal::latency) ? Goal::latency : Goal::fps,
+                       .time = patience_of(given.integer("time_ms", 1, 2000))});
     });
 }
 

@@ -105,7 +105,7 @@ application_resume hs|application_stop hs|application_exception_policy hss|on_wa
 collector_next_set hlPnN|collector_counts hPN|collector_count hsQ|collector_inputs hPN|collector_ended hBP|collector_close h
 swarm_check ssPN|swarm_schema PN|swarm_open hssP|swarm_close h|swarm_export hssPN|swarm_differences hPN
 swarm_up hlWhPN|swarm_down hlWhPN|swarm_stay hEh|swarm_remembered hPN|swarm_running hssPN
-application_replace hssP|application_start hssP|application_explain hsPN
+application_replace hssP|application_start hssP|application_explain hsPN|application_advise hssPN
 application_audit hPN|application_graph hPN|application_failures hsPN|application_rerun hslsPN
 """
 

@@ -410,6 +410,17 @@ class Application(Finding):
         """
         return ask_object(lib.hive_application_explain, self._handle, as_json(self._ends(flat(*outputs))))
 
+    def advise(self, *drones: Names, goal: str = "fps", time: float = 2) -> dict[str, Any]:
+        """Where the time of events goes and what would help, as `hivectl advise --json` prints it: "lines" have
+        "stations", "limits", of which the first is the bottleneck, and "proposals" with "command" and "predicted_per_s".
+
+        :param drones: the last drone of a line, or the first and the last; without any, all lines
+        :param goal: "fps", or "latency", which is the age of events
+        :param time: seconds to measure
+        """
+        options = {"goal": goal, "time_ms": milliseconds(time)}
+        return ask_object(lib.hive_application_advise, self._handle, as_json(flat(*drones)), as_json(options))
+
     def audit(self) -> dict[str, Any]:
         """Whether anything was lost: "clean"; "connections", each as `hivectl audit --json` prints it; "silent", the
         drones that did not answer."""
