@@ -88,3 +88,20 @@ TEST_CASE("advise: events that were requested ahead wait, which is what latency 
     for (const auto& proposal : proposals)
         CHECK(proposal.at("predicted_us").get<int>() < line.at("latency_us").get<int>() / 2);
 }
+
+TEST_CASE("advise: a source on demand is as fast as the slowest of those that receive from it")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"}),
+               worker = swarm.drone("sleeper", "worker", {"work_ms=40"}),
+               last = swarm.drone("sleeper", "last", {"work_ms=10", "emits=false"});
+    auto application = swarm.application();
+    application.connect({"worker", ""}, {"last", ""});
+    application.connect({"source", ""}, {"worker", ""});
+    REQUIRE(eventually([&] { return at_inputs(application.status("last"), &hive::InputStatus::processed) > 3; }));
+    const auto line = advised(swarm, {"last"});
+    INFO(line.dump(2));
+    CHECK(line.at("limits").at(0).at("at") == "worker");
+    REQUIRE(whats(line, "proposals") == "worker");
+    CHECK(line.at("proposals").at(0).at("predicted_per_s").get<double>() > 1.8 * line.at("per_s").get<double>());
+}

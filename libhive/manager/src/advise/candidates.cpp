@@ -103,6 +103,9 @@ Doubt doubt_of(const Line& line, const Change& change)
         return {Sure::low, "the model does not explain the present rate"};
     if (change.what == What::machine)
         return {Sure::low, "the connection to that machine is not measured"};
+    if (std::ranges::any_of(line.machines, [](const auto& machine) { return is_full(machine.second); })
+        && change.what != What::halt)
+        return {Sure::medium, "all processors are busy"};
     if (change.what == What::halt)
         return {Sure::medium, "how long drones wait for a processor is inferred"};
     if (stage.remote && stage.round_trip_us == 0)
@@ -143,8 +146,11 @@ Line changed(Line line, const Change& change)
             stage.encode_us = 0;
         } else {
             const auto& jpeg = line.as_jpeg.at(change.stage);
+            const double smaller = stage.bytes > 0 ? std::min(1.0, jpeg.bytes / stage.bytes) : 1;
+            const double receiving_us = std::max(0.0, stage.cpu_us - stage.work_us);  // outside of the drone's code
             stage.encode_us = jpeg.encode_us;
-            stage.transit_us *= stage.bytes > 0 ? std::min(1.0, jpeg.bytes / stage.bytes) : 1;
+            stage.transit_us *= smaller;
+            stage.cpu_us -= receiving_us * (1 - smaller);
         }
         break;
     case What::source_rate: line.stages.front().per_s = change.fps; break;

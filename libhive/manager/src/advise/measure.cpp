@@ -19,7 +19,6 @@ struct Seen {
     int events = 0;
     Clock::time_point first{}, last{};
     double wait_us = 0, work_us = 0, age_us = 0, bytes = 0;  ///< sums; bytes: the greatest
-    bool lossless = false;
 
     void add(const Event& event)
     {
@@ -31,7 +30,6 @@ struct Seen {
         }
         age_us += static_cast<double>(event.age().count());
         bytes = std::max(bytes, event.sized ? static_cast<double>(event.size) : 0);
-        lossless = lossless || event.identity.lossless;
     }
     [[nodiscard]] bool enough() const { return events >= 3 && last > first; }
     [[nodiscard]] double mean(double sum) const { return sum / events; }
@@ -249,6 +247,14 @@ std::map<std::string, MachineLoad> machines_of(const Looks& looks, const std::ve
     return machines;
 }
 
+/// All sources of Hive that can be on demand have this parameter. Headers do not tell it: a notification is a live
+/// event.
+bool is_on_demand(Application& application, const std::string& source)
+{
+    return application.describe(source).parameter("pace") != nullptr
+           && application.get(source, {"pace"}).at("pace") == "demand";
+}
+
 void ask_interfaces(Application& application, const Looks& looks, Line& line)
 {
     const auto& source = line.stages.front().members.front();
@@ -311,9 +317,7 @@ Line line_of(Application& application, const Looks& looks, const AllSeen& seen, 
         line.stages.push_back(stage_of(looks, seen, way, i));
     for (std::size_t i = 1; i < line.stages.size(); ++i)
         line.stages[i].bytes = line.stages[i - 1].bytes;
-    const auto& source = looks.after.find(way.front().members.front())->status;
-    const auto* events = seen_of(seen, source, output_of(way, 0, source));
-    line.on_demand = events && events->lossless;
+    line.on_demand = is_on_demand(application, way.front().members.front());
     line.machines = machines_of(looks, way);
     fit(line);
     ask_interfaces(application, looks, line);
