@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include <ctime>
+
 namespace {
 
 /// Of a ticker: each byte is one more than the one before, and their sum is in the header.
@@ -20,13 +22,28 @@ bool as_it_was_sent(const hive::Event& event)
            && event.header["sum"] == std::accumulate(begin, end, std::int64_t{0});
 }
 
+/// Computes until this thread has used so much processor time.
+void burn(std::chrono::nanoseconds time)
+{
+    const auto used = [] {
+        timespec now{};
+        ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+        return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+    };
+    for (const auto end = used() + time; used() < end;) {
+    }
+}
+
 void sleeper(hive::Drone& drone)
 {
     bool emits = true;
-    int start_ms = 0, work_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0, throw_every = 0;
+    int start_ms = 0, work_ms = 0, burn_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0,
+        throw_every = 0;
     drone.parameter("start_ms", start_ms, hive::between(0, 600'000).in("ms"),
                     "how long it takes at the next start until it is ready");
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
+    drone.parameter("burn_ms", burn_ms, hive::between(0, 10'000).in("ms"),
+                    "how much processor time each event costs beside that");
     drone.parameter("step_ms", step_ms, hive::at_least(1).in("ms"),
                     "this drone's own code rounds work_ms down to a multiple of it");
     drone.parameter("most_ms", most_ms, hive::at_least(0).in("ms"),
@@ -48,6 +65,7 @@ void sleeper(hive::Drone& drone)
         "image", "*/*",
         [&](const hive::Event& event) {
             std::this_thread::sleep_for(std::chrono::milliseconds(work_ms));
+            burn(std::chrono::milliseconds(burn_ms));
             if (throw_at != thrown_at && throw_at > 0 && event.identity.sequence >= throw_at) {
                 thrown_at = throw_at;
                 throw std::runtime_error("event " + std::to_string(event.identity.sequence) + " is not to my taste");
