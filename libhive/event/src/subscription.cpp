@@ -416,6 +416,11 @@ void Subscription::end(Clock::time_point now, Decisions& decisions)
 void Subscription::go_on(Decisions& decisions)
 {
     ended_ = false;
+    revoke_end(decisions);
+}
+
+void Subscription::revoke_end(Decisions& decisions)
+{
     for (auto& [id, consumer] : consumers_)
         if (std::exchange(consumer.told_end, false) && !consumer.retired)
             decisions.revoked.push_back(id);

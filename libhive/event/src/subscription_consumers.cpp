@@ -221,6 +221,8 @@ void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions&
         other.missed_.count += missed_.count;
         missed_ = std::exchange(other.missed_, {});
     }
+    if (waiting() > 0)
+        revoke_end(decisions);  // until it has left
     pump(now, decisions);
 }
 

@@ -193,6 +193,22 @@ TEST_CASE("regroup: from one group to another")
     CHECK(world.offer(4, true) == Got{{2, {4}}});
 }
 
+TEST_CASE("regroup: what goes along after the end was told revokes it, and the end is told again behind that")
+{
+    World world;
+    world.add(face(1, sharing(1)));
+    world.offer(1, true);
+    world.offer(2, true);
+    CHECK(decided([&](Decisions& to) { world.table.end(world.now, to); }).ends.empty());
+    CHECK(world.add(face(2, window(2))) == Got{{2, {2}}});
+    CHECK(world.table.told_end(2));
+    CHECK(world.ask(1, {1, 1, 1}, {1}).empty());
+    const auto decisions = decided([&](Decisions& to) { world.table.leave(1, world.now, to); });
+    CHECK(sequences(decisions) == Sequences{1});
+    CHECK(decisions.revoked == std::vector<ReceiverId>{2});
+    CHECK(decisions.ends == std::vector<ReceiverId>{2});
+}
+
 TEST_CASE("regroup: from a receiver of notifications nothing goes along, and to one neither")
 {
     auto watching = window(1);

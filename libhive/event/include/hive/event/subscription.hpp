@@ -207,6 +207,7 @@ private:
     Consumers::iterator choose(std::int64_t job, const EmissionPtr& event);
     void give(Consumers::iterator to, std::int64_t number, Clock::time_point now, Decisions& decisions);
     void tell_end(Decisions& decisions);
+    void revoke_end(Decisions& decisions);
     void acknowledge(Consumer& consumer, std::int64_t count);
     void close(std::int64_t job, Fate fate);
     void pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds);
