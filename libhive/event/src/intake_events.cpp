@@ -145,14 +145,15 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
     if (ending)
         ++ended_[static_cast<std::size_t>(*ending)];
     const bool back = ending == Ending::discarded || ending == Ending::dropped;
+    const bool worked_on = !all_worked();
     progress_.heard(generation, number, worked, done, back);
     flush();
     if (stopped()) {
         try_to_leave();
         end_if_done();
-    } else if (end_ && all_worked()) {
-        changed();
     }
+    if (worked_on && all_worked() && (end_ || stopped()))
+        changed();
 }
 
 void Intake::flush()
@@ -207,9 +208,9 @@ InputStatus Intake::status() const
     return status;
 }
 
-bool EndOfInputs::look(const std::vector<std::shared_ptr<Intake>>& intakes)
+bool EndOfInputs::look(const Intakes& intakes, const Intakes& leaving)
 {
-    auto now = text_of(intakes);
+    auto now = std::ranges::all_of(leaving, &Intake::all_worked) ? text_of(intakes) : std::nullopt;
     const std::lock_guard lock(mutex_);
     const bool changed = now != text_;
     text_ = std::move(now);
@@ -240,7 +241,7 @@ std::optional<std::string> EndOfInputs::text() const
     return sure_ ? text_ : std::nullopt;
 }
 
-std::optional<std::string> EndOfInputs::text_of(const std::vector<std::shared_ptr<Intake>>& intakes) const
+std::optional<std::string> EndOfInputs::text_of(const Intakes& intakes) const
 {
     constexpr auto exceptions = "exceptions";  // they never end
     bool any = false;

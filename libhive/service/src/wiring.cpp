@@ -142,7 +142,7 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 {
     const auto own = std::make_shared<std::weak_ptr<Intake>>();
     const auto changed = [this, own, said = std::make_shared<std::string>()] {
-        if (const auto intake = own->lock())
+        if (const auto intake = own->lock(); intake && !intake->stopped())
             say(*intake, *said);
         pass_end_on();
     };
@@ -240,7 +240,7 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
 void Wiring::pass_end_on()
 {
     const bool before = end_.text().has_value();
-    if (!end_.look(module_.intakes()))
+    if (!end_.look(module_.intakes(), module_.leaving()))
         return;
     if (before)
         for (auto& outlet : module_.outlets())

@@ -77,6 +77,7 @@ public:
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }
+    [[nodiscard]] bool stopped() const noexcept { return stage_ != Stage::taking; }
     /// What the sender, or who was met in its place, has against this connection, if that is why it is not connected.
     [[nodiscard]] std::optional<Error> refusal() const;
     /// What the sender said about its end, if it has come to it.
@@ -105,7 +106,6 @@ private:
         leaving,   ///< the sender was told, or could not be
         left,
     };
-    [[nodiscard]] bool stopped() const noexcept { return stage_ != Stage::taking; }
     void attempt();
     [[nodiscard]] bool holds();
     [[nodiscard]] bool in_short_break() const;
@@ -165,6 +165,7 @@ private:
 /// Whether all inputs have come to their end (SPEC.md, section 5.6).
 class EndOfInputs {
 public:
+    using Intakes = std::vector<std::shared_ptr<Intake>>;
     enum class Of {
         drone,      ///< when all that came has been worked on, too
         collector,  ///< when the senders have made sure of it, too
@@ -172,7 +173,8 @@ public:
     explicit EndOfInputs(Of whom) : whom_(whom) {}
 
     /// Network side: a connection has changed. @return  whether the end has changed
-    bool look(const std::vector<std::shared_ptr<Intake>>& intakes);
+    /// @param leaving  connections that were ended, of which the results of what is still worked on may be to come
+    bool look(const Intakes& intakes, const Intakes& leaving = {});
     /// Network side: of a collector, the end may be out of date, and is unsaid until confirm(). @return  which end it
     /// is
     std::int64_t doubt();
@@ -182,7 +184,7 @@ public:
     [[nodiscard]] std::optional<std::string> text() const;
 
 private:
-    [[nodiscard]] std::optional<std::string> text_of(const std::vector<std::shared_ptr<Intake>>& intakes) const;
+    [[nodiscard]] std::optional<std::string> text_of(const Intakes& intakes) const;
 
     const Of whom_;
     mutable std::mutex mutex_;

@@ -122,6 +122,8 @@ public:
     /// The inputs are left to the process that takes over: their senders are told what is done, and of no end.
     void hand_over();
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
+    /// Those that were removed, and are not done with everything.
+    [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& leaving() const noexcept { return leaving_; }
     /// An event that was put into an input: counted, and handed to the sink.
     void accept(Event event, const Intake::Sink& sink);
     /// What came in other ways than over the present intakes: put, or over intakes that were removed; one row for each
@@ -214,9 +216,8 @@ private:
     std::int64_t registration_ = 0;
     std::list<Outlet> outlets_;
     std::vector<std::shared_ptr<Intake>> intakes_;
-    /// Drones answer before those who ask them give up.
     EndCheck end_check_{context(), intakes_};
-    std::vector<std::shared_ptr<Intake>> leaving_;         ///< removed, and not done with everything
+    std::vector<std::shared_ptr<Intake>> leaving_;
     std::map<std::string, InputStatus> left_;              ///< by input
     std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put
     std::map<protocol::PacketType, RequestHandler> handlers_;
