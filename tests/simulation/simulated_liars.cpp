@@ -26,7 +26,8 @@ try {
     const auto output = exceptions ? "exceptions" : mixtures::Topology::output_of(from);
     const auto collector = application.collect({{from, output}}, {.connection = options});
     for (;;)
-        static_cast<void>(collector->next(10ms));
+        if (!collector->next(10ms) && collector->ended())
+            world_.sleep(10ms);  // a source may go on
 } catch (const Error& error) {
     trace_.line(name, error.what());
 }
