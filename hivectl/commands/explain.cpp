@@ -108,7 +108,7 @@ Verb verb()
             "no_answer, unreachable, refused, starting, halted, set_prepared, throws, stuck, source_ended, "
             "condition, not_connected, wrong_way, wrong_types, dialing, held, no_receiver, watched, "
             "receiver_away, waits, slow, slow_connection, small_window, copied, encoder, clock, load, memory, "
-            "emits_nothing, silent_source.",
+            "same_name, emits_nothing, silent_source.",
         .examples = "hivectl explain face\n"
                     "hivectl explain camera face --json | jq .flows",
         .timeout = "a drone that has not answered by then does not answer (default 1)",

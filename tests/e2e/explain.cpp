@@ -122,6 +122,7 @@ TEST_CASE("explain: code that throws at each event, a drone that is starting, an
     CHECK_MESSAGE(eventually([&] { return (thrown = found(swarm, "explain worker")).causes == "throws worker"; }),
                   thrown.text());
     CHECK(has(thrown.text(), "is one of those"));
+    CHECK_MESSAGE(has(thrown.evidence(), "its input is kept: hivectl rerun worker "), thrown.evidence());
     CHECK(has(swarm.run({"/bin/sh", "-c", thrown.command()}).out, "is one of those"));
     application.set("worker", {{"throw_every", 0}});
     CHECK(eventually([&] { return found(swarm, "explain worker").runs(); }));

@@ -44,6 +44,10 @@ TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a
     CHECK_MESSAGE(has(crashed.text(), "SIGSEGV in crasher::write_to_null"), crashed.text());
     CHECK(crashed.command() == "hivectl start crasher --as fragile");
     CHECK(found(swarm, "explain").causes == "crashed fragile");
+    const auto evidence = [&] { return found(swarm, "explain fragile").evidence(); };
+    CHECK_MESSAGE(eventually([&] { return has(evidence(), "its input is kept: hivectl rerun fragile 1"); }),
+                  evidence());
+    CHECK(has(swarm.hivectl({"rerun", "fragile", "1"}, 30'000ms).out, "SIGSEGV in crasher::write_to_null"));
     CHECK(swarm.run({"/bin/sh", "-c", crashed.command() + " how=none"}).exit_code == 0);
     CHECK(runs(swarm, "explain source fragile"));
 }
@@ -110,6 +114,30 @@ TEST_CASE("explain: a drone of this machine that does not answer, and one of ano
     const auto gone = awaited(near, "explain worker", "unreachable source");
     CHECK_MESSAGE(has(gone.text(), "source at 127.0.0.1 does not answer"), gone.text());
     CHECK(gone.command() == "hivectl place list");
+}
+
+TEST_CASE("explain: drones on two machines that have one name")
+{
+    const Swarm near, far;
+    const auto here = near.drone("ticker", "source"), worker = near.drone("sleeper", "worker");
+    near.hivectl_done({"connect", "source", "worker"});
+    CHECK(runs(near, "explain"));
+    const auto there =
+        far.drone("ticker", "source", {}, {"--listen", "tcp://127.0.0.1:" + std::to_string(free_port()), "--insecure"});
+    const auto sink = far.drone("sleeper", "sink");
+    far.hivectl_done({"connect", "source", "sink"});
+    const auto places = far.application().status("source").places;
+    const auto port = std::ranges::find_if(places, [](const auto& place) { return place.starts_with("tcp://"); });
+    REQUIRE(port != places.end());
+    near.hivectl_done({"place", "add", "source", *port});
+    const auto same = awaited(near, "explain", "same_name source");
+    CHECK_MESSAGE(has(same.text(), "2 drones are called source"), same.text());
+    CHECK(same.evidence() == "the oldest first: source@local, source@127.0.0.1");
+    CHECK(same.exit_code == 0);  // events still pass
+    CHECK(near.hivectl({"get", "source"}).exit_code != 0);
+    cure(near, same);
+    CHECK(near.hivectl({"get", "source"}).exit_code == 0);
+    CHECK(runs(near, "explain"));
 }
 
 TEST_CASE("explain: a sender that refuses a connection, and why")

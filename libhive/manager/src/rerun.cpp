@@ -1,9 +1,9 @@
 // A home of its own keeps the fresh drone apart; an application in that home gives it the inputs.
 #include "background_process.hpp"
 #include "engines/engine.hpp"
+#include "inquiry.hpp"
 
 #include <hive/event/home.hpp>
-#include <hive/platform/process.hpp>
 #include <hive/program.hpp>
 #include <hive/rerun.hpp>
 
@@ -102,7 +102,7 @@ private:
     std::optional<Status> until_finished(std::size_t inputs);
     [[nodiscard]] std::unique_ptr<Collector> receive();
     [[nodiscard]] bool in_time() const { return !options_.under.empty() || Clock::now() < end_; }
-    void pause() const;
+    void pause();
     [[nodiscard]] fs::path log() const { return event::Home(home_.directory()).path(order_.name, ".log"); }
     [[nodiscard]] std::string death(int status);
     void leave_debugger(bool finished);
@@ -139,11 +139,12 @@ Child FreshDrone::started() const
                   .tied = true});
 }
 
-void FreshDrone::pause() const
+/// Until it has ended, or is to be asked again.
+void FreshDrone::pause()
 {
     if (options_.cancelled && options_.cancelled())
         throw Error(Errc::stopped, "cancelled");
-    platform::sleep_for(5ms);
+    Inquiry(application_).wait(Clock::now() + 5ms, {process_.descriptor()});
 }
 
 void FreshDrone::until_ready()

@@ -44,6 +44,7 @@ struct Cause {
         clock,            ///< the clocks of the two machines differ by more than a second
         load,             ///< the processors of the machine are busy all the time
         memory,           ///< little of the machine's memory is left
+        same_name,        ///< drones on several machines have one name
         emits_nothing,    ///< takes events and emits none
         silent_source     ///< emits nothing, and does not report why
     };

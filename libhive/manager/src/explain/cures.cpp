@@ -123,9 +123,34 @@ void withdraw(Application& application, Cause& cause)
         cause.command = "hivectl disconnect " + end_text(from) + " " + end_text(to);
 }
 
+/// The failure of which a crash or an exception is known, if its input is kept here.
+void name_failure(Application& application, Cause& cause)
+{
+    constexpr std::int64_t second_us = 1'000'000;
+    std::int64_t since_us = event::wall_us() - 30 * second_us;  // it throws now, and a few of its failures are kept
+    if (cause.what != What::throws) {
+        const auto crashes = application.crashed();
+        const auto crash = std::ranges::find(crashes, cause.drone, &CrashedDrone::drone);
+        if (crash == crashes.end())
+            return;
+        since_us = crash->time_us - second_us;
+    }
+    const auto failures = application.failures(cause.drone);
+    const bool died = cause.what != What::throws;
+    for (auto failure = failures.rbegin(); failure != failures.rend(); ++failure)
+        if (failure->time_us >= since_us && died == (failure->code == "died")) {
+            cause.evidence += (cause.evidence.empty() ? "" : "; ") + std::string("its input is kept: hivectl rerun ")
+                              + cause.drone + " " + std::to_string(failure->number);
+            return;
+        }
+}
+
 void complete(Application& application, Cause& cause)
 try {
     switch (cause.what) {
+    case What::crashed:
+    case What::failed:
+    case What::throws: return name_failure(application, cause);
     case What::refused: return cause.connection.empty() ? void() : withdraw(application, cause);
     case What::condition: return name_source(application, cause);
     case What::not_connected: return name_sender(application, cause);

@@ -1,9 +1,8 @@
 // Looks twice, keeps the causes that both looks show, and makes their commands complete.
+#include "../inquiry.hpp"
 #include "cures.hpp"
 #include "machine_causes.hpp"
 #include "search.hpp"
-
-#include <hive/platform/process.hpp>
 
 #include <algorithm>
 #include <functional>
@@ -112,7 +111,7 @@ Explanation explanation(Application& application, const std::vector<std::string>
         if (answer.error && answer.error->code() == Errc::invalid_argument
             && std::ranges::find(drones, answer.drone) != drones.end())
             throw *answer.error;
-    platform::sleep_for(interval);
+    Inquiry(application).wait(event::Clock::now() + interval, {});
     const auto second = look_again(application, first);
     const auto absent = absent_in(application, second);
     Search before(first, nullptr, absent, application.name()), after(second, &first, absent, application.name());
@@ -123,6 +122,8 @@ Explanation explanation(Application& application, const std::vector<std::string>
         return std::ranges::none_of(before.causes(), [&](const Cause& earlier) { return same(cause, earlier); });
     });
     for (auto& cause : machine_causes(first, second))
+        result.causes.push_back(std::move(cause));
+    for (auto& cause : same_names(second))
         result.causes.push_back(std::move(cause));
     std::ranges::stable_sort(result.causes, {}, rank);
     complete(application, result.causes);

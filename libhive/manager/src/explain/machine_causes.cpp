@@ -147,4 +147,30 @@ std::vector<Cause> machine_causes(const Look& first, const Look& second)
     return causes;
 }
 
+std::vector<Cause> same_names(const Look& look)
+{
+    std::map<std::string, std::vector<const StatusAnswer*>> drones;
+    for (const auto& answer : look.answers) {
+        auto& same = drones[answer.status.name];
+        const auto is_it = [&](const auto* other) {  // under another reference
+            return other->status.epoch == answer.status.epoch && other->status.pid == answer.status.pid;
+        };
+        if (!answer.error && std::ranges::none_of(same, is_it))
+            same.push_back(&answer);
+    }
+    std::vector<Cause> causes;
+    for (auto& [name, answers] : drones) {
+        if (answers.size() < 2)
+            continue;
+        std::ranges::sort(answers, {}, [](const auto* answer) { return answer->status.epoch; });
+        auto& same = causes.emplace_back(cause(What::same_name, User{.drone = name},
+                                               std::to_string(answers.size()) + " drones are called " + name
+                                                   + ", so commands with this name alone are refused"));
+        for (const auto* answer : answers)
+            same.evidence += (same.evidence.empty() ? "the oldest first: " : ", ") + answer->drone;
+        same.command = "hivectl stop " + answers.back()->drone;
+    }
+    return causes;
+}
+
 }  // namespace hive::explaining

@@ -40,6 +40,7 @@ constexpr std::array tokens{
     std::string_view("clock"),
     std::string_view("load"),
     std::string_view("memory"),
+    std::string_view("same_name"),
     std::string_view("emits_nothing"),
     std::string_view("silent_source"),
 };
