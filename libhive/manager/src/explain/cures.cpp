@@ -3,6 +3,8 @@
 
 #include "../fitting_ports.hpp"
 
+#include <hive/event/clock.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
