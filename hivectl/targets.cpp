@@ -13,7 +13,7 @@ namespace {
 void add_new(std::vector<hive::Endpoint>& endpoints, std::vector<hive::Endpoint> more)
 {
     for (auto& end : more)
-        if (std::ranges::find(endpoints, to_text(end), to_text) == endpoints.end())
+        if (std::ranges::none_of(endpoints, [&](const auto& known) { return to_text(known) == to_text(end); }))
             endpoints.push_back(std::move(end));
 }
 
@@ -54,15 +54,11 @@ bool runs(hive::Application& application, const std::string& name)
     }
 }
 
-std::string to_text(const hive::Endpoint& endpoint)
-{
-    return endpoint.port.empty() ? endpoint.drone : endpoint.drone + "." + endpoint.port;
-}
-
 std::vector<std::string> texts_of(const std::vector<hive::Endpoint>& endpoints)
 {
     std::vector<std::string> texts;
-    std::ranges::transform(endpoints, std::back_inserter(texts), to_text);
+    for (const auto& end : endpoints)
+        texts.push_back(to_text(end));
     return texts;
 }
 

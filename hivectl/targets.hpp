@@ -14,8 +14,6 @@ namespace hivectl {
 /// Does a drone hold the name, even one that is only starting?
 bool runs(hive::Application& application, const std::string& name);
 bool is_glob(std::string_view text);
-/// "camera.image", or "camera" without a port.
-std::string to_text(const hive::Endpoint& endpoint);
 std::vector<std::string> texts_of(const std::vector<hive::Endpoint>& endpoints);
 
 /// Adds those that are not there yet.

@@ -64,7 +64,11 @@ std::string shown(const hive::AdvisedLine& line, hive::Goal goal, Form form)
         text += (i == 0 ? "\nbottleneck: " : "next limit: ") + limit_text(line.limits[i]) + "\n";
     for (const auto& proposal : line.proposals)
         text += "\n" + paragraph(proposal);
-    if (line.proposals.empty())
+    if (line.limits.empty())
+        text += line.per_s > 0 ? "\nno step is the bottleneck: a drone passes on fewer events than it gets\n"
+                               : "\nno events came while it was measured; see why: hivectl explain "
+                                     + printable(line.to.substr(0, line.to.find(','))) + "\n";
+    else if (line.proposals.empty())
         text += std::string("\nnothing to gain: no known change would make it ")
                 + (goal == hive::Goal::fps ? "faster" : "younger") + "\n";
     return text;

@@ -2,13 +2,17 @@
 
 #include "own_name.hpp"
 
+#include <system_error>
+
 namespace hivectl::dash {
 namespace {
 
 constexpr std::size_t max_results = 256;  // of pages that were closed meanwhile
 
-hive::Json result_of(const Errands::Work& work, hive::Application& application)
+/// Its application goes with it, and with that all links to drones.
+hive::Json result_of(const Errands::Work& work, const hive::Application::Options& options)
 try {
+    hive::Application application(options);
     return work(application);
 } catch (const std::exception&) {
     const auto error = hive::current_error();
@@ -49,8 +53,15 @@ std::uint64_t Errands::begin(Work work)
     if (waiting_.size() >= max_waiting)
         return 0;
     waiting_.emplace_back(++begun_, std::move(work));
-    if (idle_ < waiting_.size() && threads_.size() < max_threads)
-        threads_.emplace_back([this] { run(); });
+    try {
+        if (idle_ < waiting_.size() && threads_.size() < max_threads)
+            threads_.emplace_back([this] { run(); });
+    } catch (const std::system_error&) {  // no thread is to be had: those that there are do it later
+        if (threads_.empty()) {
+            waiting_.pop_back();
+            return 0;
+        }
+    }
     wake_.notify_one();
     return begun_;
 }
@@ -68,8 +79,6 @@ std::optional<hive::Json> Errands::take(std::uint64_t errand)
 
 void Errands::run()
 {
-    hive::Application application(
-        {.name = own_name(), .home = home_, .timeout = timeout_, .cancelled = [this] { return ending(); }});
     for (std::unique_lock lock(mutex_);;) {
         ++idle_;
         wake_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
@@ -79,7 +88,8 @@ void Errands::run()
         const auto [errand, work] = std::move(waiting_.front());
         waiting_.pop_front();
         lock.unlock();
-        auto result = result_of(work, application);
+        auto result = result_of(
+            work, {.name = own_name(), .home = home_, .timeout = timeout_, .cancelled = [this] { return ending(); }});
         lock.lock();
         results_[errand] = std::move(result);
         while (results_.size() > max_results)

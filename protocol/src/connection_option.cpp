@@ -106,15 +106,16 @@ bool ConnectionOption::set(ConnectionOptions& options, const Json& value) const
                            },
                            [&](bool Options::*one) { return put(one, value.is_boolean(), yes); },
                            [&](int Options::*one) {
-                               return put(one, number >= 1 && number <= widest_window && number == std::floor(number),
-                                          static_cast<int>(number));
+                               const bool fits = number >= 1 && number <= widest_window && number == std::floor(number);
+                               return put(one, fits, fits ? static_cast<int>(number) : 0);
                            },
                            [&](std::string Options::*one) {
-                               return put(one, one == &Options::group ? is_name(text) : is_encoding(text), text);
+                               const bool sound = one == &Options::group ? is_name(text) : is_encoding(text);
+                               return put(one, sound || value == "", text);
                            },
                            [&](Lease Options::*one) {
-                               return put(one, number >= shortest_lease_s && number <= longest_lease_s,
-                                          std::chrono::milliseconds(std::llround(number * 1000)));
+                               const bool fits = number >= shortest_lease_s && number <= longest_lease_s;
+                               return put(one, fits, std::chrono::milliseconds(fits ? std::llround(number * 1000) : 0));
                            }},
                       member);
 }

@@ -24,7 +24,9 @@ void EndCheck::ask()
     for (const auto& intake : asked_)
         intake->ask_end(left);
     if (!asked_.empty())
-        timer_.run_after(left, [this] {
+        timer_.run_after(left, [this, round = ++round_] {
+            if (round != round_)
+                return;
             asked_.clear();
             look();
         });
@@ -35,12 +37,18 @@ void EndCheck::look()
 {
     if (asking_.empty() || std::ranges::any_of(asked_, &Intake::unsure))
         return;
-    timer_.cancel();
+    stop();
     asked_.clear();
     for (const auto& question : std::exchange(asking_, {}))
         question.then();
     if (asking_.empty() && !waiting_.empty())
         ask();
+}
+
+void EndCheck::stop()
+{
+    ++round_;
+    timer_.cancel();
 }
 
 }  // namespace hive::event

@@ -33,10 +33,14 @@ std::vector<std::string> environment_with(const std::vector<std::string>& replac
     const auto same_variable = [](const std::string& a, const std::string& b) {
         return a.substr(0, a.find('=')) == b.substr(0, b.find('='));
     };
+    const auto is_one_of = [&](const std::string& variable, const auto& all) {
+        return std::ranges::any_of(all, [&](const std::string& one) { return same_variable(one, variable); });
+    };
+    // What a supervisor says to this process alone: a child would speak for it.
+    const std::vector<std::string> own{"NOTIFY_SOCKET=", "WATCHDOG_USEC=", "WATCHDOG_PID="};
     std::vector<std::string> result = replacements;
     for (char** variable = environ; *variable; ++variable)
-        if (std::ranges::none_of(replacements,
-                                 [&](const auto& replacement) { return same_variable(replacement, *variable); }))
+        if (!is_one_of(*variable, replacements) && !is_one_of(*variable, own))
             result.emplace_back(*variable);
     return result;
 }

@@ -11,6 +11,8 @@ namespace hive {
 
 using protocol::PacketType;
 
+std::string to_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
+
 std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver,
                                                    const ConnectionOptions& options)
 {

@@ -37,7 +37,7 @@ struct DroneCore::Running {
     Json left;                              ///< by a drone of this name that crashed, or is to be replaced
     service::ListenWish wish;
     event::Module module;
-    service::Supervised supervised{module.context()};
+    service::Supervised supervised;
     service::Listening listening;
     service::FailureKeeper failures;
     Worker worker;
@@ -53,6 +53,7 @@ DroneCore::Running::Running(DroneCore& core)
               .keys = service::keys_for(wish),
               .log = [&reporter = core.reporter_](LogLevel level,
                                                   const std::string& text) { reporter.log(level, text); }}),
+      supervised(module.context(), core.settings_.ends_process),
       listening(module, home, core.reporter_),
       failures(core.self_, home, core.reporter_),
       worker({.declaration = core.declaration_,
@@ -338,7 +339,8 @@ void DroneCore::condition(const std::string& text, Reason why, LogLevel level)
 {
     if (!board_.condition(text, why))
         return;
-    service::Supervised::status(text);
+    if (running_)
+        running_->supervised.status(text);
     if (!text.empty())
         reporter_.log(level, "condition: " + text);
 }

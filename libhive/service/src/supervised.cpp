@@ -6,23 +6,20 @@
 
 namespace hive::service {
 
+/// Again and again, since it is not told if whoever supervises has no room for it at that moment.
 void Supervised::ready()
 {
-    platform::tell_supervisor("READY=1");
-    alive();
+    tell("READY=1\nWATCHDOG=1");
+    if (const auto patience = platform::patience_of_supervisor(); patience && speaks_)
+        timer_.run_after(*patience / 3, [this] { ready(); });
 }
 
-void Supervised::stopping() { platform::tell_supervisor("STOPPING=1"); }
+void Supervised::status(const std::string& text) const { tell("STATUS=" + printable(text)); }
 
-void Supervised::status(const std::string& text) { platform::tell_supervisor("STATUS=" + printable(text)); }
-
-void Supervised::alive()
+void Supervised::tell(const std::string& news) const
 {
-    const auto patience = platform::patience_of_supervisor();
-    if (!patience)
-        return;
-    platform::tell_supervisor("WATCHDOG=1");
-    timer_.run_after(*patience / 3, [this] { alive(); });
+    if (speaks_)
+        platform::tell_supervisor(news);
 }
 
 }  // namespace hive::service

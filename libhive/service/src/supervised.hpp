@@ -10,17 +10,19 @@ namespace hive::service {
 /// On the network side, so that user code that takes long is no reason to end the process.
 class Supervised {
 public:
-    explicit Supervised(asio::io_context& context) : timer_(context) {}
+    /// @param speaks  for the process, which is the drone's own
+    Supervised(asio::io_context& context, bool speaks) : speaks_(speaks), timer_(context) {}
 
     void ready();
-    void stopping();
+    void stopping() const { tell("STOPPING=1"); }
     void end() { timer_.cancel(); }
     /// Any thread. What the drone waits for; empty: for nothing.
-    static void status(const std::string& text);
+    void status(const std::string& text) const;
 
 private:
-    void alive();
+    void tell(const std::string& news) const;
 
+    const bool speaks_;
     platform::Timer timer_;
 };
 

@@ -48,11 +48,11 @@ Address parse_tcp(std::string_view text, std::string_view rest)
 }
 
 /// A path: not empty, no byte that ends a C string.
-Address parse_name(std::string_view text, Address::Scheme scheme, std::string_view name)
+Address parse_path(std::string_view text, std::string_view name)
 {
     if (name.empty() || name.find('\0') != std::string_view::npos)
         fail(text, "no name follows the colon", "use unix:/PATH");
-    return {scheme, std::string(name), 0};
+    return {Address::Scheme::unix_socket, std::string(name), 0};
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Address parse_address(std::string_view text)
 {
     const auto after = [text](std::string_view scheme) { return text.substr(scheme.size()); };
     if (text.starts_with("unix:"))
-        return parse_name(text, Address::Scheme::unix_socket, after("unix:"));
+        return parse_path(text, after("unix:"));
     if (text.starts_with("tcp://"))
         return parse_tcp(text, after("tcp://"));
     fail(text, "it does not start with tcp:// or unix:", tcp_form);

@@ -114,7 +114,8 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
         return;
     ended_ = reason;
     ended_by_peer_ = by_peer;
-    seemed_dead_ = liveness_.seemed_dead(Clock::now());
+    const auto now = Clock::now();
+    seemed_dead_ = liveness_.seemed_dead(now - timer_.expiry(), now);
     if (borrowing_)
         borrowing_->end();  // before the peer can see the end and use its slots again
     if (lending_)
@@ -339,7 +340,7 @@ void ConnectionCore::look()
         ping([](bool) {});
     // This end was held up (stopped, suspended, overloaded): what the peer sent meanwhile may still be unread.
     if (const auto late = now - timer_.expiry(); late > timing_.silence / 4)
-        liveness_.excuse(late);
+        liveness_.excuse(late, now);
     if (const auto verdict = liveness_.verdict(now, reader_.inside()))
         return end(about_peer(*verdict));
     if (!ended_)

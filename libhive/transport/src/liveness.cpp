@@ -10,17 +10,10 @@ constexpr std::int64_t least_bytes_per_second = 64 * 1024;
 
 }  // namespace
 
-void Liveness::sent(Clock::time_point now)
-{
-    if (sent_ && now >= *sent_ + longest_pause())
-        spoke_again_ = now;
-    sent_ = now;
-}
-
 /// What is on its way counts: the last packet of this end may have travelled fast, and the next one slowly.
-bool Liveness::seemed_dead(Clock::time_point now) const
+bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
 {
-    return sent_ && (now >= *sent_ + longest_pause() || (spoke_again_ && now < *spoke_again_ + 2 * timing_.heartbeat));
+    return late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat);
 }
 
 void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)
@@ -33,8 +26,10 @@ void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)
     window_bytes_ += bytes;
 }
 
-void Liveness::excuse(Clock::duration late)
+void Liveness::excuse(Clock::duration late, Clock::time_point now)
 {
+    if (late >= longest_pause())
+        back_ = now;
     started_ += late;
     heard_ += late;
     window_ += late;

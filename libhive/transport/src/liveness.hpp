@@ -20,15 +20,16 @@ public:
     /// The peer's first packet is whole.
     void hello_came() { hello_ = true; }
     /// Bytes left this end.
-    void sent(Clock::time_point now);
+    void sent(Clock::time_point now) { sent_ = now; }
     /// Bytes came. `fresh`: they begin a packet, or end one.
     void heard(Clock::time_point now, std::size_t bytes, bool fresh);
 
-    /// This end was held up for so long: the peer is not to blame.
-    void excuse(Clock::duration late);
+    /// This end was held up for so long, until now: the peer is not to blame.
+    void excuse(Clock::duration late, Clock::time_point now);
 
-    /// Has this end, until now or just before, sent nothing for so long that the peer may have taken it for dead?
-    [[nodiscard]] bool seemed_dead(Clock::time_point now) const;
+    /// Was this end, until now or just before, held up for so long that the peer may have taken it for dead?
+    /// @param late  held up, and not excused yet
+    [[nodiscard]] bool seemed_dead(Clock::duration late, Clock::time_point now) const;
     /// A ping is due: something was sent once (so the hello is first), but not lately.
     [[nodiscard]] bool ping_due(Clock::time_point now) const { return sent_ && now >= *sent_ + timing_.heartbeat; }
     /// Why the connection must end now, if it must. `inside`: a packet has begun and is not whole.
@@ -37,13 +38,13 @@ public:
     [[nodiscard]] Clock::time_point next_look(Clock::time_point now, bool inside) const;
 
 private:
-    /// In what this end sends, for the peer to be sure of it.
+    /// For the peer to be sure of this end.
     [[nodiscard]] Clock::duration longest_pause() const { return timing_.silence - timing_.heartbeat; }
     [[nodiscard]] bool too_slow(Clock::time_point now);
 
     Timing timing_;
     Clock::time_point started_, heard_;
-    std::optional<Clock::time_point> sent_, spoke_again_;
+    std::optional<Clock::time_point> sent_, back_;  ///< back: from the last long pause
     bool hello_ = false;
     Clock::time_point window_;  ///< since when the bytes of the present packet are counted
     std::size_t window_bytes_ = 0;

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -24,11 +25,11 @@ const std::vector<Json> no_flags{nullptr, 1, "true"};
 const std::map<std::string_view, Values> values{
     {"stream", {{true}, no_flags}},
     {"notify", {{true}, no_flags}},
-    {"window", {{2, 64}, {0, 65, -1, 2.5, true, "2", nullptr, 1e300}}},
+    {"window", {{2, 64}, {0, 65, -1, 2.5, true, "2", nullptr, 1e300, std::nan("")}}},
     {"first_frame", {{true}, no_flags}},
-    {"group", {{"faces"}, {"", "a b", "../x", 1, nullptr}}},
+    {"group", {{"faces"}, {"a b", "../x", 1, nullptr}}},
     {"lease", {{0.05, 1.005, 2, 86'400}, {0, 0.049, 86'401, "2", true, nullptr}}},
-    {"encoding", {{"raw", "jpeg:80"}, {"", "jpeg:x", 1, nullptr}}}};
+    {"encoding", {{"raw", "jpeg:80"}, {"jpeg:x", 1, nullptr}}}};
 
 }  // namespace
 

@@ -39,22 +39,21 @@ TEST_CASE("liveness: the time in which this end itself was held up does not coun
     Liveness peer(standard, zero);
     peer.hello_came();
     peer.heard(zero, 1, true);
-    peer.excuse(10s);
+    peer.excuse(10s, zero + 10s);
     CHECK_FALSE(peer.verdict(zero + 11s, false));
     CHECK(peer.verdict(zero + 12s, false));
 }
 
-TEST_CASE("liveness: an end that sends nothing for 1.5 s may be taken for dead, until 1 s after it has sent again")
+TEST_CASE("liveness: an end that is held up for 1.5 s may be taken for dead, until 1 s after it goes on")
 {
     Liveness own(standard, zero);
-    CHECK_FALSE(own.seemed_dead(zero + 10s));  // the hello is first
-    own.sent(zero + 10s);
-    CHECK_FALSE(own.seemed_dead(zero + 11499ms));
-    CHECK(own.seemed_dead(zero + 11500ms));
-    own.sent(zero + 13s);
-    own.sent(zero + 13500ms);
-    CHECK(own.seemed_dead(zero + 13999ms));
-    CHECK_FALSE(own.seemed_dead(zero + 14s));
+    CHECK_FALSE(own.seemed_dead(1499ms, zero + 10s));
+    CHECK(own.seemed_dead(1500ms, zero + 10s));
+    own.excuse(1499ms, zero + 10s);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 10s));
+    own.excuse(1500ms, zero + 13s);
+    CHECK(own.seemed_dead(0s, zero + 13999ms));
+    CHECK_FALSE(own.seemed_dead(0s, zero + 14s));
 }
 
 TEST_CASE("liveness: a ping is due after a pause in sending, but never before the first packet")

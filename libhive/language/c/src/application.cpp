@@ -186,7 +186,7 @@ hive_code hive_application_connect(hive_application* application, const char* se
         const auto made = open.connect(open.endpoint(text_of(sender, "the sender")),
                                        open.endpoint(text_of(receiver, "the receiver")), connection);
         if (ends)
-            give_json({{"sender", end_text(made.first)}, {"receiver", end_text(made.second)}}, ends);
+            give_json({{"sender", to_text(made.first)}, {"receiver", to_text(made.second)}}, ends);
     });
 }
 

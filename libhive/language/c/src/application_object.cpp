@@ -185,8 +185,6 @@ Json error_json(const Error& error)
             {"advice", error.advice().empty() ? std::string(info(error.code()).advice) : error.advice()}};
 }
 
-std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 Json place_json(const Place& place)
 {
     return {{"drone", place.drone},

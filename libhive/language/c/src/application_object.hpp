@@ -109,7 +109,6 @@ hive_code with_application(hive_application* application, Function&& function)
 /// {"code", "text", "advice"}
 Json error_json(const Error& error);
 /// "camera.image"
-std::string end_text(const Endpoint& end);
 /// {"drone", "host", "address", "ssh", "answered_us"}
 Json place_json(const Place& place);
 ConnectionOptions connection_of(const Json& given, const ConnectionOptions& fallback = {});

@@ -70,8 +70,8 @@ Json step_json(const SwarmStep& step)
         json["values"] = step.values;
         json["before"] = step.before;
     } else if (step.what == What::connect || step.what == What::disconnect) {
-        json["sender"] = end_text(step.connection.from);
-        json["receiver"] = end_text(step.connection.to);
+        json["sender"] = to_text(step.connection.from);
+        json["receiver"] = to_text(step.connection.to);
         json["options"] = to_json(step.connection.options);
     }
     return json;

@@ -53,11 +53,13 @@ std::string_view token(Proposal::Sure sure) noexcept;  // "high"
 
 /// The way of events from one source to a drone that passes them to no other.
 struct AdvisedLine {
-    std::string from, to;               ///< "camera", "face-1, face-2"
-    double per_s = 0;                   ///< events per second that the last drone processes
-    double latency_us = 0;              ///< their age then; 0: not known
-    std::vector<Station> stations{};    ///< in the order of the way
-    std::vector<Station> limits{};      ///< of the rate, the lowest first: the first one is the bottleneck
+    std::string from, to;             ///< "camera", "face-1, face-2"
+    double per_s = 0;                 ///< events per second that the last drone processes
+    double latency_us = 0;            ///< their age then; 0: not known
+    std::vector<Station> stations{};  ///< in the order of the way
+    /// Of the rate, the lowest first: the first one is the bottleneck. Empty: nothing comes, or a drone passes on fewer
+    /// events than it gets.
+    std::vector<Station> limits{};
     std::vector<Proposal> proposals{};  ///< the best first; empty: nothing known here would help
 };
 

@@ -82,6 +82,7 @@ struct Endpoint {
     std::string drone;
     std::string port;  ///< empty: inferred, when only one pair fits
 };
+std::string to_text(const Endpoint& end);  // "camera.image", "camera"
 
 struct CollectOptions {
     /// A wide window: nothing is skipped unless the collector falls that far behind, and of a source on demand nothing

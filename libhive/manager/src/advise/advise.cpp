@@ -16,7 +16,7 @@ AdvisedLine advised(Application& application, const Measured& measured, Goal goa
                        .per_s = line.per_s(),
                        .latency_us = measured_latency(line).value_or(0),
                        .stations = stations(line),
-                       .limits = limits(line)};
+                       .limits = explains_rate(line) ? limits(line) : std::vector<Station>()};
     for (auto& candidate : candidates(line, goal))
         try {
             complete(application, measured, candidate);

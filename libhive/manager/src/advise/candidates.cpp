@@ -61,8 +61,9 @@ std::vector<Change> changes_of(const Line& line)
     if (const auto all = limits(line);
         !line.on_demand && !line.rate_parameter.empty() && all.size() > 1 && all[0].what != Station::What::source) {
         constexpr double below = 0.9;  // so that what comes in bursts does not wait either
-        const double fps = below * rate(line);
-        changes.push_back({.what = What::source_rate, .fps = std::floor(fps * 10) / 10});
+        // Divided, so that 9.6 is not 9.600000000000001.
+        if (const double steps = std::floor(below * rate(line) / line.rate_step + 1e-9); steps > 0)
+            changes.push_back({.what = What::source_rate, .fps = steps / (1 / line.rate_step)});
     }
     for (const auto& [host, machine] : line.machines) {
         if (!is_full(machine))
@@ -133,7 +134,7 @@ Line changed(Line line, const Change& change)
     switch (change.what) {
     case What::worker:
         stage.members.emplace_back("one more");
-        ++stage.hosts.begin()->second;
+        ++stage.hosts[stage.host];
         break;
     case What::machine:
         stage.members.emplace_back("one more");
@@ -170,7 +171,7 @@ Line changed(Line line, const Change& change)
 std::vector<Candidate> candidates(const Line& line, Goal goal)
 {
     std::vector<Candidate> found;
-    if (line.per_s() <= 0)
+    if (!explains_rate(line))
         return found;
     const double fit = line.per_s() / rate(line), age = measured_latency(line).value_or(0);
     for (auto& change : changes_of(line)) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace hive::advising {
 namespace {
@@ -23,7 +24,7 @@ std::string tenths(double number)
 Endpoint endpoint(const std::string& end)
 {
     const auto drone = explaining::owner_of(end);
-    return {drone, end.substr(drone.size() + 1)};
+    return {drone, end.substr(std::min(end.size(), drone.size() + 1))};
 }
 
 std::string joined(const std::vector<std::string>& lines)
@@ -59,8 +60,23 @@ std::string free_name(Application& application, const std::string& member)
 /// An address that the drone of the order does not have to itself.
 std::string without_port(const std::string& address)
 {
-    const auto colon = address.rfind(':');
-    return colon == std::string::npos || colon < address.find("//") + 2 ? address : address.substr(0, colon);
+    const auto colon = address.rfind(':'), bracket = address.rfind(']');
+    const bool has_port =
+        colon != std::string::npos && colon > address.find("//") && (bracket == std::string::npos || colon > bracket);
+    return has_port ? address.substr(0, colon) : address;
+}
+
+/// A group of that output which nobody else is in: "face", or "face-2".
+std::string free_group(const Status& sender, const std::string& wanted)
+{
+    std::set<std::string> used;
+    for (const auto& output : sender.outputs)
+        for (const auto& edge : output.edges)
+            used.insert(edge.receiver);
+    auto group = wanted;
+    for (int number = 2; used.contains("group " + group); ++number)
+        group = wanted + "-" + std::to_string(number);
+    return group;
 }
 
 std::string further_member(Application& application, const Measured& measured, const Change& change)
@@ -68,9 +84,14 @@ std::string further_member(Application& application, const Measured& measured, c
     const auto& stage = measured.line.stages[change.stage];
     std::vector<std::string> drones = stage.members;
     drones.push_back(explaining::owner_of(stage.from));
-    if (change.stage + 1 < measured.way.size())
-        for (const auto& member : measured.way[change.stage + 1].members)
-            drones.push_back(member);
+    const auto is_member = [&](const std::string& drone) {
+        return std::ranges::find(stage.members, drone) != stage.members.end();
+    };
+    for (const auto& answer : application.status(application.drones()))
+        if (!answer.error && std::ranges::any_of(answer.status.inputs, [&](const InputStatus& input) {
+                return is_member(explaining::owner_of(input.from));
+            }))
+            drones.push_back(answer.drone);
     auto plan = swarm::running_plan(application, "advice", drones);
     plan.name.clear();  // it belongs to the swarm of the first member, if any
     const auto first = drone_of(stage.members.front());
@@ -82,12 +103,13 @@ std::string further_member(Application& application, const Measured& measured, c
         added.host = change.name;
         plan.engines.emplace_back(change.name, SwarmEngine{"ssh", measured.line.machines.at(change.name).ssh});
     }
+    const auto group = free_group(application.status(explaining::owner_of(stage.from)), first);
     std::vector<std::string> lines{start_line(plan, added)};
     for (auto connection : plan.connections) {
         const bool receives = std::ranges::find(stage.members, connection.to.drone) != stage.members.end()
                               && connection.from.drone == drone_of(explaining::owner_of(stage.from));
         if (receives && connection.options.group.empty()) {
-            connection.options.group = connection.from.drone;
+            connection.options.group = group;
             connection.options.first_frame = false;
             lines.push_back(connect_line(connection));
         }
@@ -116,7 +138,8 @@ std::string command(Application& application, const Measured& measured, const Ch
         return reconnected(stage, options);
     case Proposal::What::encoding: options.encoding = change.encoding; return reconnected(stage, options);
     case Proposal::What::source_rate:
-        return "hivectl set " + stage.members.front() + " " + measured.line.rate_parameter + "=" + tenths(change.fps);
+        return "hivectl set " + stage.members.front() + " " + measured.line.rate_parameter + "="
+               + to_text(Json(measured.line.rate_step == 1 ? Json(std::llround(change.fps)) : Json(change.fps)));
     case Proposal::What::halt: return "hivectl halt " + change.name;
     }
     return {};

@@ -16,6 +16,7 @@ constexpr double second_us = 1e6;
 struct Stage {
     std::vector<std::string> members{};
     std::map<std::string, int> hosts{};  ///< members, by machine
+    std::string host{};                  ///< of the first member, beside which a further one is started
     double per_s = 0;                    ///< of all members: processed; of a source: emitted
     double work_us = 0, cpu_us = 0;      ///< of one event: in the code of a member; processor time of its process
     double queue_us = 0;                 ///< that an event waits at the receiver
@@ -49,6 +50,7 @@ struct Encoded {
 struct Line {
     bool on_demand = false;        ///< the source makes an event when it is requested
     std::string rate_parameter{};  ///< of a live source: "fps"; empty: it has none
+    double rate_step = 0.1;        ///< of its values
     std::vector<Stage> stages{};   ///< the source first
     std::map<std::string, MachineLoad> machines{};
     std::map<std::size_t, Encoded> as_jpeg{};  ///< by stage that receives raw images from another machine
@@ -64,6 +66,8 @@ void fit(Line& line);
 std::vector<Station> limits(const Line& line);
 /// Events per second that the last stage processes, by the model.
 double rate(const Line& line);
+/// Does the model say why there are not more? Not if nothing comes, or a drone passes on fewer events than it gets.
+bool explains_rate(const Line& line);
 /// Age of an event when the last stage has processed it, by the model; absolute only up to what changes leave as it is.
 double latency(const Line& line);
 /// As measured: how the time is spent.

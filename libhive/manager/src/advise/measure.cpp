@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 namespace hive::advising {
 namespace {
@@ -16,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 /// What the events of one output show.
 struct Seen {
-    int events = 0;
+    int events = 0, worked = 0;  ///< worked: those that tell how long that took
     Clock::time_point first{}, last{};
     double wait_us = 0, work_us = 0, age_us = 0, bytes = 0;  ///< sums; bytes: the greatest
 
@@ -27,6 +28,7 @@ struct Seen {
         if (!event.identity.hops.empty() && event.identity.hops.back().drone == event.sender) {
             wait_us += static_cast<double>(event.identity.hops.back().wait_us);
             work_us += static_cast<double>(event.identity.hops.back().work_us);
+            ++worked;
         }
         age_us += static_cast<double>(event.age().count());
         bytes = std::max(bytes, event.sized ? static_cast<double>(event.size) : 0);
@@ -121,6 +123,8 @@ AllSeen seen_by(Collector& collector, std::chrono::milliseconds time)
     for (auto now = Clock::now(); now < end; now = Clock::now())
         if (const auto event = collector.next(std::chrono::ceil<std::chrono::milliseconds>(end - now)))
             seen[event->sender + "." + event->output].add(*event);
+        else if (collector.ended())
+            break;
     return seen;
 }
 
@@ -139,11 +143,13 @@ void add_member(Stage& stage, const Status& before, const Status& now, const Ste
     const auto* row = rows.empty() ? nullptr : rows.front();
     const auto done = static_cast<double>(row ? processed(rows) - processed(inputs_of(before, step))
                                               : emitted(now, port) - emitted(before, port));
+    if (done < 0)
+        throw Error(Errc::connection_lost, now.name + " was connected again meanwhile", "try again");
     const auto all = row ? static_cast<double>(processed(now) - processed(before)) : done;
     double work = ratio(static_cast<double>(now.busy_us - before.busy_us), all);
     constexpr double alike = 0.1;  // counters cut the first and the last event, headers tell all of each
-    if (seen && row) {
-        const double told = seen->mean(seen->work_us);
+    if (seen && row && seen->worked > 0) {
+        const double told = seen->work_us / seen->worked;
         work = std::abs(work - told) < std::max(alike * work, time / std::max(1.0, all) / all) ? told : work;
     }
     const double counted = done * second_us / time;
@@ -153,7 +159,7 @@ void add_member(Stage& stage, const Status& before, const Status& now, const Ste
     stage.cpu_us += ratio(static_cast<double>(now.cpu_us - before.cpu_us), all);
     if (!row)
         return;
-    stage.queue_us += seen ? seen->mean(seen->wait_us) : 0;
+    stage.queue_us += seen && seen->worked > 0 ? seen->wait_us / seen->worked : 0;
     stage.round_trip_us += static_cast<double>(row->round_trip_us);
     stage.options = row->options;
 }
@@ -187,12 +193,16 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
     const auto& step = way[i];
     Stage stage{.members = step.members, .from = step.from};
     double ages = 0, aged = 0;
+    bool work_follows = false;  // what is known is how old events are when they arrive
     for (const auto& member : step.members) {
-        const auto& answer = *looks.after.find(member);
-        ++stage.hosts[answer.place.host];
-        const auto* before = looks.earlier(answer);
+        const auto* found = looks.after.find(member);
+        const auto* before = found ? looks.earlier(*found) : nullptr;
         if (!before)
             throw Error(Errc::unreachable, member + " does not answer any more, or was restarted", "try again");
+        const auto& answer = *found;
+        ++stage.hosts[answer.place.host];
+        if (stage.host.empty())
+            stage.host = answer.place.host;
         const auto port = output_of(way, i, answer.status);
         const auto* seen = seen_of(all, answer.status, port);
         add_member(stage, before->status, answer.status, step, seen, port);
@@ -201,12 +211,13 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
             aged += seen->events;
             stage.bytes = std::max(stage.bytes, seen->bytes);
         } else if (const auto rows = inputs_of(answer.status, step); !rows.empty() && rows.front()->last_age_us > 0) {
-            ages += static_cast<double>(rows.front()->last_age_us) + stage.work_us;
+            ages += static_cast<double>(rows.front()->last_age_us);
             ++aged;
+            work_follows = true;
         }
     }
     if (aged > 0)
-        stage.age_us = ages / aged;
+        stage.age_us = ages / aged + (work_follows ? stage.work_us / stage.size() : 0);
     for (auto* sum : {&stage.work_us, &stage.cpu_us, &stage.queue_us, &stage.round_trip_us})
         *sum /= stage.size();
     if (step.from.empty())
@@ -258,8 +269,12 @@ bool is_on_demand(Application& application, const std::string& source)
 void ask_interfaces(Application& application, const Looks& looks, Line& line)
 {
     const auto& source = line.stages.front().members.front();
-    if (!line.on_demand && application.describe(source).parameter("fps"))
+    const auto interface = application.describe(source);
+    if (const auto* fps = interface.parameter("fps"); fps && !line.on_demand) {
         line.rate_parameter = "fps";
+        if (fps->type == ParameterType::integer)
+            line.rate_step = 1;
+    }
     for (std::size_t i = 1; i < line.stages.size(); ++i) {
         auto& stage = line.stages[i];
         const auto& status = looks.after.find(stage.members.front())->status;
@@ -325,6 +340,16 @@ Line line_of(Application& application, const Looks& looks, const AllSeen& seen, 
     return line;
 }
 
+/// "face@gpu1" may be "face", too.
+void leave_each_once(Look& look)
+{
+    std::set<std::tuple<std::string, std::int64_t, std::int64_t>> met;
+    std::erase_if(look.answers, [&](const StatusAnswer& answer) {
+        const auto& status = answer.status;
+        return !answer.error && !met.emplace(status.name, status.epoch, status.pid).second;
+    });
+}
+
 }  // namespace
 
 std::vector<Measured> measure(Application& application, const std::vector<std::string>& drones,
@@ -333,6 +358,7 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
     auto names = application.drones();
     names.insert(names.end(), drones.begin(), drones.end());
     Looks looks{.before = explaining::look_from(application, names), .after = {}};
+    leave_each_once(looks.before);
     const auto ways = trace(looks.before, drones);
     if (ways.empty())
         return {};
@@ -346,7 +372,12 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
     looks.after.answers = application.status(answering);
     std::vector<Measured> measured;
     for (const auto& way : ways)
-        measured.push_back({way, line_of(application, looks, seen, way)});
+        try {
+            measured.push_back({way, line_of(application, looks, seen, way)});
+        } catch (const Error&) {  // a drone that is started again and again must not hide the other lines
+            if (ways.size() == 1)
+                throw;
+        }
     return measured;
 }
 

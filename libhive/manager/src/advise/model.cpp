@@ -16,7 +16,7 @@ bool streams(const Stage& stage) { return stage.options.transfer == Transfer::st
 
 void add(std::vector<Station>& limits, Station::What what, std::string at, double time_us, double per_s)
 {
-    if (time_us > 0 && std::isfinite(per_s))
+    if (time_us > 0 && std::isfinite(time_us) && std::isfinite(per_s))
         limits.push_back({what, std::move(at), time_us, std::max(0.0, per_s)});
 }
 
@@ -158,6 +158,13 @@ double rate(const Line& line)
 {
     const auto all = limits(line);
     return all.empty() ? line.per_s() : all.front().max_per_s;
+}
+
+bool explains_rate(const Line& line)
+{
+    constexpr double fits = 1.15;
+    return line.per_s() > 0
+           && (rate(line) < fits * line.per_s() || std::ranges::any_of(line.stages, &Stage::saturated));
 }
 
 double latency(const Line& line)

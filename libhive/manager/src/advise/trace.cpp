@@ -19,24 +19,34 @@ const StatusAnswer* answering(const Look& look, const std::string& drone)
 }
 
 /// Do its events come from that drone, directly or not?
-bool comes_from(const Look& look, const std::string& drone, const std::string& source, std::set<std::string> seen = {})
+bool carries_events(const Look& look, const InputStatus& input)
+{
+    return input.connected && input.options.delivery == Delivery::data && answering(look, owner_of(input.from));
+}
+
+bool comes_from(const Look& look, const std::string& drone, const std::string& source, std::set<std::string>& seen)
 {
     const auto* answer = answering(look, drone);
     if (!answer || !seen.insert(answer->drone).second)
         return false;
     return answer->drone == source || std::ranges::any_of(answer->status.inputs, [&](const InputStatus& input) {
-               return input.connected && comes_from(look, owner_of(input.from), source, seen);
+               return carries_events(look, input) && comes_from(look, owner_of(input.from), source, seen);
            });
 }
 
-const InputStatus* input_on_way(const Look& look, const Status& status, const std::string& source)
+/// @param passed  drones that are on the way already: what comes from them is fed back
+const InputStatus* input_on_way(const Look& look, const Status& status, const std::string& source,
+                                const std::set<std::string>& passed = {})
 {
     const InputStatus* found = nullptr;
-    for (const auto& input : status.inputs)
-        if (input.connected && input.options.delivery == Delivery::data && answering(look, owner_of(input.from))
-            && (source.empty() || comes_from(look, owner_of(input.from), source))
+    for (const auto& input : status.inputs) {
+        if (!carries_events(look, input) || passed.contains(answering(look, owner_of(input.from))->drone))
+            continue;
+        auto seen = passed;
+        if ((source.empty() || comes_from(look, owner_of(input.from), source, seen))
             && (!found || input.last_age_us > found->last_age_us))
             found = &input;
+    }
     return found;
 }
 
@@ -59,7 +69,7 @@ std::vector<Step> way_to(const Look& look, const std::string& target, const std:
     std::vector<Step> way;
     std::set<std::string> seen;
     for (const auto* answer = answering(look, target); answer && seen.insert(answer->drone).second;) {
-        const auto* input = answer->drone == source ? nullptr : input_on_way(look, answer->status, source);
+        const auto* input = answer->drone == source ? nullptr : input_on_way(look, answer->status, source, seen);
         Step step{.members = {answer->drone}};
         if (input) {
             step = {.from = input->from, .input = input->input, .group = input->options.group};

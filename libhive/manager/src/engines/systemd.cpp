@@ -151,7 +151,8 @@ void SystemdEngine::require_free(const std::string& drone) const
     const auto own = environment_line("HIVE_HOME=" + home_.directory().string());
     if (text.str().empty() || text.str().find(own) != std::string::npos)
         return;
-    if (run_command(systemctl({"is-active", unit_name(drone)}), patience_of_systemd).out.starts_with("active"))
+    const auto state = run_command(systemctl({"is-active", unit_name(drone)}), patience_of_systemd).out;
+    if (!state.starts_with("inactive") && !state.starts_with("failed") && !state.starts_with("unknown"))
         throw Error(Errc::refused, unit_name(drone) + " runs already, of another home",
                     "end that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
 }

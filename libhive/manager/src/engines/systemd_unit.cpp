@@ -72,7 +72,7 @@ std::string unit_name(const std::string& drone) { return "hive-" + drone + ".ser
 
 std::string environment_line(const std::string& variable) { return "Environment=" + word(variable, false) + "\n"; }
 
-std::string unit_supervision() { return "Type=notify\nNotifyAccess=all\nTimeoutStartSec=infinity\nWatchdogSec=30\n"; }
+std::string unit_supervision() { return "Type=notify\nNotifyAccess=all\nTimeoutStartSec=300\nWatchdogSec=30\n"; }
 
 std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, const std::filesystem::path& log)
 {

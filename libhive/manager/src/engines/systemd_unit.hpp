@@ -21,8 +21,8 @@ std::string quoted_for_systemd(const std::string& word);
 /// The line of a unit that sets NAME=VALUE.
 std::string environment_line(const std::string& variable);
 
-/// The lines of a unit by which systemd hears from the drone that it is ready, however long it waits for a camera, and
-/// that its process is alive. A wrapper may be around it.
+/// The lines of a unit by which systemd hears from the drone that it is ready, which may take as long as a large
+/// network takes to load, and that its process is alive. A wrapper may be around it.
 std::string unit_supervision();
 
 /// The unit file.

@@ -20,8 +20,6 @@ constexpr std::size_t max_described = 32;
 /// Where a drone gets its events from, or puts them.
 constexpr std::array<const char*, 3> places{"source", "url", "file"};
 
-std::string end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 /// A peer may report an end without a port.
 Endpoint endpoint(const std::string& end)
 {
@@ -114,7 +112,7 @@ void shrink(Application& application, Cause& cause)
     const auto* port = interface.output(from.port);
     cause.command = "hivectl connections " + cause.drone;
     if (port && std::ranges::find(port->encodings, std::string("jpeg"), &Encoding::word) != port->encodings.end())
-        cause.command = "hivectl connect " + end_text(from) + " " + end_text(to) + " --encoding jpeg:50";
+        cause.command = "hivectl connect " + to_text(from) + " " + to_text(to) + " --encoding jpeg:50";
 }
 
 /// A connection that its sender will always refuse has to go.
@@ -122,7 +120,7 @@ void withdraw(Application& application, Cause& cause)
 {
     const auto [from, to] = ends_of(cause);
     if (!fit(from, application.describe(from.drone), to, application.describe(to.drone)))
-        cause.command = "hivectl disconnect " + end_text(from) + " " + end_text(to);
+        cause.command = "hivectl disconnect " + to_text(from) + " " + to_text(to);
 }
 
 /// The failure of which a crash or an exception is known, if its input is kept here.
@@ -192,7 +190,7 @@ std::optional<Cause> unconnected_pair(Application& application, const Endpoint& 
     if (receives(answers[1], answers[0], sender.port))
         return std::nullopt;
     const auto from = application.describe(sender.drone), to = application.describe(receiver.drone);
-    const auto pair = end_text(sender) + " " + end_text(receiver);
+    const auto pair = to_text(sender) + " " + to_text(receiver);
     const auto turned = "hivectl connect " + receiver.drone + " " + sender.drone;
     if (receives(answers[0], answers[1], ""))
         return pair_cause(What::wrong_way, receiver,

@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::size_t most_connections = 100'000;  // globs on both sides make many
 
-std::string text_of_end(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 }  // namespace
 
 std::span<const std::string_view> connection_keys()
@@ -141,7 +139,7 @@ bool Reader::add_connection(SwarmConnection connection, const Value& to)
     } catch (const Error& error) {
         mistakes_.at_value(to, error);
     }
-    const auto from = text_of_end(connection.from), receiver = text_of_end(connection.to);
+    const auto from = to_text(connection.from), receiver = to_text(connection.to);
     if (!connected_.insert(from + " " + receiver).second)
         mistakes_.at_value(to, from + " is connected to " + receiver + " already");
     plan_.connections.push_back(std::move(connection));

@@ -53,12 +53,10 @@ std::string text_of_drone(const SwarmDrone& drone)
     return line.text();
 }
 
-Json end_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 std::string text_of_connection(const SwarmConnection& connection, const Json& to)
 {
     OneLine line;
-    line.add("from", end_text(connection.from)).add("to", to);
+    line.add("from", to_text(connection.from)).add("to", to);
     for (const auto& option : connection_option_table())
         if (option.name == "group" && connection.options.group == connection.from.drone)
             line.add("share", true);
@@ -76,7 +74,7 @@ std::vector<std::string> texts_of_connections(const std::vector<SwarmConnection>
         auto next = first;
         const auto like_first = [&] { return SwarmConnection{next->from, first->to, next->options} == *first; };
         for (; next != connections.end() && like_first(); ++next)
-            receivers.push_back(end_text(next->to));
+            receivers.push_back(to_text(next->to));
         lines.push_back(text_of_connection(*first, receivers.size() == 1 ? receivers[0] : receivers));
         first = next;
     }

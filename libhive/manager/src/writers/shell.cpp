@@ -18,8 +18,6 @@ std::string line_of(const std::vector<std::string>& words)
     return text;
 }
 
-std::string end_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 }  // namespace
 
 std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
@@ -40,7 +38,7 @@ std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
 
 std::string connect_line(const SwarmConnection& connection)
 {
-    std::vector<std::string> words{"connect", end_of(connection.from), end_of(connection.to)};
+    std::vector<std::string> words{"connect", to_text(connection.from), to_text(connection.to)};
     for (const auto& option : connection_option_table()) {
         if (!option.is_given(connection.options))
             continue;

@@ -14,7 +14,7 @@ class Intake;
 
 /// Network side. One round of questions is under way at a time, and who asks meanwhile waits for the next one: an
 /// answer is good only for those who asked before it was given. The senders are asked within what is left of the time
-/// of who asks, so that questions which go in a circle end.
+/// of who asks, the longest of the round, so that questions which go in a circle end.
 class EndCheck {
 public:
     using Then = std::function<void()>;
@@ -28,7 +28,7 @@ public:
     void begin(std::chrono::milliseconds within, Then then);
     /// One of them may have answered.
     void look();
-    void stop() { timer_.cancel(); }
+    void stop();
 
 private:
     struct Question {
@@ -39,6 +39,7 @@ private:
 
     const Intakes& intakes_;
     platform::Timer timer_;
+    int round_ = 0;  ///< a timer that was cancelled may still run
     Intakes asked_;
     std::vector<Question> asking_, waiting_;
 };

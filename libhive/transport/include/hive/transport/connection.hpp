@@ -73,10 +73,10 @@ public:
     virtual void close(const hive::Error& reason) = 0;
     /// After the end: was it the peer's doing? Otherwise this end closed it, or cut the peer off.
     [[nodiscard]] virtual bool ended_by_peer() const = 0;
-    /// After the end: had this end, frozen perhaps, sent nothing for so long that the peer may have cut it off?
+    /// After the end: was this end held up for so long, frozen perhaps, that the peer may have cut it off?
     [[nodiscard]] virtual bool seemed_dead() const = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
-    /// Is the peer on this machine: at a unix socket, inside the process, or at an address of this machine?
+    /// Is the peer on this machine: at a unix socket, or at an address of this machine?
     [[nodiscard]] virtual bool local() const = 0;
     /// What the end that dialed may do at the end that listens.
     [[nodiscard]] virtual const Credentials& credentials() const = 0;
