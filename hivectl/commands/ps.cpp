@@ -120,7 +120,18 @@ hive::Json crash_json(const hive::CrashedDrone& crash)
             {"time_us", crash.time_us}};
 }
 
-Row crashed_row(const hive::CrashedDrone& crash)
+/// "; hivectl rerun face 3" if the input that it died of is kept, as far as the times tell.
+std::string rerun_text(hive::Application& application, const hive::CrashedDrone& crash)
+{
+    constexpr std::int64_t second_us = 1'000'000;
+    const auto failures = application.failures(crash.drone);
+    const auto its = std::ranges::find_if(failures, [&](const hive::KeptFailure& failure) {
+        return failure.code == "died" && failure.time_us >= crash.time_us - second_us;
+    });
+    return its == failures.end() ? "" : "; hivectl rerun " + crash.drone + " " + std::to_string(its->number);
+}
+
+Row crashed_row(hive::Application& application, const hive::CrashedDrone& crash)
 {
     return Row{{"name", crash.drone},
                {"host", hive::Place::here},
@@ -129,7 +140,7 @@ Row crashed_row(const hive::CrashedDrone& crash)
                {"pid", nullptr},
                {"uptime_us", nullptr},
                {"busy_percent", nullptr},
-               {"note", "at " + time_text(crash.time_us) + ": " + crash_text(crash)},
+               {"note", "at " + time_text(crash.time_us) + ": " + crash_text(crash) + rerun_text(application, crash)},
                {"crash", crash_json(crash)}};
 }
 
@@ -171,7 +182,7 @@ void add_crashed(std::vector<Row>& rows, const std::vector<std::string>& words, 
         }
     for (const auto& crash : crashed)
         if (is_meant(crash.drone, words))
-            rows.push_back(crashed_row(crash));
+            rows.push_back(crashed_row(application, crash));
 }
 
 /// But for those that fit crashed drones alone.

@@ -47,6 +47,7 @@ TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a
     const auto evidence = [&] { return found(swarm, "explain fragile").evidence(); };
     CHECK_MESSAGE(eventually([&] { return has(evidence(), "its input is kept: hivectl rerun fragile 1"); }),
                   evidence());
+    CHECK(has(swarm.hivectl_done({"ps"}), "; hivectl rerun fragile 1"));
     CHECK(has(swarm.hivectl({"rerun", "fragile", "1"}, 30'000ms).out, "SIGSEGV in crasher::write_to_null"));
     CHECK(swarm.run({"/bin/sh", "-c", crashed.command() + " how=none"}).exit_code == 0);
     CHECK(runs(swarm, "explain source fragile"));
