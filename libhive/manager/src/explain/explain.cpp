@@ -121,9 +121,9 @@ Explanation explanation(Application& application, const std::vector<std::string>
     std::erase_if(result.causes, [&](const Cause& cause) {
         return std::ranges::none_of(before.causes(), [&](const Cause& earlier) { return same(cause, earlier); });
     });
-    for (auto& cause : machine_causes(first, second))
-        result.causes.push_back(std::move(cause));
     for (auto& cause : same_names(second))
+        result.causes.push_back(std::move(cause));
+    for (auto& cause : machine_causes(first, second))
         result.causes.push_back(std::move(cause));
     std::ranges::stable_sort(result.causes, {}, rank);
     complete(application, result.causes);
