@@ -36,7 +36,7 @@ public:
         const auto collector = application.collect(ends);
         std::map<std::string, std::vector<Clock::time_point>> times;
         double ages = 0, events = 0;
-        for (const auto end = Clock::now() + 1500ms; Clock::now() < end;)
+        for (const auto end = Clock::now() + 1200ms; Clock::now() < end;)
             if (const auto event = collector->next(20ms)) {
                 times[event->sender].push_back(event->received);
                 ages += event->header.at("age_us").get<double>();
@@ -138,10 +138,12 @@ double processors_in_use()
 bool quiet(const std::string& what)
 {
     constexpr double few = 0.4;
-    const bool quiet = eventually([] { return processors_in_use() < few; }, 5000ms);
-    if (!quiet)
-        MESSAGE(what << ": not judged, since other programs use the processors");
-    return quiet;
+    constexpr int tries = 10;  // 3 s: eventually() would wait longer where others are at work
+    for (int i = 0; i < tries; ++i)
+        if (processors_in_use() < few)
+            return true;
+    MESSAGE(what << ": not judged, since other programs use the processors");
+    return false;
 }
 
 void judge_processors(Judge& judge)
