@@ -197,6 +197,8 @@ void judge_latency(Judge& judge)
 
 void judge_encoding_here(Judge& judge)
 {
+    if (!quiet("raw instead of jpeg"))  // how long an encoder takes depends on them
+        return;
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "width=1280", "height=960", "fps=200"}),
                worker = swarm.drone("sleeper", "worker", {"work_ms=5"});
