@@ -12,8 +12,9 @@ namespace {
 /// A camera of so many events per second, and a worker that takes this long for each.
 Line line(double fps, double work_us)
 {
-    Stage camera{.members = {"camera"}, .hosts = {{"local", 1}}, .per_s = fps, .work_us = 100, .age_us = 0};
-    Stage worker{.members = {"face"}, .hosts = {{"local", 1}}, .work_us = work_us, .age_us = work_us};
+    Stage camera{
+        .members = {"camera"}, .hosts = {{"local", 1}}, .host = "local", .per_s = fps, .work_us = 100, .age_us = 0};
+    Stage worker{.members = {"face"}, .hosts = {{"local", 1}}, .host = "local", .work_us = work_us, .age_us = work_us};
     worker.per_s = std::min(fps, second_us / work_us);
     worker.can_share = true;
     worker.saturated = worker.per_s < fps;
