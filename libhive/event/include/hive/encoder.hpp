@@ -1,4 +1,4 @@
-// How an output gives its events in other encodings: pixels as they are on one machine, a JPEG across a network.
+// Encodes the events of an output for its receivers: raw pixels on one machine, a JPEG across a network.
 #pragma once
 
 #include <hive/encoding.hpp>
@@ -13,12 +13,11 @@ namespace hive {
 /// Declared with an output. Without an encoder (default-constructed) every receiver gets the events as they were
 /// emitted.
 struct Encoder {
-    /// Those that it knows, the preferred one first: that is what travels across a network unless a connection asks for
-    /// another.
+    /// The encodings it supports. The first is used across a network unless a connection asks for another.
     std::vector<Encoding> encodings;
-    /// The same event in that encoding ("jpeg:80"): its type, its body, and what the header says of the body. What it
-    /// throws is reported as an exception of the drone, and the event travels as it was emitted. On a thread of its
-    /// own.
+    /// Returns the event in that encoding ("jpeg:80"): its type, its body, and what the header says of the body. If it
+    /// throws, the error is reported as an exception of the drone and the event is sent unencoded. Called on the
+    /// encoder thread.
     std::function<Event(const Event& event, const std::string& encoding)> encode;
 };
 

@@ -1,4 +1,4 @@
-// An event's header as text and back: for who keeps events outside of the swarm (recordings).
+// Converts an event's header to text and back, for events kept outside of the swarm (recordings).
 #pragma once
 
 #include <hive/event.hpp>
@@ -13,7 +13,7 @@ namespace hive {
 std::string event_text(const Event& event);
 
 /// The event of such a text. Throws Errc::malformed, Errc::too_large.
-/// @param body  empty when the event was kept without; `size` then tells that there was one
+/// @param body  empty when the event was kept without its body; `size` then says that there was one
 Event event_from_text(std::string_view text, Body body = {});
 
 }  // namespace hive

@@ -1,4 +1,4 @@
-// Which events of several inputs belong together.
+// The rule by which events of several inputs are matched.
 #pragma once
 
 #include <chrono>
@@ -13,21 +13,21 @@ namespace hive {
 struct Match {
     std::optional<std::chrono::microseconds> tolerance;  ///< empty: exact
 
-    /// What comes of one capture: the same source, epoch, sequence and part.
+    /// Events of one capture: the same source, epoch, sequence and part.
     static Match exact() { return {}; }
-    /// Each event is the nearest, by the time of its capture, to that of the first input, and not farther than this
-    /// from it. It is decided when no nearer one can come, so up to one period of the slower input later. Across
-    /// machines their clocks must agree.
+    /// Each event is the nearest by capture time to the event of the first input, and at most `tolerance` away from it.
+    /// A set is complete only when no nearer event can come: up to one period of the slower input later. Clocks of
+    /// different machines must agree.
     static Match within(std::chrono::microseconds tolerance) { return {tolerance}; }
 
     bool operator==(const Match&) const = default;
 };
 
-/// What matching has come to so far.
+/// Counters of a matching.
 struct MatchCounts {
     std::int64_t sets = 0;        ///< complete
     std::int64_t waiting = 0;     ///< events, now
-    std::int64_t unmatched = 0;   ///< events that found no partner and are gone
+    std::int64_t unmatched = 0;   ///< events dropped without a partner
     std::int64_t duplicates = 0;  ///< events with the identity of one that was waiting at the same input
     std::map<std::string, std::int64_t> missing = {};  ///< by input: how many of the unmatched found no partner there
 };
