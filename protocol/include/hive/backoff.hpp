@@ -1,4 +1,4 @@
-// How long to wait before the next attempt at something that does not answer.
+// Delays between attempts to reach a peer that does not answer.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,11 @@
 
 namespace hive {
 
-/// Pauses that double from `first` to `most`. No clock of its own.
+/// Delays that double from `first` to `most`.
 class Backoff {
 public:
     Backoff(std::chrono::milliseconds first, std::chrono::milliseconds most) : first_(first), most_(most) {}
-    /// Each ±50 % at random, so that many who wait for one do not come at once.
+    /// Each is ±50 % at random, so that many peers that wait for one do not retry at the same time.
     Backoff(std::chrono::milliseconds first, std::chrono::milliseconds most, std::uint32_t seed)
         : first_(first), most_(most), state_(seed ? seed : 0x9e3779b9U)  // xorshift never leaves zero
     {

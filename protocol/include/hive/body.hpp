@@ -1,5 +1,4 @@
-// The binary part of an event: immutable bytes with one owner shared by everyone who holds them, and the buffer they
-// begin as.
+// The binary part of an event: immutable bytes with one shared owner, and the buffer in which they are written.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +10,8 @@
 
 namespace hive {
 
-/// Bytes that never change once they are here; copying a Body copies no bytes. Whatever owns the memory (a vector, a
-/// picture, a receive buffer) lives until the last Body over it is gone. Safe to share between threads.
+/// Immutable bytes; copying a Body copies none of them. The owner of the memory (a vector, an image, a receive buffer)
+/// lives until the last Body over it is gone. Safe to share between threads.
 class Body {
 public:
     Body() = default;
@@ -25,7 +24,7 @@ public:
     ~Body() = default;
     Body(const Body&) = default;
     Body& operator=(const Body&) = default;
-    /// What was moved from is empty: it must not show bytes that it no longer keeps alive.
+    /// A moved-from Body is empty: it must not show bytes that it no longer keeps alive.
     Body(Body&& other) noexcept
         : owner_(std::move(other.owner_)),
           bytes_(std::exchange(other.bytes_, {})),
@@ -47,8 +46,8 @@ public:
     }
     [[nodiscard]] std::size_t size() const noexcept { return bytes_.size(); }
     [[nodiscard]] bool empty() const noexcept { return bytes_.empty(); }
-    /// The bytes lie in memory of the process that made them, which a broken or hostile one could still change: who
-    /// checks bytes before using them (a decoder) copies them first.
+    /// True if the bytes lie in memory of the process that made them, which a broken or hostile process could still
+    /// change: code that checks bytes before it uses them (a decoder) copies them first.
     [[nodiscard]] bool foreign() const noexcept { return foreign_; }
     /// A view of memory of another process.
     static Body in_foreign_memory(std::span<const std::byte> bytes, std::shared_ptr<const void> owner)
@@ -64,18 +63,18 @@ private:
     bool foreign_ = false;
 };
 
-/// A buffer to be filled in place and then emitted as a Body. Asked of an Output (or a Drone), it lies in memory that
-/// receivers on the same machine map, so that what is written into it is copied nowhere. For one thread at a time.
+/// A buffer to be filled in place and then emitted as a Body. Output::loan() returns one in memory that receivers on
+/// the same machine map, so that its bytes are never copied. For one thread at a time.
 class Loan {
 public:
-    /// @param owner  keeps the memory while the loan, and then its body, is held
+    /// @param owner  keeps the memory as long as the loan, and then its body, lives
     Loan(std::span<std::byte> bytes, std::shared_ptr<void> owner) : owner_(std::move(owner)), bytes_(bytes) {}
 
     [[nodiscard]] unsigned char* data() const noexcept { return reinterpret_cast<unsigned char*>(bytes_.data()); }
     [[nodiscard]] std::size_t size() const noexcept { return bytes_.size(); }
-    /// What was filled in; nobody may write to it any more.
+    /// The filled buffer, which must not change any more.
     operator Body() && { return {bytes_, std::move(owner_)}; }  // NOLINT: a filled loan is a body
-    /// Its first `size` bytes; the rest was not needed.
+    /// Only the first `size` bytes of the buffer.
     Body body(std::size_t size) && { return {bytes_.first(size), std::move(owner_)}; }
 
 private:

@@ -1,4 +1,4 @@
-// One table of the options of a connection, for all that read or write them as people do.
+// One table of the options of a connection, for every reader and writer of their text forms.
 #pragma once
 
 #include <hive/json.hpp>
@@ -16,26 +16,26 @@ namespace hive {
 /// One option: a key of a swarm file, an option of `hivectl connect`, a word of --connect. `share`, which stands for
 /// the group of the sender's name, is not among them, since these know no sender.
 struct ConnectionOption {
-    std::string_view name;   ///< in a file and in --connect: "first_frame"
+    std::string_view name;   ///< in a swarm file and in --connect: "first_frame"
     std::string_view field;  ///< in the JSON of the protocol and of C: "lease_ms"
     std::variant<Transfer ConnectionOptions::*, Delivery ConnectionOptions::*, int ConnectionOptions::*,
                  bool ConnectionOptions::*, std::string ConnectionOptions::*,
                  std::optional<std::chrono::milliseconds> ConnectionOptions::*>
         member;
-    std::string_view placeholder;  ///< for the value in a help; empty: a flag, which has none
+    std::string_view placeholder;  ///< for the value in help texts; empty: a flag
     std::string_view must;         ///< what the value must be: "a whole number from 1 to 64"
     std::string_view help;
 
     [[nodiscard]] bool is_flag() const noexcept { return placeholder.empty(); }
     /// On a command line: "--first-frame".
     [[nodiscard]] std::string on_command_line() const;
-    /// As people write it: true, 4, "faces", 0.5 for a lease in seconds; null: the lease is measured.
+    /// The value as in a swarm file: true, 4, "faces", 0.5 for a lease in seconds; null: the lease is measured.
     [[nodiscard]] Json value(const ConnectionOptions& options) const;
-    /// The same for a command line or a word: "4", "faces", "0.5".
+    /// The same for a command line: "4", "faces", "0.5".
     [[nodiscard]] std::string text(const ConnectionOptions& options) const;
-    /// Is it otherwise than usual?
+    /// Does it differ from the default?
     [[nodiscard]] bool is_given(const ConnectionOptions& options) const { return value(options) != value({}); }
-    /// False, and nothing is changed, when it is not what it must be.
+    /// False, and nothing is changed, when the value is invalid.
     [[nodiscard]] bool set(ConnectionOptions& options, const Json& value) const;
     [[nodiscard]] bool set_text(ConnectionOptions& options, const std::string& text) const;
 };
@@ -43,12 +43,12 @@ struct ConnectionOption {
 inline constexpr int widest_window = 64;
 inline constexpr double shortest_lease_s = 0.05, longest_lease_s = 86'400;
 
-/// In the order in which files have them.
+/// In the order in which swarm files are written.
 std::span<const ConnectionOption> connection_option_table();
-/// Those that --connect takes behind DRONE.OUTPUT: "at=tcp://HOST:PORT, share, stream, window=N, ...".
+/// The options that --connect accepts after DRONE.OUTPUT: "at=tcp://HOST:PORT, share, stream, window=N, ...".
 std::string connection_option_words();
 
-/// Two options, "share" among them, that do not go together.
+/// Two options, possibly "share", that exclude each other.
 struct ConnectionClash {
     std::string_view one, other;
 };

@@ -1,4 +1,4 @@
-// What a drone is started with, and one table of its fields for all that read, write or compare them.
+// A drone's start configuration, and one table of its fields for every reader, writer and comparison.
 #pragma once
 
 #include <hive/json.hpp>
@@ -11,68 +11,69 @@
 
 namespace hive {
 
-/// When an engine starts a drone again by itself.
+/// When an engine restarts a drone by itself.
 enum class Restart { never, on_failure, always };
 
 /// One drone: one process. Of `"face": {"count": 4, ...}` there are four of these, face-1 to face-4.
 struct DroneOrder {
     std::string name{}, kind{};  ///< kind: "face" for hive-face, or a Python file, "edges.py"
-    std::string host = "local";  ///< as the file calls the machine: what `engines` are looked up by
+    std::string host = "local";  ///< the machine's name in the file: the key in `engines`
     Json set = Json::object();   ///< initial parameters
     Restart restart = Restart::never;
-    // Empty or false: the default, which the table below has.
+    // Empty or false: the default of the table below.
     std::string on_exception{}, listen{}, advertise{}, key{}, log_level{};
     bool halted = false, insecure = false, remote_operator = false;
     // Only where the drone is started:
     std::vector<std::string> expected{};     ///< receivers, for --expect
     std::vector<std::string> connections{};  ///< of its inputs, for --connect
-    std::string swarm{};                     ///< that it will belong to
+    std::string swarm{};                     ///< to which it will belong
     bool no_announce = false;
-    bool change_if_shared = false;  ///< parameters and connections hold even if another swarm brought it up
-    /// More than 0: it takes over from the running drone of its name, if it is ready by then. See hive::replace().
+    bool change_if_shared = false;  ///< set parameters and connections even if another swarm started it
+    /// More than 0: it replaces the running drone of its name, if it is ready within this time. See hive::replace().
     double take_over_s = 0;
-    bool lose_state = false;  ///< that drone may lose what it remembers of earlier events
+    bool lose_state = false;  ///< the replaced drone may lose its memory of earlier events
 
     bool operator==(const DroneOrder&) const = default;
 };
 
-/// One field of an order: each reader and writer of orders walks all of them.
+/// One field of an order.
 struct OrderField {
     enum class Type { kind, word, flag, address, file };
-    /// How a running drone gets another value; never: no drone is told.
+    /// How a running drone gets another value; never: it does not.
     enum class Change { at_once, by_restart, never };
 
     std::string_view name;    ///< in a swarm file and in a status: "on_exception"
-    std::string_view option;  ///< on a command line: "--on-exception"; empty: it has none
+    std::string_view option;  ///< on a command line: "--on-exception"; empty: none
     Type type;
     std::variant<std::string DroneOrder::*, bool DroneOrder::*, Restart DroneOrder::*> member;
-    std::string_view usual;                   ///< what an empty text stands for
-    std::span<const std::string_view> words;  ///< of a word: what it may be
+    std::string_view usual;                   ///< the default, for an empty text
+    std::span<const std::string_view> words;  ///< the possible values of a keyword
     Change change;
-    std::string_view placeholder;  ///< for the value in a help: "FILE"
-    bool for_operator;             ///< concerns the machine: a viewer is not told
+    std::string_view placeholder;  ///< for the value in help texts: "FILE"
+    bool for_operator;             ///< affects the machine: hidden from viewers
     std::string_view help;         ///< of the option
 
-    /// A text, or true or false.
+    /// A text or a boolean.
     [[nodiscard]] Json value(const DroneOrder& order) const;
-    /// The same with the default where the order says nothing.
+    /// The same, or the default where the order has no value.
     [[nodiscard]] Json in_force(const DroneOrder& order) const;
     /// Is a value given, even if it is the default?
     [[nodiscard]] bool is_said(const DroneOrder& order) const { return value(order) != value({}); }
     /// Is a value given that is not the default?
     [[nodiscard]] bool is_given(const DroneOrder& order) const;
     void copy(DroneOrder& to, const DroneOrder& from) const;
-    /// Throws Errc::malformed when it is not a value of this field.
+    /// Throws Errc::malformed for an invalid value of this field.
     void set(DroneOrder& order, const Json& value) const;
 };
 
-/// All fields but `name`, `host`, `set` and those for a start alone, in the order in which files have them.
+/// All fields except `name`, `host`, `set` and those used only at a start, in the order in which swarm files are
+/// written.
 std::span<const OrderField> order_fields();
 
-/// "--on-exception", "halt", "--halted" ...: what the order says otherwise than the default.
+/// "--on-exception", "halt", "--halted" ...: the arguments for every field that differs from its default.
 std::vector<std::string> option_words(const DroneOrder& order);
 
-/// What a status says of a running drone; what is as usual is left out.
+/// The order in a status, without fields that have their default.
 Json to_json(const DroneOrder& order);
 /// Throws Errc::malformed.
 DroneOrder drone_order_from_json(const Json& object);

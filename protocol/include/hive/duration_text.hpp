@@ -1,4 +1,4 @@
-// Durations as people read them.
+// Durations as readable text.
 #pragma once
 
 #include <cstdint>

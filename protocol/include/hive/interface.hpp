@@ -1,4 +1,4 @@
-// What a drone offers: inputs, outputs and parameters, as `--describe` prints and `describe` answers them.
+// A drone's inputs, outputs and parameters, as `--describe` prints and `describe` returns them.
 #pragma once
 
 #include <hive/encoding.hpp>
@@ -16,13 +16,13 @@ struct Port {
     std::string name;
     std::string type;
     std::string help;
-    std::vector<Encoding> encodings{};  ///< of an output: how it can give its events, the preferred one first
+    std::vector<Encoding> encodings{};  ///< of an output: the available ones, the preferred one first
 };
 
 enum class ParameterType { integer, number, text, flag };
 std::string_view token(ParameterType type) noexcept;  // "integer", "number", "text", "flag"
 
-/// A parameter and what it may be.
+/// A parameter and its constraints.
 struct ParameterInfo {
     std::string name;
     ParameterType type = ParameterType::text;
@@ -31,8 +31,8 @@ struct ParameterInfo {
     std::vector<std::string> choices;   ///< not empty: a text that is one of these
     std::string unit;                   ///< "px", "fps", "%"
     std::string help;
-    /// It concerns the machine that the drone runs on (files, addresses, logins), and not its pictures: who comes over
-    /// the network may neither set nor, as a viewer, read it (libhive/docs/security.md).
+    /// The parameter affects the drone's machine (files, addresses, logins) rather than its images: network peers may
+    /// not set it, and viewers may not read it (libhive/docs/security.md).
     bool for_operator = false;
 };
 
@@ -40,29 +40,29 @@ struct ParameterInfo {
 /// @param what  "input" or "output"
 const Port& port_named(const std::vector<Port>& ports, const std::string& drone, std::string_view what,
                        std::string_view name);
-/// The one that is meant when none is named: the only one that fits.
-/// @param which  how those that fit are told: "that takes image/jpeg"; empty: all fit
-/// Throws Errc::not_found when there are no ports, Errc::type_mismatch when none fits, Errc::invalid_argument when
-/// several do; the advice lists what there is.
+/// The port to use when none is named: the only one that matches.
+/// @param which  how errors describe the matching ones: "that takes image/jpeg"; empty: all match
+/// Throws Errc::not_found when there are no ports, Errc::type_mismatch when none matches, Errc::invalid_argument when
+/// several do; the advice lists the ports.
 const Port& port_meant(const std::vector<Port>& ports, const std::string& drone, std::string_view what,
                        std::string_view which, const std::function<bool(const Port&)>& fits);
 
-/// Does a receiver that takes the types `accepts` take the events of this output in this encoding? Throws
-/// Errc::invalid_argument when the output has no such encoding, and Errc::type_mismatch when the receiver does not take
-/// what it gives.
+/// Checks that a receiver that accepts the types `accepts` can receive this output in this encoding. Throws
+/// Errc::invalid_argument when the output has no such encoding, and Errc::type_mismatch when the receiver does not
+/// accept the encoded type.
 void require_encoding(const Port& output, const std::string& encoding, const std::string& receiver,
                       const std::string& accepts);
 
-/// The value a parameter takes when told `value`: of its declared type (a text is parsed, as the shell gives it) and
-/// within its range. Throws Errc::refused saying what is allowed.
+/// The value of a parameter that is set to `value`: of its declared type (a text, as from a shell, is parsed) and
+/// within its range. Throws Errc::refused, which says what is allowed.
 Json checked_value(const ParameterInfo& parameter, const Json& value);
 
-/// The range or the choices as people read them: "1.01 to 2", "jpeg | png | raw", or empty.
+/// The range or the choices as readable text: "1.01 to 2", "jpeg | png | raw", or empty.
 std::string range_text(const ParameterInfo& parameter);
 
 /// The whole description of a drone.
 struct Interface {
-    std::string kind;     ///< "face": which program it is, whatever it is called in a swarm
+    std::string kind;     ///< "face": the program, whatever the drone's name in a swarm
     std::string summary;  ///< one sentence
     std::string version;
     bool stateful = false;  ///< remembers earlier events, so its work cannot be shared

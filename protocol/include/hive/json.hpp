@@ -1,4 +1,4 @@
-// JSON as Hive reads and writes it: limited while parsing, never throwing while writing.
+// Parses JSON within limits, and writes it without throwing.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,21 +12,21 @@ namespace hive {
 
 using Json = nlohmann::json;
 
-/// What a text may contain; anything beyond is Errc::malformed or Errc::too_large before it costs memory (SPEC.md, 3).
+/// Limits of a text; a text beyond them is Errc::malformed or Errc::too_large before it costs memory (SPEC.md, 3).
 struct JsonLimits {
     std::size_t bytes = 64 * 1024;
     std::size_t depth = 16;
     std::size_t keys = 256;  ///< in one object
     std::size_t string_bytes = 16 * 1024;
-    std::size_t values = 64 * 1024;  ///< in all; a header has no room for so many, a file may
+    std::size_t values = 64 * 1024;  ///< in all; a header cannot hold this many, a file can
 };
 
 /// Parses one JSON text. Throws hive::Error on anything RFC 8259 forbids, on a byte order mark, on invalid UTF-8, on
 /// duplicate keys, on numbers that do not fit a double or an integer of 64 bits, and on what exceeds the limits.
 Json parse_json(std::string_view text, const JsonLimits& limits = {});
 
-/// Throws Errc::too_large when parse_json would, for the levels, keys or strings of such a value.
-/// @param around  levels of the text that the value will be part of
+/// Throws Errc::too_large if parse_json would, for the levels, keys or strings of this value.
+/// @param around  levels of the text around the value
 void require_within(const Json& value, const JsonLimits& limits = {}, std::size_t around = 0);
 
 /// One line of JSON; bytes that are not UTF-8 become U+FFFD.
@@ -40,7 +40,7 @@ inline constexpr std::int64_t max_json_integer = std::int64_t{1} << 53;
 /// The number, when the value is a whole one of at most that magnitude (1.0 is not).
 std::optional<std::int64_t> json_integer(const Json& value);
 
-/// Reads the fields of a JSON object that came from outside; every mistake is Errc::malformed naming the field.
+/// Reads the fields of a JSON object from outside; every error is Errc::malformed and names the field.
 class Fields {
 public:
     /// @param what  the message, for errors: "register"

@@ -1,4 +1,4 @@
-// JSON of a file that people write: what it says, and where in the text each part of it stands.
+// Parses JSON files written by people, and keeps the position of each value in the text.
 #pragma once
 
 #include <hive/error.hpp>
@@ -12,18 +12,18 @@
 
 namespace hive {
 
-/// Where a value of a text begins, and where its parts do; in bytes from the beginning of the text.
+/// The positions of a value and of its parts, in bytes from the beginning of the text.
 struct JsonPlace {
-    std::size_t key = 0;  ///< of a member: its key; otherwise as `value`
+    std::size_t key = 0;  ///< of a member: its key; otherwise the same as `value`
     std::size_t value = 0;
     std::vector<std::pair<std::string, JsonPlace>> members = {};  ///< of an object, in the order of the text
     std::vector<JsonPlace> items = {};                            ///< of an array
 
-    /// Of the member of that name, or nullptr.
+    /// The position of the member of that name, or nullptr.
     [[nodiscard]] const JsonPlace* member(std::string_view name) const noexcept;
 };
 
-/// A text that is no JSON, or beyond the limits, and where that was found.
+/// An error in a text (invalid JSON, or beyond the limits) and its position.
 class JsonMistake : public Error {
 public:
     JsonMistake(const Error& error, std::size_t at) : Error(error), at_(at) {}
@@ -38,10 +38,10 @@ struct PlacedJson {
     JsonPlace place;
 };
 
-/// As parse_json, with the places; it throws JsonMistake.
+/// As parse_json, with positions; throws JsonMistake.
 PlacedJson parse_placed_json(std::string_view text, const JsonLimits& limits = {});
 
-/// Lines and columns of a text, which has to outlive it; both from 1. A column counts characters, as editors do.
+/// Lines and columns of a text, which must outlive this object; both from 1. A column counts characters, as editors do.
 class TextLines {
 public:
     explicit TextLines(std::string_view text);

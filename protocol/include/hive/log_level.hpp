@@ -1,4 +1,4 @@
-// How much a line of a drone's log matters.
+// The levels of a drone's log.
 #pragma once
 
 #include <array>
@@ -8,9 +8,9 @@
 
 namespace hive {
 
-/// error: a drone's code threw, or could not do what it is for. warning: a refusal, a lost connection, a key or a saved
-/// value that cannot be used. info: starting, listening, stopping, being replaced. debug: connections made, and links
-/// opened and closed in good order.
+/// error: a drone's code threw or failed. warning: a refusal, a lost connection, a key or a saved value that cannot be
+/// used. info: starting, listening, stopping, being replaced. debug: connections made, and links opened and closed
+/// normally.
 enum class LogLevel { debug, info, warning, error };
 
 inline constexpr std::array<std::string_view, 4> log_levels{"debug", "info", "warning", "error"};

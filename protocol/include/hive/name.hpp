@@ -1,4 +1,4 @@
-// What a drone, port, parameter or group may be called: one grammar, checked in one function at every door.
+// The one grammar for names of drones, ports, parameters and groups.
 #pragma once
 
 #include <hive/error.hpp>
@@ -12,23 +12,23 @@ namespace hive {
 /// True for `[A-Za-z0-9][A-Za-z0-9_.-]{0,63}` without `..`.
 bool is_name(std::string_view text) noexcept;
 
-/// The text itself when it is a name; otherwise throws Errc::invalid_argument, saying what a name is.
+/// Returns the text if it is a valid name; otherwise throws Errc::invalid_argument, which gives the grammar.
 /// @param what  the thing being named, for the error: "drone", "parameter"
 std::string require_name(std::string_view text, std::string_view what);
 
 /// Shell-style match with `*` and `?`; the whole text must match.
 bool matches_glob(std::string_view pattern, std::string_view text) noexcept;
 
-/// The candidate most like `text` (by edit distance), or empty when none is near.
+/// The candidate most similar to `text` (by edit distance), or empty when none is similar.
 template <class Range>
 std::string nearest(std::string_view text, const Range& candidates);
 
-/// Errc::not_found saying `text`; its advice is the candidate that `name` may have been meant for, if one is near.
+/// Errc::not_found with `text`; its advice is the candidate most similar to `name`, if any.
 /// @param otherwise  the advice when none is
 Error no_such(const std::string& text, std::string_view name, const std::vector<std::string>& candidates,
               const std::string& otherwise = {});
 
-/// Number of single-character edits (two neighbours changing places is one) that turn `a` into `b`.
+/// Number of single-character edits (swapping two neighbours is one) that turn `a` into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 template <class Range>

@@ -1,4 +1,4 @@
-// JSON objects that are written and read often, as text: without a JSON value in between.
+// Writes and reads frequent JSON objects directly as text, without a JSON value in between.
 #pragma once
 
 #include <hive/json.hpp>
@@ -10,8 +10,7 @@
 
 namespace hive {
 
-/// Writes the fields of one object behind `text`; each key is given as it stands in the text, with the comma before it:
-/// `,"epoch":`.
+/// Appends the fields of one object to `text`; keys are passed with their punctuation, `,"epoch":`.
 class PlainWriter {
 public:
     explicit PlainWriter(std::string& text) : text_(text), begin_(text.size()) {}
@@ -26,8 +25,8 @@ private:
     std::size_t begin_;
 };
 
-/// A place in a text that is written without white space and without escapes. Every function moves on when it finds
-/// what it looks for, and gives false otherwise: then the reader of all JSON has to say what the text is.
+/// A position in a text without white space and escapes. Each function advances if it finds what it expects, and
+/// returns false otherwise: then the full JSON parser must read the text.
 class PlainReader {
 public:
     explicit PlainReader(std::string_view rest) : rest_(rest) {}

@@ -1,4 +1,4 @@
-// What an operation came to.
+// The result of an operation: a value or an error.
 #pragma once
 
 #include <hive/error.hpp>
@@ -8,7 +8,6 @@
 
 namespace hive {
 
-/// A value, or the error in place of it.
 template <class T>
 using Result = std::variant<T, Error>;
 
@@ -19,7 +18,7 @@ const Error* error_of(const Result<T>& result)
     return std::get_if<Error>(&result);
 }
 
-/// Of a pointer: none in place of an error.
+/// The pointer, or null for an error.
 template <class T>
 T value_or_none(Result<T> result)
 {

@@ -1,4 +1,4 @@
-// The words for how events travel over a connection, and the options of a connection.
+// The options of a connection, and the enumerations for how events travel.
 #pragma once
 
 #include <hive/json.hpp>
@@ -10,14 +10,13 @@
 
 namespace hive {
 
-/// synchronized: the receiver asks for each event and gets the newest at that time. streaming: it registers once and
-/// gets every event, through a bounded queue whose oldest is dropped (paper, section 3.5).
+/// synchronized: the receiver requests each event and gets the newest at that time. streaming: it registers once and
+/// gets every event, through a bounded queue that drops the oldest (paper, section 3.5).
 enum class Transfer { synchronized, streaming };
 /// data: header and body. notification: the header alone.
 enum class Delivery { data, notification };
-/// What a drone is doing.
 enum class State { starting, idle, busy, halted, stopping };
-/// What happens to a drone whose code throws: skip abandons the input, halt takes nothing more until resumed.
+/// What happens when a drone's code throws: skip abandons the input, halt accepts nothing until resumed.
 enum class ExceptionPolicy { skip, halt };
 
 std::string_view token(Transfer value) noexcept;         // "sync", "stream"
@@ -25,21 +24,20 @@ std::string_view token(Delivery value) noexcept;         // "data", "notify"
 std::string_view token(State value) noexcept;            // "idle"
 std::string_view token(ExceptionPolicy value) noexcept;  // "skip", "halt"
 
-/// The enumerator of a token; throws Errc::malformed naming `what` and the tokens there are.
+/// The enumerator of a token; throws Errc::malformed, which names `what` and the valid tokens.
 template <class Enum>
 Enum from_token(std::string_view text, std::string_view what);
 
-/// How one connection behaves.
 struct ConnectionOptions {
     Transfer transfer = Transfer::synchronized;
     Delivery delivery = Delivery::data;
     int window = 1;            ///< requests outstanding at once, 1 to 64; streaming has no window
     std::string group = {};    ///< not empty: the receivers of this group share the events, one each
-    bool first_frame = false;  ///< begin with the newest event that already exists; not in a group
-    /// How long a member of a group may work on one event before another gets it. Empty: 30 s until the source knows
-    /// how long the work takes, then four times that, at least 2 s.
+    bool first_frame = false;  ///< start with the newest existing event; not in a group
+    /// How long a member of a group may work on one event before another gets it. Empty: 30 s until the sender has
+    /// measured the work, then four times that, at least 2 s.
     std::optional<std::chrono::milliseconds> lease = {};
-    /// How the bodies are to be encoded, see encoding.hpp. Empty: as they are on one machine, what the output prefers
+    /// How bodies are encoded, see encoding.hpp. Empty: unencoded on one machine, the output's preferred encoding
     /// across a network.
     std::string encoding = {};
 

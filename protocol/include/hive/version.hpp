@@ -1,11 +1,11 @@
-// Which Hive this is.
+// The versions of the library and of the protocol.
 #pragma once
 
 namespace hive {
 
-/// Of this library: "0.1.0".
+/// The library: "0.1.0".
 const char* version() noexcept;
-/// Of what travels between modules; two that speak different ones refuse each other.
+/// The protocol; modules with different versions refuse each other.
 int protocol_version() noexcept;
 
 }  // namespace hive
