@@ -8,7 +8,7 @@ namespace hive::platform {
 bool write_private(const std::filesystem::path& file, const std::string& text)
 {
     std::ofstream stream(file, std::ios::trunc);
-    std::error_code ignored;  // the folder is for its owner alone as well
+    std::error_code ignored;  // the folder is for its owner only, too
     std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write,
                                  ignored);
     stream << text;

@@ -1,4 +1,4 @@
-// What the system tells about processes.
+// Processes of the system, from /proc.
 #include <hive/platform/process.hpp>
 
 #include <csignal>
@@ -14,7 +14,7 @@ std::int64_t own_pid() noexcept { return ::getpid(); }
 
 namespace {
 
-/// What /proc says of a process behind its name; empty: it is gone.
+/// The fields of /proc/PID/stat after the process's name; empty: the process is gone.
 std::istringstream process_fields(std::int64_t pid)
 {
     std::ifstream file("/proc/" + std::to_string(pid) + "/stat");

@@ -1,5 +1,5 @@
-// The protocol of sd_notify(3): datagrams to the socket that $NOTIFY_SOCKET names. libsystemd, which has it too, is not
-// to be had on every machine that loads this library.
+// The protocol of sd_notify(3): datagrams to the socket that $NOTIFY_SOCKET names. libsystemd, which implements it too,
+// is not available on every machine that loads this library.
 #include <hive/platform/supervisor.hpp>
 
 #include <charconv>
@@ -31,19 +31,19 @@ void tell_supervisor(const std::string& news) noexcept
         return;
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, path.data(), path.size());
-    if (path.front() == '@')  // a name that is no file
+    if (path.front() == '@')  // an abstract socket, not a file
         address.sun_path[0] = '\0';
     const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (socket < 0)
         return;
-    // It must not hold up the drone that nobody reads there: what is not taken at once is not told.
+    // A supervisor that does not read must not block the drone: a message that cannot be sent at once is dropped.
     static_cast<void>(::sendto(socket, news.data(), news.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
                                reinterpret_cast<const sockaddr*>(&address),
                                static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size())));
     ::close(socket);
 }
 
-/// $WATCHDOG_PID is not looked at: it may be that of a wrapper of this process.
+/// Ignores $WATCHDOG_PID, which may be that of a wrapper of this process.
 std::optional<std::chrono::microseconds> patience_of_supervisor()
 {
     const auto text = variable("WATCHDOG_USEC");

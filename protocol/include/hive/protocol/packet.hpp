@@ -14,7 +14,7 @@ inline constexpr std::uint8_t version = 1;
 inline constexpr std::size_t prefix_size = 16;
 inline constexpr std::array<char, 4> magic{'H', 'I', 'V', 'E'};
 
-/// What a packet is for. The numbers are the wire's (SPEC.md, section 2).
+/// The packet types; the numbers are on the wire (SPEC.md, section 2).
 enum class PacketType : std::uint8_t {
     hello = 1,
     ping = 2,
@@ -23,7 +23,7 @@ enum class PacketType : std::uint8_t {
     register_receiver = 10,
     deregister = 11,
     request = 12,
-    // about bodies in shared memory (section 11): the sender's offer, the receiver's giving back
+    // about bodies in shared memory (section 11): the sender's offer, the receiver's release
     segment = 13,
     release = 14,
     // from sender to receiver, on a channel
@@ -43,17 +43,17 @@ enum class PacketType : std::uint8_t {
     resume = 37,
     stop = 38,
     put = 39,
-    forget = 40,  ///< to a sender: wait no longer for a receiver that is gone
+    forget = 40,  ///< to a sender: stop waiting for a receiver that is gone
     confirmation = 50,
 };
 
-/// The token of a type as SPEC.md writes it ("register", "event"), or empty for a number that is no type.
+/// The token of a type as SPEC.md writes it ("register", "event"), or empty for an unknown number.
 std::string_view token(PacketType type) noexcept;
 
-/// Of the others a body is read and ignored.
+/// May packets of this type have a body? The body of any other type is read and ignored.
 bool carries_body(PacketType type) noexcept;
 
-/// The sizes this end accepts; refused from the prefix, before anything is allocated.
+/// The sizes this end accepts, checked in the prefix, before anything is allocated.
 struct Limits {
     std::uint32_t header = 64 * 1024;
     std::uint32_t body = 64 * 1024 * 1024;
@@ -76,7 +76,7 @@ PrefixBytes encode(const Prefix& prefix) noexcept;
 /// @param bytes  prefix_size bytes
 Prefix decode_prefix(const unsigned char* bytes, const Limits& limits);
 
-/// A whole packet, as received or to be sent. The header is JSON text, shared by everyone it is sent to.
+/// A whole packet, as received or to be sent. The header is JSON text, shared by all packets that carry it.
 struct Packet {
     PacketType type{};
     std::uint16_t channel = 0;

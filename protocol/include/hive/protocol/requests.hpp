@@ -1,4 +1,4 @@
-// What is asked of a drone, as values, where a request has more than an id (SPEC.md, section 6.2).
+// The requests to a drone that have more than an id, as values (SPEC.md, section 6.2).
 #pragma once
 
 #include <hive/json.hpp>
@@ -8,11 +8,11 @@
 
 namespace hive::protocol {
 
-/// Asks a drone to receive an output of another one.
+/// Asks a drone to receive an output of another drone.
 struct Connect {
-    std::string drone, output;  ///< who sends
-    std::string address = {};   ///< where the sender listens; empty: it is found by its name
-    std::string input;          ///< of the drone that is asked
+    std::string drone, output;  ///< the sender
+    std::string address = {};   ///< where the sender listens; empty: looked up by its name
+    std::string input;          ///< of the receiver
     ConnectionOptions options;
 };
 Json to_json(const Connect& connect);
@@ -20,16 +20,16 @@ Connect connect_from_json(const Json& object);
 
 /// Asks a drone for new values of some parameters.
 struct Set {
-    static constexpr std::int64_t max_prepare_ms = 30'000;  ///< a longer deadline of a prepare counts as this one
+    static constexpr std::int64_t max_prepare_ms = 30'000;  ///< longer deadlines of a prepare are cut to this
     Json parameters = Json::object();
-    bool check_only = false;                   ///< the answer is wanted, not the change
-    std::optional<std::int64_t> prepare = {};  ///< hold them until the set of this token is committed or aborted
-    std::optional<std::int64_t> commit = {}, abort = {};  ///< decide about the set of this token, without parameters
+    bool check_only = false;                   ///< only check, change nothing
+    std::optional<std::int64_t> prepare = {};  ///< hold the values until the set of this token is committed or aborted
+    std::optional<std::int64_t> commit = {}, abort = {};  ///< decide the set of this token; without parameters
 };
 Json to_json(const Set& set);
 Set set_from_json(const Json& object);
 
-/// Asks a sender to wait no longer for a receiver that is gone: with its place, or with the work of its group.
+/// Asks a sender to stop waiting for a receiver that is gone: to drop its place, or the work of its group.
 struct Forget {
     std::string output = {};  ///< empty: every output
     std::string receiver;     ///< the drone, or "drone.input"

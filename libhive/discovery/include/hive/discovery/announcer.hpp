@@ -11,8 +11,8 @@ namespace hive::discovery {
 
 class DaemonThread;
 
-/// Costs its thread nothing but one look a second at the key file. Without Avahi it does nothing; it begins when the
-/// daemon comes, and again when the daemon comes back.
+/// Its thread only checks the key file once per second. Without Avahi it does nothing; it announces once the daemon is
+/// up, and again when the daemon is restarted.
 class Announcer {
 public:
     struct Plan {
@@ -24,7 +24,7 @@ public:
     };
 
     explicit Announcer(Plan plan);
-    /// Takes the announcement back.
+    /// Withdraws the announcement.
     ~Announcer();
     Announcer(const Announcer&) = delete;
     Announcer& operator=(const Announcer&) = delete;

@@ -1,4 +1,4 @@
-// Finds the drones that announce themselves on the local network.
+// Finds the drones that are announced on the local network.
 #pragma once
 
 #include <hive/discovery/announcement.hpp>
@@ -16,19 +16,20 @@ namespace hive::discovery {
 
 class DaemonThread;
 
-/// For one thread. Nothing is done before it is first asked, and nothing at all without a key or a system bus.
+/// For one thread. Does nothing before the first call of found(), and nothing at all without a key or a system bus.
 class Browser {
 public:
     /// @param key   the swarm's key file; empty: there is none
-    /// @param note  a file that says when this machine was last listened to, so that the next one need not wait
+    /// @param note  a file that says when this machine last browsed, so that the next browser need not wait
     Browser(std::filesystem::path key, std::filesystem::path note);
     ~Browser();
     Browser(const Browser&) = delete;
     Browser& operator=(const Browser&) = delete;
 
-    /// The drones of our own key. The first time it waits for what the daemon knows, which it tells in milliseconds
-    /// unless the machine is busy: until it has said nothing new for `longest_silence`, for `longest_wait` at most. It
-    /// also waits for what the network tells in 300 ms; from then on it knows what is announced and taken back.
+    /// The drones of our own key. The first call waits for the daemon's cache, which comes within milliseconds unless
+    /// the machine is busy: until nothing new has come for `longest_silence`, for at most `longest_wait`. It also waits
+    /// 300 ms for answers from the network; later calls return at once, since announcements and withdrawals arrive by
+    /// themselves.
     [[nodiscard]] std::vector<Neighbour> found();
 
     static constexpr std::chrono::milliseconds longest_silence{1000};

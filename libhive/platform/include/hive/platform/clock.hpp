@@ -1,4 +1,4 @@
-// The two clocks of the library. What they read is chosen at link time: the system's, or those of a simulated world.
+// The two clocks of the library. Chosen at link time: the system's clocks, or those of a simulation.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// The signals of a crash: a thread that blocks signals leaves them alone, and has a stack for their handler.
+// The signals of a crash, which threads must not block, and a stack for their handler.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ inline sigset_t signals_for_others() noexcept
     return all;
 }
 
-/// A stack for the handler of a crash on the thread that makes it, so that the handler also runs when the thread has
-/// used up its own stack. It takes no memory before it is used. A thread that has such a stack already keeps it.
+/// A stack for the crash handler on the constructing thread, so that the handler also runs when the thread has used up
+/// its own stack. It takes no memory before it is used. A thread that has such a stack already keeps it.
 class CrashStack {
 public:
     CrashStack() noexcept

@@ -1,4 +1,4 @@
-// Writes to files that a crash may separate. Chosen at link time, as the clocks are.
+// The file writes between which a process may crash. Chosen at link time, as the clocks are.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace hive::platform {
 
-/// Writes a file that only its owner reads. @return false when that fails, with errno set
+/// Writes a file that only its owner can read. @return false on failure, with errno set
 [[nodiscard]] bool write_private(const std::filesystem::path& file, const std::string& text);
-/// Puts a file in the place of another one, at once.
+/// Replaces a file atomically.
 [[nodiscard]] std::error_code rename(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace hive::platform

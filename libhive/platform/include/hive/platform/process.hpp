@@ -1,4 +1,4 @@
-// What the library asks of its process and of others on this machine. Chosen at link time, as the clocks are.
+// Functions for this process and others on this machine. Chosen at link time, as the clocks are.
 #pragma once
 
 #include <chrono>
@@ -7,13 +7,13 @@
 namespace hive::platform {
 
 [[nodiscard]] std::int64_t own_pid() noexcept;
-/// Is that process ending, or gone?
+/// Is that process exiting, or gone?
 [[nodiscard]] bool process_ends(std::int64_t pid);
 /// Was it suspended, as by SIGSTOP or Ctrl-Z?
 [[nodiscard]] bool process_is_suspended(std::int64_t pid);
-/// Ends it at once, whatever its code does.
+/// Kills it with SIGKILL.
 void kill_process(std::int64_t pid);
-/// Holds up the calling thread.
+/// Blocks the calling thread.
 void sleep_for(std::chrono::nanoseconds time);
 /// An unpredictable number.
 [[nodiscard]] std::uint64_t entropy();

@@ -1,4 +1,4 @@
-// The wish of a terminal or a supervisor that the process ends.
+// Handles SIGINT and SIGTERM, with which a terminal or a supervisor stops the process.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -8,7 +8,7 @@
 
 namespace hive::platform {
 
-/// Calls the handler with the first SIGINT or SIGTERM, from the io_context, until it is destroyed.
+/// Calls the handler on the first SIGINT or SIGTERM, from the io_context, as long as this object lives.
 class Signals {
 public:
     Signals(asio::io_context& context, std::function<void(int)> handler);

@@ -1,4 +1,4 @@
-// Who supervises this process, as systemd does, and is told how it is. Chosen at link time, as the clocks are.
+// Reports the state of this process to its supervisor, such as systemd. Chosen at link time, as the clocks are.
 #pragma once
 
 #include <chrono>
@@ -7,9 +7,9 @@
 
 namespace hive::platform {
 
-/// "READY=1", "STATUS=waits for a camera", "WATCHDOG=1": see sd_notify(3). To nobody, where $NOTIFY_SOCKET names none.
+/// "READY=1", "STATUS=waits for a camera", "WATCHDOG=1": see sd_notify(3). Does nothing without $NOTIFY_SOCKET.
 void tell_supervisor(const std::string& news) noexcept;
-/// How long it may hear no "WATCHDOG=1" before it ends this process; nothing: for ever.
+/// How long the supervisor waits for the next "WATCHDOG=1" before it kills this process; nothing: forever.
 [[nodiscard]] std::optional<std::chrono::microseconds> patience_of_supervisor();
 
 }  // namespace hive::platform

@@ -11,8 +11,8 @@
 
 namespace hive::platform {
 
-/// Has at most one task. Another task, cancel() and the end of the timer drop it; one that is due at that moment may
-/// still run.
+/// Has at most one task. A new task, cancel() and the destructor drop it; a task that is due at that moment may still
+/// run.
 class Timer {
 public:
     using Task = std::function<void()>;
@@ -24,7 +24,7 @@ public:
 
     void run_at(SteadyClock::time_point time, Task task);
     void run_after(SteadyClock::duration time, Task task) { run_at(SteadyClock::now() + time, std::move(task)); }
-    /// When the last task was to run.
+    /// The time of the last task.
     [[nodiscard]] SteadyClock::time_point expiry() const;
     void cancel();
 

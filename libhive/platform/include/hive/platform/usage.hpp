@@ -1,4 +1,4 @@
-// What this process and its machine use. Chosen at link time, as the clocks are.
+// Resource usage of this process and its machine. Chosen at link time, as the clocks are.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ struct MachineUsage {
     std::int64_t processors = 0;
     std::int64_t cpu_us = 0;            ///< of all processors and processes, since the machine started
     std::int64_t memory = 0;            ///< bytes
-    std::int64_t memory_available = 0;  ///< bytes of it that programs can get, without swapping
+    std::int64_t memory_available = 0;  ///< bytes available to programs without swapping
 };
 
-/// What the system does not tell is 0.
+/// Values that the system does not provide are 0.
 [[nodiscard]] ProcessUsage process_usage();
 [[nodiscard]] MachineUsage machine_usage();
 

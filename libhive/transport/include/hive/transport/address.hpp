@@ -1,4 +1,4 @@
-// Where a module can be met: a unix socket, a TCP endpoint, or (for tests) a name inside this process.
+// The address of a module: a unix socket or a TCP endpoint.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ struct Address {
     enum class Scheme { unix_socket, tcp };
     Scheme scheme = Scheme::unix_socket;
     std::string host;        ///< the path of a unix socket, or a host name or number
-    std::uint16_t port = 0;  ///< tcp only; 0 when listening: any free one
+    std::uint16_t port = 0;  ///< tcp only; 0 when listening: any free port
 
     bool operator==(const Address&) const = default;
 };
 
 /// Reads `unix:/path`, `tcp://HOST:PORT`, `tcp://[::1]:PORT`. Throws Errc::invalid_argument.
 Address parse_address(std::string_view text);
-/// What parse_address reads.
+/// The text that parse_address reads.
 std::string to_text(const Address& address);
 
 }  // namespace hive::transport

@@ -23,7 +23,7 @@ public:
         return *this;
     }
 
-    /// Gives it away.
+    /// Returns the descriptor and gives up its ownership.
     [[nodiscard]] int release() noexcept { return std::exchange(number_, -1); }
     [[nodiscard]] int get() const noexcept { return number_; }
     explicit operator bool() const noexcept { return number_ >= 0; }

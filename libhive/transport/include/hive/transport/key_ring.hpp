@@ -1,4 +1,4 @@
-// The keys that a module holds, as its file has them now.
+// The keys of a module, reloaded when its key file changes.
 #pragma once
 
 #include <hive/key.hpp>
@@ -13,23 +13,23 @@
 
 namespace hive::transport {
 
-/// Reads the file when it is first asked, and again when the file has changed. A file that cannot be read any more
-/// changes nothing: the keys that are known go on to hold, and trouble() says why. On the network side.
+/// Reads the file on first use, and again after each change. If the file becomes unreadable, the known keys remain
+/// valid, and trouble() has the error. On the network side.
 class KeyRing {
 public:
-    /// @param required  a file that is not there is an error; otherwise it is no key, and this end dials in the plain
+    /// @param required  a missing file is an error; otherwise it means no key, and this end dials without TLS
     explicit KeyRing(std::filesystem::path file, bool required = false) : file_(std::move(file)), required_(required) {}
 
-    /// What this end shows when it dials, newest first. Throws what read_key_file throws, when nothing is known yet,
-    /// and Errc::not_permitted when no key of the file holds any longer.
+    /// The keys that this end offers when it dials, newest first. Throws what read_key_file throws while no key is
+    /// known, and Errc::not_permitted when no key of the file is valid any more.
     const std::vector<SwarmKey>& own();
-    /// What a peer may show: the same, and the viewers' keys that are made of them.
+    /// The keys that a peer may offer: own(), and the viewers' keys derived from them.
     const std::vector<SwarmKey>& accepted();
-    /// Is that one of accepted() now?
+    /// Is that key in accepted() now?
     bool accepts(const std::string& id, Role role);
     [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }
     [[nodiscard]] bool required() const noexcept { return required_; }
-    /// Why the file could not be read again; empty when all is well.
+    /// Why the file could not be reloaded; empty: no error.
     [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
 
 private:
@@ -39,7 +39,7 @@ private:
 
     std::filesystem::path file_;
     bool required_;
-    struct stat seen_ {};  ///< of the file when it was last read
+    struct stat seen_ {};  ///< the file's status when it was last read
     std::vector<SwarmKey> own_, accepted_;
     std::string trouble_;
 };

@@ -1,4 +1,4 @@
-// Who listens at a port of this machine, for errors that say so.
+// Finds the process that listens at a port of this machine, for errors.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace hive::transport {
 
-/// "hive-camera, process 4711". Empty when it cannot be told: the process of another user is not shown to everybody.
-/// Looks at the files of all processes, so it takes milliseconds, and more the more processes there are.
+/// "hive-camera, process 4711". Empty if unknown, since other users' processes may be hidden. Reads the files of all
+/// processes, so it takes milliseconds, more with more processes.
 std::string holder_of_port(std::uint16_t port);
 
 }  // namespace hive::transport

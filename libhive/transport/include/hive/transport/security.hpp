@@ -1,4 +1,4 @@
-// What a listener and a dialer need to know about keys, and what they tell of those who have none.
+// The keys of a listener or a dialer, and the report of rejected peers.
 #pragma once
 
 #include <hive/role.hpp>
@@ -10,16 +10,17 @@
 
 namespace hive::transport {
 
-/// What the end that dialed may do at the end that listens, and by which key.
+/// What the dialer may do at the listener, and by which key.
 struct Credentials {
     Role role = Role::viewer;
     std::string key = {};  ///< its id; empty: none was needed
 };
 
-/// For tcp alone; at a unix socket the peer's user is looked at instead.
+/// For tcp only; a unix socket checks the peer's user instead.
 struct Security {
-    std::shared_ptr<KeyRing> keys = {};  ///< null: tcp is plain, and whoever comes is a member
-    /// A listener turned somebody away before there was a connection: who and why, in one sentence. Network side.
+    std::shared_ptr<KeyRing> keys = {};  ///< null: tcp is unencrypted, and every peer is a member
+    /// A listener rejected a peer before there was a connection: the peer and the reason, in one sentence. Network
+    /// side.
     std::function<void(const std::string&)> refused = [](const std::string&) {};
 };
 
