@@ -1,5 +1,5 @@
-// What one registration asked for, was sent and has dealt with, and how much of it the connection has not yet taken
-// (SPEC.md, section 5.2).
+// The deliveries that one registration requested, was sent and has finished, and how many of them the connection has
+// not yet taken (SPEC.md, section 5.2).
 #pragma once
 
 #include <hive/transfer.hpp>
@@ -9,21 +9,21 @@
 
 namespace hive::event {
 
-/// What a receiver tells in a request; all count its deliveries from the first one.
+/// The counts in a receiver's request, all from its first delivery.
 struct Progress {
-    std::int64_t asked = 0;   ///< wanted so far
-    std::int64_t worked = 0;  ///< of those sent, the first so many have been worked on
-    std::int64_t done = 0;    ///< the first so many need not be kept for it any more
+    std::int64_t asked = 0;   ///< requested so far
+    std::int64_t worked = 0;  ///< this many of those sent have been processed
+    std::int64_t done = 0;    ///< this many need not be kept for it any more
 };
 
 /// Pure logic. The numbers of a peer are bounded by what it was sent: they allocate nothing.
 class Credit {
 public:
-    static constexpr std::size_t lane_bytes = 64 * 1024;  ///< handed to the transport at once, beyond one event
+    static constexpr std::size_t lane_bytes = 64 * 1024;  ///< passed to the transport at a time, beyond one event
     static constexpr std::size_t most_lane_events = 64;
-    /// Lossless events that a stream may have in hand; a synchronized receiver has its window.
+    /// Lossless events that a stream may have in progress; a synchronized receiver has its window.
     static constexpr std::int64_t most_streamed = 64;
-    /// Unacknowledged deliveries beyond the window (or beyond most_streamed), whose results may be on their way.
+    /// Unacknowledged deliveries beyond the window (or beyond most_streamed), whose results may be in transit.
     static constexpr std::int64_t most_under_way = 256;
 
     explicit Credit(const ConnectionOptions& options, std::int64_t held = 0)
@@ -31,23 +31,23 @@ public:
     {
         begin(options, 0, held);
     }
-    /// A registration goes on behind the first `taken` deliveries; it counts as having asked for a window more, without
-    /// the `held` deliveries that the receiver has not processed yet.
+    /// The registration continues after the first `taken` deliveries; it counts as having requested one more window,
+    /// minus the `held` deliveries that the receiver has not processed yet.
     void begin(const ConnectionOptions& options, std::int64_t taken, std::int64_t held);
 
-    /// Takes over what is news, and returns how much that is.
+    /// Applies the new counts, and returns the increase.
     Progress request(const Progress& told);
     void sent(std::size_t bytes);
     void written(std::size_t bytes);
 
     [[nodiscard]] bool open(bool lossless) const;
     [[nodiscard]] bool lane_free(std::size_t bytes) const;
-    /// Deliveries that it asked for and may have; of a stream, lossless ones.
+    /// Deliveries that it requested and may get; of a stream, lossless ones.
     [[nodiscard]] std::int64_t missing() const;
     /// Must it acknowledge something before it gets more?
     [[nodiscard]] bool full() const { return sent_ - progress_.done >= window() + most_under_way; }
     [[nodiscard]] bool streaming() const { return streaming_; }
-    /// Of what is in hand, from the oldest on, how many were worked on.
+    /// How many of the deliveries in progress, from the oldest on, were processed.
     [[nodiscard]] std::int64_t worked_in_hand() const { return progress_.worked - progress_.done; }
     [[nodiscard]] std::int64_t sent() const { return sent_; }
     [[nodiscard]] std::int64_t done() const { return progress_.done; }

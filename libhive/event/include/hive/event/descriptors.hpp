@@ -8,7 +8,7 @@
 
 namespace hive::event {
 
-/// As Loop::wait(); also returns when a descriptor is readable. The descriptors stay those of the caller.
+/// As Loop::wait(); also returns when a descriptor is readable. The caller keeps the descriptors.
 void wait(Loop& loop, Clock::time_point deadline, const std::function<bool()>& done,
           const std::vector<int>& descriptors);
 

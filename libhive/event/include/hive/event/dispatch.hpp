@@ -1,5 +1,5 @@
-// Hands each receiver its events in the encoding it gets and in the order they were decided, while some of them are
-// still being encoded.
+// Sends each receiver its events in its encoding and in the order of the decisions, while some of them are still being
+// encoded.
 #pragma once
 
 #include <hive/encoder.hpp>
@@ -15,8 +15,8 @@
 
 namespace hive::event {
 
-/// Network side. An event is encoded at most once for each encoding, however many receivers get it, and only after it
-/// was decided that one of them does. What waits here holds the event, and with it the ticket of a lossless cause.
+/// Network side. An event is encoded at most once for each encoding, however many receivers get it, and only after the
+/// decision that one of them does. A waiting entry holds the event, and with it the ticket of a lossless cause.
 class Dispatch {
 public:
     using Run = std::function<void(std::function<void()>)>;
@@ -24,22 +24,22 @@ public:
     struct Hooks {
         /// Sends an event as `form`, which is the event itself or a rendition of it.
         std::function<void(const Send& send, const Emission& form)> transmit;
-        /// The encoder threw; the event goes as it is.
+        /// The encoder threw; the event is sent unencoded.
         std::function<void(const EmissionPtr& event, const Error& problem)> not_encoded;
         std::function<void(ReceiverId for_whom, std::function<void()>)> on_encoder_thread;
         Run on_network_side;
-        /// Tells a receiver, behind what it was sent, whether anything more will come.
+        /// Tells a receiver, after its events, whether anything more will come.
         std::function<void(ReceiverId receiver)> end = [](ReceiverId) {};
     };
 
-    /// `encoder` is kept by reference, also by jobs: both outlive the encoder thread.
+    /// `encoder` is kept by reference, even by jobs: both outlive the encoder thread.
     Dispatch(const Encoder& encoder, Hooks hooks) : encoder_(encoder), hooks_(std::move(hooks)) {}
 
-    /// @param encoding  empty: as it is
+    /// @param encoding  empty: unencoded
     void send(const Send& send, const std::string& encoding);
-    /// The receiver is to be told whether anything more will come.
+    /// Queues the message whether anything more will come.
     void end(ReceiverId receiver);
-    /// The receiver is gone: what waits for it is dropped, and not encoded for its sake.
+    /// The receiver is gone: drops its waiting events, which are not encoded for it.
     void forget(ReceiverId receiver) { lines_.erase(receiver); }
 
 private:
@@ -52,7 +52,7 @@ private:
     /// The outcome of a job.
     struct Made {
         EmissionPtr form;
-        std::optional<Error> problem;  ///< why the form is the event as it is
+        std::optional<Error> problem;  ///< why the event is sent unencoded
     };
     void encode(const std::shared_ptr<Waiting>& waiting, const std::string& encoding);
     [[nodiscard]] Made make(const EmissionPtr& event, const std::string& encoding) const;

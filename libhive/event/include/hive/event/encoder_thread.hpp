@@ -1,5 +1,5 @@
-// The thread that encodes events for receivers: neither the network side, which must answer, nor the user thread, which
-// must not pay for what is skipped later.
+// The thread that encodes events for receivers, since the network side must stay responsive, and the user thread must
+// not encode events that are skipped later.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -15,8 +15,8 @@
 
 namespace hive::event {
 
-/// Jobs run one after the other; those of one peer in order, and of several peers each in turn, so that nobody who
-/// wants much keeps the others waiting. The thread begins with the first job: most modules never need it.
+/// Jobs run one after the other: those of one peer in order, and the peers in turn, so that no peer with many jobs
+/// delays the others. The thread starts with the first job, since most modules never need it.
 class EncoderThread {
 public:
     using Job = std::function<void()>;
@@ -27,10 +27,9 @@ public:
     ~EncoderThread() { end(); }
 
     /// Any thread. A job must not throw.
-    /// @param peer  for whom it is done
+    /// @param peer  the peer that needs it
     void push(const std::string& peer, Job job);
-    /// Drops the jobs that wait, and waits for the one under way. What is pushed later is dropped. Any thread but its
-    /// own.
+    /// Drops waiting jobs, and waits for the running one. Jobs pushed later are dropped. Any thread but its own.
     void end();
     /// How long it has been working. Any thread.
     [[nodiscard]] std::chrono::nanoseconds worked() const;
@@ -43,7 +42,7 @@ private:
     std::condition_variable changed_;
     std::map<std::string, std::deque<Job>> jobs_;  ///< by peer; none is empty
     std::deque<std::string> turns_;                ///< these peers, the next first
-    std::chrono::nanoseconds worked_{0};           ///< with the jobs that are done
+    std::chrono::nanoseconds worked_{0};           ///< on finished jobs
     Clock::time_point since_{};                    ///< works on a job since then; the default: on none
     bool ending_ = false;
     std::thread thread_;

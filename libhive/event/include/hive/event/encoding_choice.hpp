@@ -1,4 +1,5 @@
-// Which encoding one receiver gets: what its connection asked for, or what suits the way to it and what it takes.
+// The encoding for one receiver: the one its connection asked for, or the one that suits the path to it and the types
+// it accepts.
 #pragma once
 
 #include <hive/interface.hpp>
@@ -17,21 +18,21 @@ public:
     /// @param output  kept by reference
     EncodingChoice(const Port& output, const protocol::Registration& registration, Way way);
 
-    /// The encoding for this event; empty: as it is.
+    /// The encoding for this event; empty: unencoded.
     std::string of(const Event& event);
     static constexpr const char* as_it_is = "as it is";
-    /// For people: "jpeg:80", or the above.
+    /// As readable text: "jpeg:80", or the above.
     [[nodiscard]] std::string word() const;
 
 private:
-    /// The preferred encoding that the receiver takes, or empty.
+    /// The preferred encoding that the receiver accepts, or empty.
     [[nodiscard]] std::string preferred() const;
     [[nodiscard]] bool met_by(const Event& event, const std::string& encoding) const;
 
     const Port& output_;
     std::string accepts_;
     std::string always_;      ///< whatever the event is
-    bool fell_back_ = false;  ///< the last event had to be encoded because the receiver does not take it as it is
+    bool fell_back_ = false;  ///< the last event had to be encoded because the receiver does not accept its type
 };
 
 }  // namespace hive::event

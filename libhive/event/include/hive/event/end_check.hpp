@@ -1,4 +1,4 @@
-// Asks the senders that told this module of their end whether it still holds (SPEC.md, section 5.6).
+// Asks the senders that have sent their end whether it still holds (SPEC.md, section 5.6).
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -12,19 +12,19 @@ namespace hive::event {
 
 class Intake;
 
-/// Network side. One round of questions is under way at a time, and who asks meanwhile waits for the next one: an
-/// answer is good only for those who asked before it was given. The senders are asked within what is left of the time
-/// of who asks, the longest of the round, so that questions which go in a circle end.
+/// Network side. One round of questions runs at a time, and calls meanwhile wait for the next round: an answer is valid
+/// only for calls made before it. The senders get the longest remaining time of the callers in the round, so that
+/// questions that go in a circle end.
 class EndCheck {
 public:
     using Then = std::function<void()>;
     using Intakes = std::vector<std::shared_ptr<Intake>>;
 
-    /// @param intakes  those whose senders are asked
+    /// @param intakes  the intakes whose senders are asked
     EndCheck(asio::io_context& context, const Intakes& intakes) : intakes_(intakes), timer_(context) {}
-    /// Calls back when each sender has answered or is not there any more; at once if there is none.
-    /// @param within  a sender that has not answered by then has nothing to add: it is of an earlier version, or drones
-    ///     wait for each other
+    /// Calls back when each sender has answered or is gone; at once if there is none.
+    /// @param within  a sender without an answer by then is ignored: it is of an earlier version, or drones wait for
+    /// each other
     void begin(std::chrono::milliseconds within, Then then);
     /// One of them may have answered.
     void look();

@@ -1,5 +1,5 @@
-// What made drones of this home fail: their inputs, in files for its user alone, the last 4 failures of a drone and 64
-// MiB in all.
+// The inputs that made drones of this runtime directory fail, in files that only its user can read: the last 4 failures
+// of a drone and 64 MiB in all.
 #pragma once
 
 #include <hive/event/home.hpp>
@@ -16,20 +16,20 @@ public:
     static constexpr std::size_t max_failures = 4;  ///< of a drone
     static constexpr std::size_t max_files = 256;
     static constexpr std::uintmax_t max_bytes = 64u << 20;
-    /// Below the home.
+    /// Below the runtime directory.
     static constexpr const char* folder = ".failures";
 
     explicit FailureStore(const Home& home);
 
-    /// A death that another sender has kept already has the same number; older failures make room.
-    /// @param edge  the output and the input of what a sender keeps; empty: of the drone itself
+    /// A crash that another sender has kept already keeps its number; older failures are evicted.
+    /// @param edge  the output and the input of an event that a sender keeps; empty: kept by the drone itself
     /// @return its number; 0: it is larger than the store
     /// @throws Error  io
     std::int64_t keep(const KeptFailure& failure, const std::string& edge = {}) const;
-    /// The failures of a drone, by number. What cannot be read is left out.
-    /// @param bodies  false: the events have their headers and sizes alone
+    /// The failures of a drone, by number. Unreadable ones are skipped.
+    /// @param bodies  false: the events have only their headers and sizes
     [[nodiscard]] std::vector<KeptFailure> read(const std::string& drone, bool bodies) const;
-    /// Names of drones that it has failures of. Sorted.
+    /// Names of the drones with failures, sorted.
     [[nodiscard]] std::vector<std::string> drones() const;
 
 private:

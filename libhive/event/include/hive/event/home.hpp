@@ -1,5 +1,5 @@
-// The directory where the modules of one user on one machine meet: a socket is a name, what a drone was told lies
-// beside it.
+// The runtime directory, in which the modules of one user on one machine connect: a socket per name, and the saved
+// state of each drone.
 #pragma once
 
 #include <hive/json.hpp>
@@ -15,28 +15,28 @@ namespace hive::event {
 /// $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID.
 std::filesystem::path default_home();
 
-/// Made with mode 0700 when it is not there; one that others can enter is refused (Errc::not_permitted).
+/// Created with mode 0700 if missing; a directory that others can enter is refused (Errc::not_permitted).
 class Home {
 public:
     explicit Home(std::filesystem::path directory);
 
     [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
     [[nodiscard]] transport::Address address(const std::string& name) const;
-    /// Names that have a socket here, sorted; whether anybody answers is not looked at.
+    /// Names that have a socket here, sorted; a socket may be stale.
     [[nodiscard]] std::vector<std::string> names() const;
 
-    /// Does a living module hold this name? (The kernel knows: nobody is asked.)
+    /// Does a running module hold this name? Asks the kernel for the lock, not the module.
     [[nodiscard]] bool alive(const std::string& name) const;
-    /// Does a process wait to take this name over from the one that holds it?
+    /// Does a process wait to take this name over from its holder?
     [[nodiscard]] bool succession(const std::string& name) const;
-    /// The process that claimed the name, or its succession, last; it may have ended. 0: none did.
+    /// The last process that claimed the name, or its succession; it may have ended. 0: none did.
     [[nodiscard]] std::int64_t holder(const std::string& name) const;
     [[nodiscard]] std::int64_t successor(const std::string& name) const;
 
-    /// What a drone was told, kept across a crash.
+    /// The state of a drone that is restored after a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
     void write_state(const std::string& name, const Json& state) const;
-    /// What a drone that died of a signal wrote of that, until the name is claimed again. Throws Errc::malformed.
+    /// The record of a crash by a signal, kept until the name is claimed again. Throws Errc::malformed.
     [[nodiscard]] std::optional<Json> read_crash(const std::string& name) const;
     /// And how it crashed.
     void forget_state(const std::string& name) const noexcept;
@@ -48,15 +48,15 @@ private:
     std::filesystem::path directory_;
 };
 
-/// Writes a file that only its owner reads: whole, or not at all. Throws Errc::io.
+/// Writes a file that only its owner can read, atomically. Throws Errc::io.
 void replace_file(const std::filesystem::path& file, const std::string& text);
 
-/// The right to a name while it lives: a lock file, which the kernel frees when the process ends however it ends.
+/// Holds a name as long as it lives: a lock file, which the kernel frees however the process ends.
 class NameClaim {
 public:
     enum class To {
         name,
-        succession  ///< to the name as soon as the one that holds it frees it
+        succession  ///< to the name as soon as its holder frees it
     };
     /// Throws Errc::name_taken with the holder's process id.
     NameClaim(const Home& home, const std::string& name, To what = To::name);

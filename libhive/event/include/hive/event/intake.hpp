@@ -1,4 +1,5 @@
-// An input's connection to one output of another module: registers, asks, acknowledges, and comes back after a loss.
+// An input's connection to one output of another module: registers, requests, acknowledges, and reconnects after a
+// loss.
 #pragma once
 
 #include <hive/backoff.hpp>
@@ -23,66 +24,65 @@ class Module;
 struct IntakeSpec {
     std::string sender = {};  ///< the drone
     std::string output = {};
-    transport::Address address = {};  ///< where it is met
+    transport::Address address = {};  ///< the sender's address
     std::string input = {};           ///< of this module
-    std::string receiver = {};        ///< this end as the sender knows it: "face.image"
+    std::string receiver = {};        ///< this end's name at the sender: "face.image"
     std::string accepts = "*/*";
     bool stateful = false;
     ConnectionOptions options = {};
 };
 
-/// How far the turns of a group are, as one of its members knows it.
+/// The progress of a group's turns, as known to one of its members.
 struct Standing {
-    Share share;                     ///< its turn: the last that anybody was given, as far as the member knows
-    std::vector<std::int64_t> open;  ///< turns that the member has in hand
+    Share share;                     ///< its turn: the last one dispatched to any member, as far as this member knows
+    std::vector<std::int64_t> open;  ///< the member's turns in progress
 };
 
-/// Network side; what has a ticket may be dropped on any thread.
+/// Network side; objects with a ticket may be dropped on any thread.
 class Intake : public std::enable_shared_from_this<Intake> {
 public:
     using Sink = std::function<void(Event&&)>;
 
-    /// @param on_end  called when something has changed that EndOfInputs looks at
+    /// @param on_end  called when something has changed that EndOfInputs checks
     Intake(
         Module& module, IntakeSpec spec, Sink sink, std::function<void()> on_end = [] {});
 
-    /// Counts an event that came in another way than over this connection, and hands it on.
+    /// Counts an event that did not arrive over this connection, and passes it on.
     void accept(Event event);
-    /// Dials and registers. `first` hears how the first attempt went; later losses are repaired without a word.
+    /// Dials and registers. `first` gets the outcome of the first attempt; later losses are repaired silently.
     void start(OnOutcome first);
-    /// Goes on with other options at the same place, so that nothing is lost and nothing comes twice. If the sender
-    /// refuses them, it goes on with those that it had. For one that is connected and no member of a group, nor is to
-    /// be one.
+    /// Continues with other options at the same place, so that nothing is lost or repeated. If the sender refuses them,
+    /// the old options stay. For a connected intake that neither is nor becomes a member of a group.
     void change(const ConnectionOptions& options, OnOutcome on_outcome);
-    /// No event comes after this. What is in hand of shared or lossless work is ended first; then it deregisters.
-    /// `left` is called when the sender has confirmed, or cannot.
+    /// No event arrives after this. Finishes shared or lossless work in progress, then deregisters. `left` is called
+    /// when the sender has confirmed, or cannot.
     void stop(std::function<void()> left = [] {});
-    /// After stop(): what is in hand is waited for no longer, its sender may give it to others.
+    /// After stop(): no longer waits for work in progress; its sender may dispatch it to others.
     void leave_now();
     void acknowledge_held();
-    /// Another process goes on in its place: the sender is told what is done and nothing of an end, and gives the rest
-    /// to that one. After this nothing is acknowledged.
+    /// Another process continues at this place: the sender gets the acknowledgements but no end, and sends the rest to
+    /// that process. After this nothing is acknowledged.
     void hand_over();
-    /// Is something worked on whose results nobody has acknowledged yet?
+    /// Is there work in progress, or a result that is not acknowledged yet?
     [[nodiscard]] bool owes() const { return progress_.owes(); }
-    /// Asks for what may be asked for now.
+    /// Requests as many events as possible now.
     void flush();
-    /// Another one is being made that will take its place: until it is let go on, it does not come back to the sender,
-    /// which would take it for the newer of the two.
+    /// Another intake is being made that will replace this one: until go_on(), this one does not reconnect to the
+    /// sender, which would treat it as the newer of the two.
     void hold() { ++held_; }
     void let_go_on();
     void link_closed(const Link& link);
-    /// An event was worked on, or is done with; `ending` says how.
+    /// An event was processed, or is finished; `ending` is the outcome.
     void heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending);
 
     [[nodiscard]] const IntakeSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] bool connected() const noexcept { return connected_; }
     [[nodiscard]] bool stopped() const noexcept { return stage_ != Stage::taking; }
-    /// What the sender, or who was met in its place, has against this connection, if that is why it is not connected.
+    /// Why the sender, or another module at its address, refuses this connection, if that is why it is not connected.
     [[nodiscard]] std::optional<Error> refusal() const;
-    /// What the sender said about its end, if it has come to it.
+    /// The text of the sender's end, if it has ended.
     [[nodiscard]] const std::optional<std::string>& ended() const noexcept { return end_; }
-    /// Asks the sender whether that still holds. @param within  what the answer is waited for
+    /// Asks the sender whether the end still holds. @param within  how long to wait for the answer
     void ask_end(std::chrono::milliseconds within);
     /// Was it asked, and may still answer? One that is lost may come back with another source.
     [[nodiscard]] bool unsure() const;
@@ -92,18 +92,18 @@ public:
     [[nodiscard]] bool has_left() const noexcept { return stage_ == Stage::left; }
     /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
     [[nodiscard]] bool gone_for_good() const;
-    /// What is lacking if the end did not wait for this sender; empty: nothing.
+    /// What is missing if the end did not wait for this sender; empty: nothing.
     [[nodiscard]] std::string lacks() const;
-    /// `queued` is left to whoever knows the queue: until then it counts as in hand.
+    /// Without `queued`, which the owner of the queue fills in: until then queued events count as in progress.
     [[nodiscard]] InputStatus status() const;
-    /// Of the group that it is a member of.
+    /// The progress of its group.
     [[nodiscard]] std::optional<Standing> standing() const;
 
 private:
     enum class Stage {
         taking,
-        draining,  ///< what is in hand is finished
-        leaving,   ///< the sender was told, or could not be
+        draining,  ///< work in progress is being finished
+        leaving,   ///< the sender was told, or is unreachable
         left,
     };
     void attempt();
@@ -135,7 +135,7 @@ private:
     OnOutcome first_;
     std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
     Backoff backoff_, quick_backoff_;
-    std::optional<Clock::time_point> lost_;  ///< since when it has been cut off
+    std::optional<Clock::time_point> lost_;  ///< since when it has been disconnected
     std::int64_t round_trip_us_ = 0;         ///< of the connection that was lost
     platform::Timer timer_;
     LinkPtr link_;
@@ -143,18 +143,18 @@ private:
     Stage stage_ = Stage::taking;
     bool connected_ = false;
     int held_ = 0;
-    bool held_up_ = false;  ///< it would have come back meanwhile
+    bool held_up_ = false;  ///< it would have reconnected meanwhile
     std::function<void()> on_left_;
     std::optional<Error> problem_;  ///< why it is not connected
     Clock::time_point lost_at_ = Clock::now();
-    std::optional<std::string> end_;            ///< nothing more will come, and what is said about that
-    std::int64_t question_ = 0, answered_ = 0;  ///< the last one about the end, and the last that was answered
+    std::optional<std::string> end_;            ///< the end and its text
+    std::int64_t question_ = 0, answered_ = 0;  ///< the last question about the end, and the last answered
     std::int64_t epoch_ = 0;                    ///< of the registration
-    std::int64_t tried_ = 0;                    ///< the first one since the last that was confirmed
+    std::int64_t tried_ = 0;                    ///< the first one since the last confirmed one
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
-    bool of_member_ = false;      ///< the last event was the work of a group that the sender is a member of
+    bool of_member_ = false;      ///< the last event was work of a group to which the sender belongs
     bool sender_leaves_ = false;  ///< it said that it is being stopped
 
     std::optional<Share> group_;  ///< its standing
@@ -162,25 +162,25 @@ private:
     std::array<std::int64_t, endings> ended_{};
 };
 
-/// Whether all inputs have come to their end (SPEC.md, section 5.6).
+/// Determines whether all inputs have ended (SPEC.md, section 5.6).
 class EndOfInputs {
 public:
     using Intakes = std::vector<std::shared_ptr<Intake>>;
     enum class Of {
-        drone,      ///< when all that came has been worked on, too
-        collector,  ///< when the senders have made sure of it, too
+        drone,      ///< ends when all arrived events have been processed, too
+        collector,  ///< ends when the senders have verified it, too
     };
     explicit EndOfInputs(Of whom) : whom_(whom) {}
 
     /// Network side: a connection has changed. @return  whether the end has changed
-    /// @param leaving  connections that were ended, of which the results of what is still worked on may be to come
+    /// @param leaving  closed connections whose work in progress may still have results
     bool look(const Intakes& intakes, const Intakes& leaving = {});
-    /// Network side: of a collector, the end may be out of date, and is unsaid until confirm(). @return  which end it
-    /// is
+    /// Network side: a collector's end may be out of date, and is withheld until confirm(). @return the number of the
+    /// end
     std::int64_t doubt();
-    /// Network side: it still holds, if it is this one. @return  whether it does
+    /// Network side: the end still holds, if it has this number. @return whether it does
     bool confirm(std::int64_t end);
-    /// What is said about the end; nothing as long as something may come. Any thread.
+    /// The text of the end; nothing as long as something may come. Any thread.
     [[nodiscard]] std::optional<std::string> text() const;
 
 private:

@@ -1,4 +1,4 @@
-// A connection to a peer that has said who it is: requests and their answers, channels of events.
+// A connection to a peer that has sent its hello: requests and their answers, channels of events.
 #pragma once
 
 #include <hive/event/peer_clock.hpp>
@@ -18,11 +18,11 @@
 
 namespace hive::event {
 
-/// What a request came to: a result object or an error.
+/// The outcome of a request: a result object or an error.
 using Outcome = Result<Json>;
 using OnOutcome = std::function<void(const Outcome&)>;
 
-/// A request of the peer that waits for its answer, or for somebody to take it up until its deadline. Any thread.
+/// A request of the peer that waits to be taken up before its deadline, and then for its answer. Any thread.
 class Asked {
 public:
     Asked(protocol::PacketType type, std::int64_t id, Clock::time_point deadline)
@@ -32,11 +32,11 @@ public:
     [[nodiscard]] protocol::PacketType type() const noexcept { return type_; }
     [[nodiscard]] std::int64_t id() const noexcept { return id_; }
     [[nodiscard]] Clock::time_point deadline() const noexcept { return deadline_; }
-    /// Takes it up: from now on it does not expire. False: it is too late, and nothing may be done.
+    /// Takes it up: from now on it does not expire. False: too late, the request must not be executed.
     bool begin() { return Clock::now() < deadline_ && moved(State::open, State::begun); }
-    /// True once, when its deadline has passed and nobody has taken it up.
+    /// True once, when its deadline has passed before it was taken up.
     bool expire(Clock::time_point now) { return now >= deadline_ && moved(State::open, State::answered); }
-    /// True for the first answer, which counts.
+    /// True for the first answer only.
     bool answer() { return state_.exchange(State::answered) != State::answered; }
 
 private:
@@ -53,18 +53,18 @@ private:
 class Link : public std::enable_shared_from_this<Link> {
 public:
     struct Events {
-        std::function<void(Link&)> opened;                           ///< the peer's hello is here
+        std::function<void(Link&)> opened;                           ///< the peer's hello has arrived
         std::function<void(Link&, const protocol::Packet&)> packet;  ///< registrations and requests of the peer
         std::function<void(Link&, const Error&)> closed;             ///< once, the last
     };
     /// Receives the packets (event, notification, exception, end) of one channel.
     using ChannelSink = std::function<void(const protocol::Packet&)>;
 
-    /// Which end of the connection this one is.
+    /// Is this end the dialer or the listener?
     enum class End { dialed, accepted };
 
-    /// @param pool  where the bodies of this module lie that a peer on this machine may read
-    /// @param maps  whether this module can map what a peer shares
+    /// @param pool  the bodies of this module that a peer on this machine may read
+    /// @param maps  whether this module can map a peer's shared memory
     Link(std::shared_ptr<transport::Connection> connection, End end, const protocol::Hello& self,
          protocol::Limits limits, std::shared_ptr<transport::Pool> pool, bool maps);
     void start(Events events);
@@ -74,43 +74,43 @@ public:
     [[nodiscard]] transport::Connection& connection() noexcept { return *connection_; }
     /// Is the peer on this machine?
     [[nodiscard]] bool local() const { return connection_->local(); }
-    /// What the peer is to this end, if it is the peer that dialed.
+    /// The peer's role, if the peer dialed.
     [[nodiscard]] const transport::Credentials& credentials() const { return connection_->credentials(); }
 
-    /// Of a peer on another machine; one on this machine has the same clock.
+    /// For a peer on another machine; a peer on this machine has the same clock.
     [[nodiscard]] const PeerClock& peer_clock() const noexcept { return peer_clock_; }
-    /// Asks for the peer's time if it is on another machine and that is due.
+    /// Requests the peer's time if the peer is on another machine and a measurement is due.
     void ask_time();
 
-    /// Asks the peer; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends
-    /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large) or nothing
-    /// that this end may ask (Errc::not_permitted).
+    /// Sends a request; the outcome comes at the latest at the deadline (Errc::timeout), or when the link ends
+    /// (Errc::connection_lost), or at once when the request is over the limits of a packet (Errc::too_large) or not
+    /// permitted to this end (Errc::not_permitted).
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
                  std::uint16_t channel = 0);
-    /// Confirms a request. An answer that no peer would take (over the limits of a header) becomes Errc::too_large.
+    /// Confirms a request. An answer over the limits of a header becomes Errc::too_large.
     void answer(std::int64_t id, const Outcome& outcome);
     /// Fails the requests whose deadline has passed.
     void expire(Clock::time_point now);
-    /// Does something here have a deadline?
+    /// Is any deadline pending?
     [[nodiscard]] bool pending() const noexcept { return !pending_.empty() || !asked.empty(); }
 
     /// A channel number of this end for a registration; its packets go to the sink until it is released.
     std::uint16_t claim_channel(ChannelSink sink);
     void release_channel(std::uint16_t channel);
     void close(const Error& reason) { connection_->close(reason); }
-    /// What the peer asks waits until each defer() is followed by a go_on().
+    /// Requests of the peer wait until each defer() is followed by a go_on().
     void defer() { ++defers_; }
     void go_on();
-    /// Is nothing under way, in either direction, and nothing received here?
+    /// Is no request in progress in either direction, and no output received?
     [[nodiscard]] bool idle() const noexcept
     {
         return open_ && !held && asked.empty() && pending_.empty() && channels_.empty();
     }
-    /// When the peer last had something to say, beyond being alive.
+    /// When the peer last sent anything except heartbeats.
     [[nodiscard]] Clock::time_point used() const noexcept { return used_; }
 
-    std::vector<std::shared_ptr<Asked>> asked;  ///< what this module has not answered yet; kept by the module
-    bool held = false;                          ///< by somebody here who will ask again on this very link
+    std::vector<std::shared_ptr<Asked>> asked;  ///< requests without an answer so far; maintained by the module
+    bool held = false;                          ///< by code that will use this link again
 
 private:
     struct Pending {
@@ -150,7 +150,7 @@ private:
 
 using LinkPtr = std::shared_ptr<Link>;
 
-/// Where a connection comes from, the same for each of a peer: "pid 4711", "192.0.2.7".
+/// The host part of a peer's address, equal for all its connections: "pid 4711", "192.0.2.7".
 std::string without_port(const std::string& place);
 
 }  // namespace hive::event

@@ -1,4 +1,4 @@
-// Who runs the network side of a module: one thread at a time, the one that has the turn.
+// Lets one thread at a time, the one that has the turn, run the network side of a module.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -18,15 +18,15 @@
 
 namespace hive::event {
 
-/// Links, outlets, intakes and timers are handlers of one io_context, run by whoever has the **turn**. A thread that
-/// has nothing to do takes it and waits in the io_context itself, so what arrives wakes the very thread that will work
-/// on it. When it goes away it wakes nobody; if nobody is back after `patience`, the network thread takes the turn and
-/// keeps it until somebody wants it.
+/// Links, outlets, intakes and timers are handlers of one io_context, run by the thread that has the **turn**. An idle
+/// thread takes the turn and waits in the io_context itself, so that an arriving packet wakes the thread that will
+/// process it. Releasing the turn wakes no thread; if none takes it within `patience`, the network thread takes it and
+/// keeps it until another thread needs it.
 class Loop {
 public:
     using Task = std::function<void()>;
-    /// How long the network side may be left alone. Shorter callbacks cost no change of threads; longer ones are
-    /// covered.
+    /// How long the network side may be idle. Shorter callbacks cost no thread switch; during longer ones the network
+    /// thread takes over.
     static constexpr std::chrono::milliseconds patience{1};
 
     Loop();
@@ -37,7 +37,8 @@ public:
     /// Starts the network thread.
     void start();
     [[nodiscard]] bool started() const noexcept;
-    /// Runs what is left until there is nothing to wait for, and ends the network thread. Once; not with the turn.
+    /// Runs the remaining tasks until there is nothing to wait for, and ends the network thread. Once; not with the
+    /// turn.
     void end();
     [[nodiscard]] asio::io_context& context() noexcept { return context_; }
 
@@ -47,11 +48,11 @@ public:
 
     // --- any thread; tasks run in the order of these calls ---
 
-    /// Leaves a task to whoever has or takes the turn next.
+    /// Queues a task for the thread that has or takes the turn next.
     void post(Task task);
     /// Runs a task at once on this thread if the turn is free; posts it otherwise.
     void perform(Task task);
-    /// Runs a task on this thread, waiting for the turn; what it throws is thrown here.
+    /// Waits for the turn and runs a task on this thread; its exceptions are thrown here.
     void call(const Task& task);
     [[nodiscard]] bool has_turn() const noexcept;
 
@@ -62,7 +63,7 @@ public:
     /// Runs the network side until `done` (asked with the turn, after each handler) or the deadline; time_point::max():
     /// no deadline.
     void wait(Clock::time_point deadline, const std::function<bool()>& done);
-    /// Has a wait() of another thread ask again whether it is done.
+    /// Makes a wait() of another thread check again whether it is done.
     void interrupt();
 
 private:
@@ -84,17 +85,17 @@ private:
     asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()};
     platform::Timer alarm_{context_};  ///< the deadline of a wait
     bool alarm_set_ = false;
-    bool short_wait_ = false;  ///< the last one was: the next will hardly last until the network thread looks
-    bool served_ = false;      ///< the one who has the turn has run the io_context
+    bool short_wait_ = false;  ///< the last one was: the next will probably end before the network thread wakes
+    bool served_ = false;      ///< the thread that has the turn has run the io_context
     std::atomic<std::thread::id> holder_{};
     std::mutex mutex_;
     std::condition_variable left_;
     std::uint64_t asked_ = 0,
-                  given_back_ = 0;  ///< turns, which are served in order: the difference is who has it and who waits
+                  given_back_ = 0;  ///< turns, served in order; the difference: holder and waiting threads
     std::vector<Task> posted_;
-    Clock::time_point served_at_{};  ///< when somebody left who had run the io_context
+    Clock::time_point served_at_{};  ///< when a thread that had run the io_context released the turn
     const int timer_;                ///< timerfd that wakes the network thread
-    bool armed_ = false;             ///< it will
+    bool armed_ = false;             ///< the timer is set
     bool ending_ = false;
     std::thread thread_;
 };

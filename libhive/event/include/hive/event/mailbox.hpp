@@ -14,7 +14,7 @@
 
 namespace hive::event {
 
-/// Thread-safe, and waits for nobody: see Module::next. Commands (parameter changes, control) overtake events.
+/// Thread-safe, never blocks: see Module::next. Commands (parameter changes, control) overtake events.
 class Mailbox {
 public:
     using Command = std::function<void()>;
@@ -24,8 +24,8 @@ public:
     static constexpr std::size_t most_bytes = 64u << 20;  ///< beyond two events
 
     void push(Command command);
-    /// Over the bounds an event that may be lost is dropped: the oldest of the output that has most here, so that a
-    /// flood costs nobody else's events. One that may not is bounded by the credit that its sender has.
+    /// Over the bounds a live event is dropped: the oldest of the output with the most events here, so that a flood
+    /// does not displace other events. Lossless events are bounded by the credit of their sender.
     void push(Event&& event);
     /// Makes it ready() without an item, until the next pop().
     void nudge();
@@ -34,9 +34,9 @@ public:
     [[nodiscard]] bool ready(bool events = true) const;
     /// The next item, if there is one. @param events  false: commands only
     std::optional<Item> pop(bool events = true);
-    /// Removes the events that fit; they count as discarded.
+    /// Removes the matching events; they count as discarded.
     void discard(const std::function<bool(const Event&)>& fits);
-    /// How many events wait, and how many of them fit.
+    /// The number of waiting events, and of the matching ones among them.
     [[nodiscard]] std::size_t events() const;
     [[nodiscard]] std::int64_t count(const std::function<bool(const Event&)>& fits) const;
 
@@ -52,7 +52,7 @@ private:
 
     std::deque<Event> events_;
     std::size_t bytes_ = 0;
-    std::map<std::string, Load> live_;  ///< of them, what may be lost, by the output that it came from
+    std::map<std::string, Load> live_;  ///< the live ones, by their output
     bool nudged_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Brings together events of several inputs that belong to one capture, or to one moment.
+// Matches events of several inputs that belong to one capture, or to one moment.
 #pragma once
 
 #include <hive/event/waiting_line.hpp>
@@ -11,18 +11,17 @@
 
 namespace hive::event {
 
-/// Pure logic: events in, sets out, the time is told; for one thread. Which events wait, and with or without their
-/// tickets, is explained in docs/architecture.md, "Matching".
+/// Pure logic: events and the time in, sets out; for one thread. docs/architecture.md, "Matching", explains which
+/// events wait, and which of them keep their tickets.
 class Matcher {
 public:
     using TimePoint = Clock::time_point;
     using Set = std::vector<Event>;  ///< one event of each input, in their order
 
-    /// How long a live event waits, and how long the source of lossless ones is held up by an input from which nothing
-    /// comes.
+    /// How long a live event waits, and how long a silent input delays the source of lossless ones.
     static constexpr std::chrono::seconds patience{4};
-    /// Lossless events that wait at one input without holding up their source: so that a drone which leaves one out
-    /// stops nothing, and the drones on the way work at the same time.
+    /// Lossless events that wait at one input without delaying their source, so that a drone that skips one stops
+    /// nothing, and the drones on the way work at the same time.
     static constexpr int most_ahead = 4;
 
     /// @param inputs  two or more
@@ -30,17 +29,17 @@ public:
 
     void rule(Match match) { match_ = match; }
 
-    /// An event of one of the inputs, which its `input` names.
+    /// An event of the input that its `input` names.
     void push(Event event, TimePoint now);
-    /// Gives up what has waited for too long.
+    /// Gives up events that have waited for too long.
     void expire(TimePoint now);
-    /// Nothing more will come: what can be matched makes its last sets, and the rest is given up.
+    /// Nothing more will come: makes the last sets, and gives up the rest.
     void finish();
-    /// The next set. The event that completed it is still being processed; others may have stopped.
+    /// The next set. The event that completed it is still in processing; the others may not be.
     std::optional<Set> pop();
     /// Is there one?
     [[nodiscard]] bool ready() const noexcept { return !ready_.empty(); }
-    /// When expire() has something to do.
+    /// When expire() must be called next.
     [[nodiscard]] std::optional<TimePoint> deadline() const;
     [[nodiscard]] MatchCounts counts() const;
 
@@ -71,7 +70,7 @@ private:
     MatchCounts counts_;
 };
 
-/// The identity of what comes of a set: that of its first event, with the hops of all, each drone once.
+/// The identity of a set's results: that of its first event, with the hops of all, each drone once.
 Identity identity_of(const std::vector<Event>& set);
 
 }  // namespace hive::event

@@ -28,18 +28,18 @@
 
 namespace hive::event {
 
-/// A request of a peer, to be answered exactly once, from any thread. Its deadline answers it when nobody else does.
+/// A request of a peer, to be answered exactly once, from any thread. Without an answer it expires at its deadline.
 struct Incoming {
     std::string peer;
     std::int64_t peer_epoch = 0;
     Role role = Role::viewer;  ///< of the peer
-    std::string peer_place;    ///< where its connection comes from: "pid 4711", "192.0.2.7:50012"
+    std::string peer_place;    ///< the peer's address: "pid 4711", "192.0.2.7:50012"
     Json header;
     Body body;
-    std::shared_ptr<Asked> asked;  ///< to be taken up by who must not act after the deadline
+    std::shared_ptr<Asked> asked;  ///< to be taken up by code that must not act after the deadline
     std::function<void(Outcome)> answer;
-    const void* connection = nullptr;  ///< that on which it came: another has another value, while both last
-    std::function<bool()> connected;   ///< network side: does that connection last?
+    const void* connection = nullptr;  ///< identifies the connection of the request, as long as it lasts
+    std::function<bool()> connected;   ///< network side: is that connection still open?
 };
 
 /// Functions are for the network side (the thread that has the turn of the loop) unless they say otherwise.
@@ -49,13 +49,13 @@ public:
         protocol::Hello self;
         protocol::Limits limits;
         transport::Timing timing;
-        std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: it is plain, and every peer is a member
-        std::size_t most_dialed = 0;  ///< more are kept only as long as all have something to do; 0: no matter how many
-        std::size_t most_dialing = 0;  ///< at once, but for those that take long; others wait; 0: no matter how many
+        std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: unencrypted, and every peer is a member
+        std::size_t most_dialed = 0;                    ///< above this number idle links are closed; 0: unlimited
+        std::size_t most_dialing = 0;  ///< maximum at once, except slow ones; others wait; 0: unlimited
         Log log = [](LogLevel, const std::string&) {};  ///< any thread
     };
     using RequestHandler = std::function<void(Incoming)>;
-    using OnLink = std::function<void(const Result<LinkPtr>&)>;  ///< to a peer that has said who it is
+    using OnLink = std::function<void(const Result<LinkPtr>&)>;  ///< to a peer that has sent its hello
 
     explicit Module(Options options);
     virtual ~Module();  ///< calls end()
@@ -66,97 +66,96 @@ public:
     Outlet& add_outlet(Port port, protocol::PacketType carrier = protocol::PacketType::event, Encoder encoder = {});
     void handle(protocol::PacketType type, RequestHandler handler) { handlers_[type] = std::move(handler); }
     std::function<void()> on_demand = [] {};       ///< the demand for an outlet changed
-    std::function<void()> on_subscribers = [] {};  ///< subscribers() may have changed, and nobody was told yet
+    std::function<void()> on_subscribers = [] {};  ///< subscribers() may have changed, and no peer was told yet
     std::function<void(const EmissionPtr&)> on_failed = [](const EmissionPtr&) {
     };  ///< a shared event is given up; its identity has the last attempt
     /// See Outlet::Hooks.
     std::function<void(const Outlet::Failing&)> on_failed_at = [](const Outlet::Failing&) {};
     /// For the text of an end; see Outlet::Hooks.
     std::function<std::string(const Event* newest)> failures = [](const Event*) { return std::string(); };
-    /// An encoder threw; the event goes as it is.
+    /// An encoder threw; the event is sent unencoded.
     std::function<void(const EmissionPtr&, const Error&)> on_not_encoded = [](const EmissionPtr&, const Error&) {};
     /// Starts the network thread.
     void start();
-    /// Leaves everywhere and ends the network thread; any thread without the turn. What is posted later is dropped.
+    /// Deregisters everywhere and ends the network thread; any thread without the turn. Tasks posted later are dropped.
     void end();
 
     // --- any thread ---
     [[nodiscard]] Loop& loop() noexcept { return *loop_; }
-    [[nodiscard]] std::weak_ptr<Loop> weak_loop() const { return loop_; }  ///< for who may outlive the module
+    [[nodiscard]] std::weak_ptr<Loop> weak_loop() const { return loop_; }  ///< for code that may outlive the module
     void post(Loop::Task task) { loop_->post(std::move(task)); }
     void call(const Loop::Task& task) { loop_->call(task); }
-    /// The next item of a mailbox that the network side fills, while halted a command; runs the network side until
+    /// The next item of a mailbox that the network side fills (while halted only commands); runs the network side until
     /// there is one. Nothing when the deadline has passed or the mailbox was nudged. For one thread.
     std::optional<Mailbox::Item> next(Mailbox& mailbox, Clock::time_point deadline);
-    /// How long events have been encoded for receivers.
+    /// Total time spent encoding events for receivers.
     [[nodiscard]] std::chrono::nanoseconds encoding() const { return encoder_thread_.worked(); }
-    /// Done on the thread that encodes, for what would hold up the network side, such as a large file; not done if the
-    /// module ends before.
+    /// Runs a task on the encoder thread that would block the network side, such as writing a large file; drops it if
+    /// the module ends first.
     void do_aside(EncoderThread::Job job) { encoder_thread_.push("", std::move(job)); }
-    /// Where bodies are made that peers on this machine read without a copy.
+    /// The pool for bodies that peers on this machine read without a copy.
     [[nodiscard]] transport::Pool& pool() const noexcept { return *pool_; }
     [[nodiscard]] const protocol::Hello& self() const noexcept { return options_.self; }
     void log(LogLevel level, const std::string& text) const { options_.log(level, text); }
-    /// A line that a peer causes: limited, since it could cause the same again and again.
+    /// Logs a line that a peer causes, at a limited rate, since the peer could repeat it.
     void log_about(LogLevel level, const std::string& peer, const std::string& text);
-    /// While halted, intakes ask for nothing and mailboxes give commands only.
+    /// While halted, intakes request nothing and mailboxes return only commands.
     void halt(bool halted);
-    /// The user thread, once nothing is begun any more: waits a moment until what was emitted is acknowledged.
+    /// The user thread, at the end: waits briefly until emitted events are acknowledged.
     void settle();
     /// Calls back on the network side when the process gets SIGINT or SIGTERM.
     void on_signal(std::function<void(int)> handler);
 
     // --- network side ---
-    /// A timer that a task still waits for must be gone before the end of the module, which would wait for it.
+    /// A timer with a pending task must be destroyed before the module ends, which would wait for it.
     [[nodiscard]] asio::io_context& context() { return loop_->context(); }
     transport::Address listen(const transport::Address& address);
-    /// A link to the module at an address: the present one, or a new one. The error counts only without link.
+    /// Returns a link to the module at an address: the existing one, or a new one. The error counts only without link.
     void with_link(const transport::Address& address, Clock::time_point deadline, OnLink on_link);
     void request(const transport::Address& address, protocol::PacketType type, Json header, Body body,
                  Clock::time_point deadline, OnOutcome on_outcome);
-    /// @param on_end  called when EndOfInputs may find another end
+    /// @param on_end  called when the result of EndOfInputs may have changed
     std::shared_ptr<Intake> add_intake(
         IntakeSpec spec, Intake::Sink sink, std::function<void()> on_end = [] {});
     void remove_intake(
         const std::shared_ptr<Intake>& intake, std::function<void()> left = [] {});
-    /// The inputs are left to the process that takes over: their senders are told what is done, and of no end.
+    /// Leaves the inputs to the process that takes over: their senders get the acknowledgements, and no end.
     void hand_over();
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& intakes() const noexcept { return intakes_; }
-    /// Those that were removed, and are not done with everything.
+    /// Removed intakes that have not finished all their events.
     [[nodiscard]] const std::vector<std::shared_ptr<Intake>>& leaving() const noexcept { return leaving_; }
-    /// An event that was put into an input: counted, and handed to the sink.
+    /// An event from a `put` into an input: counted, and passed to the sink.
     void accept(Event event, const Intake::Sink& sink);
-    /// What came in other ways than over the present intakes: put, or over intakes that were removed; one row for each
-    /// input.
+    /// Counters of events from `put` or from removed intakes; one row per input.
     [[nodiscard]] std::vector<InputStatus> left() const;
-    /// Whom the sources of this module wait for; those that are expected to come are among them.
+    /// The receivers for which the sources of this module wait, including expected ones.
     [[nodiscard]] std::vector<Subscriber> subscribers() const;
     void expect(const std::vector<Subscriber>& subscribers, std::optional<Clock::time_point> until);
-    /// As Outlet::forget. @param output  empty: every one
+    /// As Outlet::forget. @param output  empty: every output
     std::size_t forget(const std::string& drone, const std::string& output);
     [[nodiscard]] std::list<Outlet>& outlets() noexcept { return outlets_; }
-    /// Calls back once the senders that told of their end have said whether it still holds, and that was passed on.
+    /// Calls back once the senders that sent an end have answered whether it still holds, and the answer was passed on.
     void make_sure(std::chrono::milliseconds within, EndCheck::Then then);
     /// An intake may have had such an answer.
     void look_at_ends() { end_check_.look(); }
-    /// Offers an event; lossless ones, but for exceptions, wait for a receiver when this module has none at all.
+    /// Offers an event; lossless ones, except exceptions, wait for a receiver when this module has none at all.
     void emit(Outlet& outlet, EmissionPtr event);
-    /// Do results wait here for their first receiver, which will come? Not at the end of this module.
+    /// Do results wait here for their first receiver? Not at the end of this module.
     [[nodiscard]] bool holds() const { return !ending_ && std::ranges::any_of(outlets_, &Outlet::holds); }
-    /// Must intakes wait with asking: halted, or lossless events wait for a receiver?
+    /// Must intakes request nothing: halted, or lossless events wait for a receiver?
     [[nodiscard]] Reason paused() const
     {
         return halted_ ? Reason::halted : backlogged_ ? Reason::backlog : Reason::none;
     }
-    /// The epoch of a new registration: later than that of any before it, of whichever input.
+    /// The epoch of a new registration: later than that of any earlier one, of any input.
     std::int64_t next_registration() { return registration_ = std::max(registration_ + 1, wall_us()); }
-    /// Something may have a deadline now: ticks as long as that is so.
+    /// A deadline may have been added: ticks as long as there is one.
     void arm();
-    /// An intake that was removed has left its sender and is done with all its events.
+    /// A removed intake has left its sender and finished all its events.
     void gone(const std::shared_ptr<Intake>& intake);
 
 private:
-    struct Waiting {  ///< for a link that is being made
+    struct Waiting {  ///< a caller that waits for a link
         Clock::time_point deadline;
         OnLink on_link;
     };
@@ -203,14 +202,14 @@ private:
     platform::Timer last_{context()};
     platform::Timer keys_timer_{context()};
     bool watching_keys_ = false;
-    std::string keys_trouble_;  ///< what was last said of the file
+    std::string keys_trouble_;  ///< the last logged error of the key file
     RateLimits refusals_{10, std::chrono::seconds(10)};
     RateLimits arrivals_{1024, std::chrono::seconds(1)};
     RateLimits registrations_{4096, std::chrono::seconds(10)};
     std::optional<platform::Signals> signals_;
     bool armed_ = false, ending_ = false, handed_over_ = false;
     RateLimits lines_{10, std::chrono::seconds(1)};
-    std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by who is there
+    std::set<std::string> unmappable_;  ///< peers whose shared memory could not be mapped, by identity
     std::atomic<bool> halted_ = false;
     bool backlogged_ = false;
     std::int64_t registration_ = 0;
@@ -219,14 +218,14 @@ private:
     EndCheck end_check_{context(), intakes_};
     std::vector<std::shared_ptr<Intake>> leaving_;
     std::map<std::string, InputStatus> left_;              ///< by input
-    std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: they connect to nobody, and count what was put
+    std::map<std::string, std::shared_ptr<Intake>> puts_;  ///< by input: unconnected; they count the events of `put`
     std::map<protocol::PacketType, RequestHandler> handlers_;
     std::vector<std::unique_ptr<transport::Listener>> listeners_;
-    std::vector<LinkPtr> links_;                     ///< in the order of their coming
-    std::multimap<std::string, LinkPtr> of_drones_;  ///< of those that have said hello, by the drone's name
+    std::vector<LinkPtr> links_;                     ///< in the order of their arrival
+    std::multimap<std::string, LinkPtr> of_drones_;  ///< those after their hello, by the drone's name
     std::map<std::string, LinkPtr> dialed_;
-    std::map<std::string, std::vector<Waiting>> dialing_;  ///< under way, or still to be begun
-    std::map<std::string, Clock::time_point> under_way_;   ///< of those, since when, where not all are begun at once
+    std::map<std::string, std::vector<Waiting>> dialing_;  ///< in progress, or still to be started
+    std::map<std::string, Clock::time_point> under_way_;   ///< start of each dial, if their number is limited
     std::deque<transport::Address> to_dial_;
     EncoderThread encoder_thread_;
 };

@@ -1,4 +1,4 @@
-// An output of this module at work: the receiver table joined to the links of the receivers.
+// Implements an output of this module: joins the receiver table to the links of the receivers.
 #pragma once
 
 #include <hive/event/dispatch.hpp>
@@ -16,23 +16,24 @@
 
 namespace hive::event {
 
-/// Network side, but for wanted(), received(), asked(), fans_out() and shares().
+/// Network side, except wanted(), received(), asked(), fans_out() and shares().
 class Outlet {
 public:
-    /// What a drone that receives here had in hand when it died, or when its lease expired.
+    /// The events in progress at a receiving drone when it crashed, or when its lease expired.
     struct Failing {
         const Link& link;
         const std::string& receiver;
         Fate how;                         ///< lost_killed, lost_cut_off; passed_on: the lease
-        std::vector<EmissionPtr> events;  ///< as they were sent; of a stream or a stateful drone several
+        std::vector<EmissionPtr> events;  ///< as sent; several for a stream or a stateful drone
     };
     struct Hooks {
         std::function<void()> changed;                   ///< wanted(), received(), asked() or backlogged()
         std::function<void(const EmissionPtr&)> failed;  ///< a shared event is given up
         std::function<void(const Failing&)> failed_at;
-        /// At how many events this drone failed, as text; failures in runs before that of `newest` do not count.
+        /// The number of events at which this drone failed, as text; failures in runs before that of `newest` do not
+        /// count.
         std::function<std::string(const Event* newest)> failures;
-        /// Calls back once the ends that this drone was told are known to hold still, or not.
+        /// Calls back once it is known whether the ends that this drone received still hold.
         std::function<void(std::chrono::milliseconds within, std::function<void()>)> make_sure;
         std::function<void(const EmissionPtr&, const Error&)>
             not_encoded;  ///< the encoder threw; the event goes as it is
@@ -47,51 +48,51 @@ public:
 
     [[nodiscard]] const Port& port() const noexcept { return port_; }
     [[nodiscard]] protocol::PacketType carrier() const noexcept { return carrier_; }
-    /// Throws Errc::type_mismatch, Errc::refused, or Errc::invalid_argument for an encoding that there is not.
+    /// Throws Errc::type_mismatch, Errc::refused, or Errc::invalid_argument for an unknown encoding.
     void require_fit(const Link& link, const protocol::Registration& registration) const;
     [[nodiscard]] bool has(const Link& link, std::uint16_t channel) const { return ids_.contains({&link, channel}); }
-    /// How many registrations of this peer there are.
+    /// Number of registrations of this peer.
     [[nodiscard]] std::size_t receivers(const Link& link) const;
-    /// One that fits, on a channel that is free. `confirm` is called before the first event leaves.
+    /// Adds a registration that fits, on a free channel. `confirm` is called before the first event is sent.
     void add(const LinkPtr& link, std::uint16_t channel, const protocol::Registration& registration,
              const std::function<void(const Welcome&)>& confirm);
     void request(const Link& link, std::uint16_t channel, const protocol::Request& request);
     /// @return false when there is no such receiver
     bool remove(const Link& link, std::uint16_t channel);
-    /// @param how  what becomes of the events that it was sent
+    /// @param how  the outcome of the events that it was sent
     void link_closed(const Link& link, Fate how);
     void offer(const EmissionPtr& event, bool hold);
-    /// Nothing more will come: everybody is told behind all that they are sent.
-    /// @param text  what is lacking; empty: nothing, its regular end
+    /// Nothing more will come: every receiver gets the end after all its events.
+    /// @param text  what is missing; empty: nothing, its regular end
     void end(const std::string& text);
-    /// Something may come again: who was told of the end is told so.
+    /// Something may come again: revokes the end at its receivers.
     void go_on();
     /// Tells all receivers that this drone is being stopped, so that no end waits for it.
     void say_leaving();
     void release_held();
-    /// An earlier run of this drone had this one. @param until  as for ReceiverTable
+    /// An earlier run of this drone had this subscriber. @param until  as for ReceiverTable
     void expect(const Subscriber& subscriber, std::optional<Clock::time_point> until);
-    /// Ends the registrations of this drone, or of one input of it, and waits no longer for it to come back.
-    /// @return  how many registrations, places and groups that were
+    /// Ends the registrations of this drone, or of one of its inputs, and stops waiting for its return.
+    /// @return number of registrations, places and groups that ended
     std::size_t forget(const std::string& drone);
     void tick();
 
     [[nodiscard]] std::vector<Subscriber> subscribers() const;
-    /// Does anybody receive bodies whom a source of lossless events waits for? The network side.
+    /// Is there a receiver of bodies for which a source of lossless events waits? The network side.
     [[nodiscard]] bool awaited() const noexcept { return table_.awaited(); }
     [[nodiscard]] bool wanted() const noexcept { return wanted_.load(std::memory_order_relaxed); }
-    /// Does anybody receive it, be it headers alone?
+    /// True if it has receivers, even of headers only.
     [[nodiscard]] bool received() const noexcept { return received_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool asked() const noexcept { return asked_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool backlogged() const noexcept { return backlogged_.load(std::memory_order_relaxed); }
     /// Does each event go to several plain receivers of bodies?
     [[nodiscard]] bool fans_out() const noexcept { return fans_out_.load(std::memory_order_relaxed); }
-    /// Does anybody receive bodies through shared memory?
+    /// Does any receiver get bodies through shared memory?
     [[nodiscard]] bool shares() const noexcept { return shares_.load(std::memory_order_relaxed); }
     [[nodiscard]] bool timed() const { return table_.timed(); }
     /// Do events wait for a first receiver?
     [[nodiscard]] bool holds() const noexcept { return table_.holds(); }
-    /// Without edges, which are as many as there are receivers.
+    /// Without edges, of which there is one per receiver.
     [[nodiscard]] OutputStatus status() const;
     [[nodiscard]] std::vector<EdgeStatus> edges() const;
 
@@ -107,7 +108,7 @@ private:
         bool data;                                ///< receives bodies
         bool stateful;                            ///< keeps state between events
         std::int64_t shared = 0, fallback = 0;    ///< bodies that went through shared memory, and that could not
-        std::int64_t question = 0, answered = 0;  ///< the last one whether the end still holds, and the last answered
+        std::int64_t question = 0, answered = 0;  ///< the last question about the end, and the last answered
         Clock::time_point answer_until{};         ///< of the last question
     };
     void require_few_encodings(const Link& link, const protocol::Registration& registration) const;

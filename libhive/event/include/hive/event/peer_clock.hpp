@@ -1,4 +1,4 @@
-// How far the wall clock of another machine is from the own one, and how long a packet takes there and back.
+// Estimates the offset of another machine's wall clock and the round-trip time to it.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -8,16 +8,16 @@
 
 namespace hive::event {
 
-/// Knows no socket and asks no clock. Of the last questions whose answer told the peer's time, the one with the
-/// shortest round trip counts: nothing held it up, so the middle of its way is when the peer read its clock.
+/// Pure logic. Of the last answers with the peer's time, the one with the shortest round trip counts: it was not
+/// delayed, so the peer read its clock in the middle of it.
 class PeerClock {
 public:
-    /// @param wall_us  the own wall clock when it was asked
+    /// @param wall_us  the local wall clock at the request
     /// @param peer_us  the peer's wall clock in its answer
     void answered(Clock::time_point asked, Clock::time_point answered, std::int64_t wall_us, std::int64_t peer_us);
 
     [[nodiscard]] bool known() const noexcept { return !samples_.empty(); }
-    /// The peer's wall clock minus the own one; 0 as long as it is not known.
+    /// The peer's wall clock minus the local one; 0 while unknown.
     [[nodiscard]] std::int64_t offset_us() const noexcept;
     [[nodiscard]] std::int64_t round_trip_us() const noexcept;
     /// When the next question is due: soon at first, then every 2 s.

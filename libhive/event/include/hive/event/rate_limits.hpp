@@ -1,4 +1,4 @@
-// Limits how often a peer may cause something: a log line, a registration.
+// Limits how often a peer may cause an action, such as a log line or a registration.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -16,7 +16,7 @@ class RateLimits {
 public:
     RateLimits(int max, Clock::duration time) : max_(max), time_(time) {}
 
-    /// If this peer may once more: how many times it might not before that.
+    /// If this peer may act once more: the number of suppressed times before that.
     std::optional<std::int64_t> pass(const std::string& peer, Clock::time_point now);
 
 private:
@@ -33,7 +33,7 @@ private:
     std::map<std::string, Period> periods_;
 };
 
-/// " (and 3 lines before it, left out)"; empty for none.
+/// " (and 3 lines before it, left out)"; empty for 0.
 std::string left_out_text(std::int64_t lines);
 
 }  // namespace hive::event

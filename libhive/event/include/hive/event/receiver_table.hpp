@@ -1,5 +1,5 @@
-// The subscriptions of an output, by name: who registers, takes whose place, leaves, is lost and is remembered
-// (SPEC.md, sections 5 and 8).
+// The subscriptions of an output, by name: registration, replacement, departure, loss and memory of receivers (SPEC.md,
+// sections 5 and 8).
 #pragma once
 
 #include <hive/event/subscription.hpp>
@@ -13,63 +13,63 @@
 
 namespace hive::event {
 
-/// A registration, as far as the table is concerned.
+/// The part of a registration that the table needs.
 struct Newcomer {
     ReceiverId id = 0;
     std::string receiver;
     std::int64_t epoch = 0;  ///< of the registration
     ConnectionOptions options = {};
-    std::int64_t place = 0;                  ///< the place that it had, 0: none that it knows of
-    std::optional<std::int64_t> taken = {};  ///< at that place
-    std::int64_t held = 0;                   ///< of what it has taken at any place, not processed yet
-    std::int64_t tried = 0;  ///< epoch of the first registration since it was last confirmed, this one included
-    std::int64_t run = 0;    ///< the epoch of its module: another run of a drone has another
-    bool unique = false;     ///< a drone's: what is kept under its name is its own
-    bool guest = false;      ///< it looks on, and nobody waits for it
-    /// If it stands elsewhere: that registration deals with what it has in hand before it ends.
+    std::int64_t place = 0;                  ///< its previous place; 0: none
+    std::optional<std::int64_t> taken = {};  ///< deliveries received at that place
+    std::int64_t held = 0;                   ///< deliveries received at any place and not processed yet
+    std::int64_t tried = 0;  ///< epoch of the first registration since the last confirmed one, including this one
+    std::int64_t run = 0;    ///< the epoch of its module, different for each run of a drone
+    bool unique = false;     ///< a drone's: the records under its name are its own
+    bool guest = false;      ///< passive: no source waits for it
+    /// If it is registered elsewhere: that registration finishes its events in progress before it ends.
     bool drains = false;
 };
 
-/// What the newcomer is told, and whose place it takes.
+/// The answer to a new registration, and the registration that it replaces.
 struct Welcome {
-    std::int64_t place = 0;            ///< where it may come back to; 0 in a group
-    std::int64_t taken = 0;            ///< its deliveries go on behind this number
-    std::optional<Share> group{};      ///< how far the turns of its group are
-    std::optional<ReceiverId> ends{};  ///< the registration that ends by this one
+    std::int64_t place = 0;            ///< the place at which it may resume; 0 in a group
+    std::int64_t taken = 0;            ///< its deliveries continue after this number
+    std::optional<Share> group{};      ///< the progress of its group's turns
+    std::optional<ReceiverId> ends{};  ///< the registration that is replaced by this one
 };
 
-/// A receiver that a source waits for, or has stopped waiting for and still counts what it misses. What a drone
-/// remembers of it is enough for its next run to do the same.
+/// A receiver for which a source waits, or for which it has stopped waiting but still counts missed events. A drone
+/// saves these fields so that its next run can do the same.
 struct Subscriber {
     std::string output;
     std::string receiver;
-    std::string group{};   ///< that it shares the events with; empty: none
-    std::int64_t pid = 0;  ///< of an application on this machine, which comes again only as long as it lives
+    std::string group{};   ///< with which it shares the events; empty: none
+    std::int64_t pid = 0;  ///< of an application on this machine, which can return only while this process runs
     Subscription::Missed missed{};
-    bool dormant = false;  ///< the source does not wait for it any longer
+    bool dormant = false;  ///< the source no longer waits for it
 
     bool operator==(const Subscriber&) const = default;
 };
 
-/// Pure logic: no sockets, no clock; it is told what happened and decides what is to be sent.
+/// Pure logic: no sockets, no clock; the caller reports events, and the table decides what to send.
 class ReceiverTable {
 public:
     using Id = ReceiverId;
 
-    static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and what waits in them
-    static constexpr std::size_t max_gone = 64;          ///< receivers that left or were lost: their counts are kept
-    static constexpr std::size_t max_awaited = 256;      ///< of them, that the source waits for
+    static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and waiting events
+    static constexpr std::size_t max_gone = 64;          ///< receivers that left or were lost, whose counts are kept
+    static constexpr std::size_t max_awaited = 256;      ///< of them, those for which the source waits
 
     struct Row {
-        Id id;  ///< 0: a group, or a receiver that is not registered now
+        Id id;  ///< 0: a group, or a receiver without a current registration
         EdgeStatus status;
     };
-    /// Switches for tests that prove a defence by its absence.
+    /// Switches of tests that show a defence by its absence.
     struct Defences {
         bool leases = true, places = true;
     };
-    /// @param output  of this drone: "camera.image"
-    /// @param epoch   of this module
+    /// @param output  the output of this drone: "camera.image"
+    /// @param epoch  of this module
     explicit ReceiverTable(std::string output, std::int64_t epoch = 0, Defences defences = {true, true})
         : output_(std::move(output)), epoch_(epoch), defences_(defences)
     {
@@ -86,47 +86,47 @@ public:
                  Clock::time_point now, Decisions& decisions);
     /// The transport has written an event that was sent.
     void written(Id id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
-    /// The drone emitted. @param hold  keep a lossless event for the first receiver of bodies to come, if there is none
+    /// The drone emitted. @param hold  keep a lossless event for the first receiver of bodies, if there is none
     void offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions);
-    /// Nothing more will come: everybody is told, behind what waits for them, and so is who registers later.
+    /// Nothing more will come: every receiver gets the end after its waiting events, even those that register later.
     void end(Clock::time_point now, Decisions& decisions);
-    /// Something may come again; so may it when an event is offered.
+    /// Something may come again; offer() implies this.
     void go_on(Decisions& decisions);
     [[nodiscard]] bool told_end(Id id) const;
     [[nodiscard]] bool ended() const noexcept { return ended_; }
-    /// Nobody needs to wait for a first receiver here: another output has one.
+    /// Drops held events: another output has a receiver.
     void release_held();
-    /// Time passed: leases or places may have expired.
+    /// Handles expired leases and places.
     void tick(Clock::time_point now, Decisions& decisions);
-    /// An earlier run of this drone had this one.
-    /// @param until  wait so long for it; empty: until it is there
+    /// An earlier run of this drone had this subscriber.
+    /// @param until  how long to wait for it; empty: until it is there
     void expect(const Subscriber& subscriber, std::optional<Clock::time_point> until);
     /// The registrations of this drone, or of one input of it.
     [[nodiscard]] std::vector<Id> registered(const std::string& drone) const;
-    /// Nobody waits for this drone any longer. @return  how many places and groups waited for it
+    /// Stops waiting for this drone. @return number of places and groups that waited for it
     std::size_t forget(const std::string& drone, Decisions& decisions);
     /// Number of lossless events that this receiver missed while it was away; see Subscription::missed().
     [[nodiscard]] std::int64_t missed(Id id) const;
 
-    /// Which registration does this newcomer follow, if any?
+    /// The registration that this new one replaces, if any.
     [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
-    /// Does anybody receive bodies, or is to have them when it is back?
+    /// Is there a receiver of bodies, present or awaited?
     [[nodiscard]] bool wanted() const noexcept;
     /// Does each event go to several plain receivers of bodies, those that are awaited included?
     [[nodiscard]] bool fans_out() const;
-    /// As wanted(), but for guests.
+    /// As wanted(), without guests.
     [[nodiscard]] bool awaited() const noexcept;
-    /// Has every receiver of bodies that is no guest asked for an event that it has not got (and is there one)?
+    /// Is there a receiver of bodies other than guests, and has each of them requested an event that it has not got?
     [[nodiscard]] bool asked() const;
-    /// Do lossless events wait for somebody to ask?
+    /// Do lossless events wait for a request?
     [[nodiscard]] bool backlogged() const;
     /// Do events wait for a first receiver?
     [[nodiscard]] bool holds() const noexcept { return !held_.empty(); }
-    /// Is there anything that tick() decides about?
+    /// Does tick() have to be called?
     [[nodiscard]] bool timed() const;
     [[nodiscard]] Reason why() const;
     [[nodiscard]] std::int64_t unreceived() const noexcept { return unreceived_; }
-    /// The last event that was offered here, null: none was.
+    /// The last offered event; null: none.
     [[nodiscard]] const Event* newest() const { return newest_ ? &newest_->event() : nullptr; }
     /// Without outputs and processes.
     [[nodiscard]] std::vector<Subscriber> subscribers() const;
@@ -134,12 +134,12 @@ public:
     [[nodiscard]] std::vector<Row> rows() const;
 
 private:
-    /// A receiver's registrations, present and past.
+    /// The current and past registrations of a receiver.
     struct Registered {
         ConnectionOptions options{};
         std::int64_t newest = 0;  ///< epoch
         int now = 0;
-        std::uint64_t gone = 0;  ///< order in which receivers lost their last
+        std::uint64_t gone = 0;  ///< order in which receivers lost their last one
     };
     struct Plain {
         std::string receiver;
@@ -156,18 +156,18 @@ private:
     };
     struct Group {
         Subscription subscription;
-        std::map<std::string, Member> members{};  ///< also those that were lost
-        std::set<std::string> lost{};             ///< members that may come back
-        std::uint64_t emptied = 0;                ///< order in which groups lost their last member; 0: it has some
+        std::map<std::string, Member> members{};  ///< including lost ones
+        std::set<std::string> lost{};             ///< lost members that may return
+        std::uint64_t emptied = 0;                ///< order in which groups lost their last member; 0: not empty
     };
     struct Seat {  ///< a registration
         std::string receiver;
         std::int64_t run = 0;
         std::int64_t registration = 0;
         Plain* plain = nullptr;
-        bool is_back = false;      ///< `plain` went on, and did not begin with it
+        bool is_back = false;      ///< it resumed `plain`, which existed before
         Group* group = nullptr;    ///< one of the two
-        std::optional<Id> heir{};  ///< it was followed by this one, and deals with what it has in hand
+        std::optional<Id> heir{};  ///< the registration that replaced it while it finishes its events in progress
 
         [[nodiscard]] Subscription& subscription() const { return plain ? plain->subscription : group->subscription; }
     };
@@ -198,7 +198,7 @@ private:
     std::list<Plain> plain_;
     std::map<std::string, Group> groups_;
     std::map<Id, Seat> seats_;
-    std::deque<EmissionPtr> held_;  ///< lossless events that had no receiver yet
+    std::deque<EmissionPtr> held_;  ///< lossless events without a receiver so far
     EmissionPtr newest_;
     bool ended_ = false;
     std::int64_t unreceived_ = 0;

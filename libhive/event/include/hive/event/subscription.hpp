@@ -1,5 +1,5 @@
-// The events of one output for one receiver, or for several receivers that share them: what waits, who has what, and
-// what became of each event.
+// The events of one output for one receiver, or for several receivers that share them: the waiting ones, those of each
+// consumer, and the outcome of each.
 //
 // States. A subscription is *present* while it has a consumer, *awaited* while it has none and its source waits for
 // one to come back, and else *dormant*: a record that counts on when a consumer attaches again.
@@ -23,12 +23,12 @@
 //
 // The three departures of a consumer (detach):
 //   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
-//   lost   its connection ended; it may have processed what it has. Not shared: it may come back within 30 s, say how
-//          much it received, and go on there. Shared: what it had goes to others, and may be answered twice, so a job
-//          that it had (`in_doubt`) is not reported as failed as long as another consumer may come.
-//   died   as lost, and the job that it was processing has failed once: after three failures nobody is given it again.
+// lost its connection ended; it may have processed its deliveries. Not shared: it may return within 30 s, report how
+// much it received, and resume there. Shared: its jobs are requeued, and may be answered twice, so such a job
+// (`in_doubt`) is not reported as failed as long as another consumer may attach.
+// died as lost, and the job that it was processing has failed once: after three failures a job is not dispatched again.
 //
-// Pure logic: the caller holds the loop and brings time and news; each call appends what is to be done to `Decisions`.
+// Pure logic: the caller holds the loop and passes in time and events; each call appends its decisions to `Decisions`.
 #pragma once
 
 #include <hive/event/credit.hpp>
@@ -54,19 +54,19 @@ public:
     static constexpr std::size_t max_queued_bytes = 1u << 20;  ///< of a stream, beyond two events
     /// Of live events that were sent and not acknowledged: how many a consumer's death can be traced to.
     static constexpr std::size_t max_shown_events = 64, max_shown_bytes = 32u << 20;
-    /// A stream that has not caught up for this long is too slow: two events and 64 KiB are queued at most.
+    /// A stream that has been behind for this long is too slow: then at most two events and 64 KiB are queued.
     static constexpr auto max_behind = std::chrono::milliseconds(500);
 
     struct Kind {
         std::string shared_as = {};  ///< "camera.image#workers"; empty: one consumer, which gets all events
         std::string receiver = {};   ///< if it is not shared: "face.image"
         std::int64_t epoch = 0;      ///< of the module
-        bool passive = false;        ///< its source waits for no consumer of it
-        /// For 30 s after an application was cut off, the live events that it misses are counted as well.
+        bool passive = false;        ///< the source waits for none of its consumers
+        /// Count live events, too, that a disconnected application misses within 30 s.
         bool application = false;
-        bool redelivers = true;  ///< false in tests that show what redelivery is for
+        bool redelivers = true;  ///< false in tests that show the purpose of redelivery
     };
-    /// Lossless events that did not reach a consumer that was away, in the last run of their source.
+    /// Lossless events that an absent consumer missed, in the last run of their source.
     struct Missed {
         std::int64_t count = 0;
         std::string source = {};  ///< of the last one
@@ -74,104 +74,104 @@ public:
 
         bool operator==(const Missed&) const = default;
     };
-    /// What a consumer has when it attaches.
+    /// The state of a consumer when it attaches.
     struct Kept {
-        std::optional<std::int64_t> received = {};  ///< deliveries here, if it is back; empty: it restarted
-        std::int64_t held = 0;                      ///< not processed yet, of whatever subscription
+        std::optional<std::int64_t> received = {};  ///< deliveries received here, if it returns; empty: it restarted
+        std::int64_t held = 0;                      ///< unprocessed deliveries of any subscription
     };
     explicit Subscription(Kind kind) : kind_(std::move(kind)) {}
 
     void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
-    /// Where events are not shared, the consumer that is there is followed by this one.
-    /// @param own  counts what this consumer of a shared subscription gets; outlives it
-    /// @return  the number behind which its deliveries continue
+    /// A subscription that is not shared replaces its present consumer.
+    /// @param own  the counters of this consumer of a shared subscription; outlives it
+    /// @return the number after which its deliveries continue
     std::int64_t attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
                         Clock::time_point now, Decisions& decisions);
-    /// @param returned  numbers of deliveries that go to others
+    /// @param returned  numbers of deliveries to requeue
     void request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
                  Clock::time_point now, Decisions& decisions);
-    /// The connection took an event that was sent.
+    /// The connection has written an event.
     void written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// @param how      one of Fate::lost_...
     /// @param returns  false: it will not come back
     void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
-    /// This consumer gets nothing more; it still acknowledges what it has, and then it leaves.
+    /// The consumer gets nothing more; it still acknowledges its deliveries, and then leaves.
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
-    /// Takes over what waits in another subscription, which no consumer is to have.
+    /// Moves the waiting events of another subscription, which will have no consumer, to this one.
     void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
-    /// The source no longer waits for a consumer to come back, and what that consumer misses is no longer counted.
+    /// The source stops waiting for a consumer, and stops counting its missed events.
     void cancel(Decisions& decisions);
-    /// Its consumer was away for too long: what waits is lost, and what it misses from now on is counted.
+    /// Its consumer was absent for too long: waiting events are lost, and further missed ones are counted.
     void stop_waiting();
-    /// Of a new one: an earlier run of this drone had a consumer, which will come again.
-    /// @param until  empty: whenever that is
+    /// For a new subscription: an earlier run of this drone had a consumer, which will return.
+    /// @param until  empty: no limit
     void expect(std::optional<Clock::time_point> until, Missed missed);
-    /// Of a new one: an earlier run of this drone had already stopped waiting for the consumer.
+    /// For a new subscription: an earlier run of this drone had already stopped waiting for the consumer.
     void go_on_missing(Missed missed);
-    /// No consumer will come: also what one that was lost may have answered is given up.
+    /// No consumer will attach: gives up all events, even those that a lost consumer may have answered.
     void give_up(Decisions& decisions) { give_up(true, decisions); }
-    /// Nothing more will come: each consumer is told, behind what waits, and where events are shared, behind their last
-    /// acknowledgement.
+    /// Nothing more will come: each consumer gets the end after the waiting events, and in a shared subscription after
+    /// the last acknowledgement.
     void end(Clock::time_point now, Decisions& decisions);
-    /// Something may come again: who was told of the end is told so.
+    /// Something may come again: revokes the end at its consumers.
     void go_on(Decisions& decisions);
-    /// Was this consumer told of the end, which still holds?
+    /// Has this consumer got the end, and does it still hold?
     [[nodiscard]] bool told_end(ReceiverId id) const;
-    /// Leases or the 30 s may be over.
+    /// Handles expired leases, and the end of the 30 s.
     void tick(Clock::time_point now, Decisions& decisions);
 
     [[nodiscard]] bool shared() const noexcept { return !kind_.shared_as.empty(); }
     [[nodiscard]] bool attached() const noexcept { return !consumers_.empty(); }
-    /// Has it a consumer that may get an event?
+    /// Is there a consumer that may get an event?
     [[nodiscard]] bool present() const noexcept;
     [[nodiscard]] bool retiring() const noexcept;
     [[nodiscard]] bool awaited() const noexcept { return awaited_; }
-    /// Does its source wait for it?
+    /// Does the source wait for a consumer?
     [[nodiscard]] bool active() const noexcept { return (present() && !kind_.passive) || awaited_; }
     [[nodiscard]] bool passive() const noexcept { return kind_.passive; }
     void set_passive(bool passive) { kind_.passive = passive; }
-    /// Do its consumers want an event that they have not got?
+    /// Have its consumers requested an event that they have not got?
     [[nodiscard]] bool asks() const;
-    /// Does an event wait that must arrive?
+    /// Does a lossless event wait?
     [[nodiscard]] bool backlogged() const;
-    /// Does tick() have something to decide about?
+    /// Does tick() have to be called?
     [[nodiscard]] bool timed() const;
     [[nodiscard]] std::int64_t waiting() const { return static_cast<std::int64_t>(again_.size() + fresh_.size()); }
     [[nodiscard]] bool has_waiting() const { return waiting() > 0; }
     [[nodiscard]] Reason why() const;
     [[nodiscard]] Reason why(ReceiverId consumer) const;
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
-    /// True while the consumer is away and may return, but the source does not wait: its lossless events are lost.
+    /// True while the consumer is absent and may return, but the source does not wait: its lossless events are lost.
     [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
     [[nodiscard]] const Missed& missed() const noexcept { return missed_; }
-    /// Must the next run of this drone know of it, although the source does not wait?
+    /// Must the next run of this drone know it, although the source does not wait?
     [[nodiscard]] bool misses_lossless() const { return missing() && lossless_.value_or(true); }
-    /// Of a shared one: the jobs so far, and the last of those that are answered, as are all before.
+    /// If shared: the number of jobs so far, and the job up to which all are answered.
     [[nodiscard]] Share standing() const;
 
 private:
     struct Job {
-        EmissionPtr event;  ///< null: it was live, and nobody would send it again
+        EmissionPtr event;  ///< null: a live event, which is never sent again
         int attempt = 0;
         int failures = 0;
-        int holders = 0;        ///< attached consumers that have it and have not returned it
-        bool in_doubt = false;  ///< a consumer that was lost may have answered it
+        int holders = 0;        ///< attached consumers that have not returned it
+        bool in_doubt = false;  ///< a lost consumer may have answered it
         std::optional<Share> adopted_as =
             {};  ///< how it was given out elsewhere: an answer to that stands for this one
     };
     struct Handed {  ///< one delivery to a consumer
         std::int64_t job = 0;
-        bool passed_on = false;  ///< another consumer is given it; only its number is awaited
-        EmissionPtr live{};      ///< a live event as long as it may be what the consumer dies of
+        bool passed_on = false;  ///< it was requeued; only the acknowledgement of its number is awaited
+        EmissionPtr live{};      ///< a live event, kept as long as it may crash the consumer
     };
     struct Consumer {
         ConnectionOptions options;
         Ledger* own;
         Credit credit;
         std::deque<Handed> hands{};      ///< not acknowledged, in the order of delivery
-        Clock::time_point head_since{};  ///< since when the first unprocessed one is that
-        std::uint64_t asked_at = 0;      ///< order in which consumers asked
-        bool suspect = false;            ///< its lease expired: it gets nothing until it has processed something
+        Clock::time_point head_since{};  ///< since when the first unprocessed one has been the first
+        std::uint64_t asked_at = 0;      ///< order of the consumers' requests
+        bool suspect = false;            ///< its lease expired: it gets nothing until it has processed an event
         bool told_end = false;
         bool retired = false;
 
@@ -230,22 +230,22 @@ private:
     Ledger ledger_;
     Consumers consumers_;
     std::map<std::int64_t, Job> open_;  ///< by number
-    std::set<std::int64_t> again_;      ///< of those, the ones that wait to be given out again
+    std::set<std::int64_t> again_;      ///< those to be dispatched again
     std::deque<EmissionPtr> fresh_;
     std::size_t fresh_bytes_ = 0;
-    Clock::time_point behind_since_{};  ///< something has waited ever since
+    Clock::time_point behind_since_{};  ///< since when an event has been waiting
     std::int64_t jobs_ = 0;
     std::uint64_t order_ = 0;
     WorkTimes times_;
-    std::optional<bool> lossless_;  ///< must the last event arrive? Then the next one may have to
+    std::optional<bool> lossless_;  ///< was the last event lossless? The next one probably is too
     bool awaited_ = false, ended_ = false;
     std::optional<Clock::time_point> awaited_until_;
-    std::optional<Away> away_;  ///< not shared, and awaited
+    std::optional<Away> away_;  ///< set while not shared and awaited
     std::optional<Fate> missing_as_;
     Clock::time_point live_missed_until_{};
     Missed missed_;
     bool missed_more_ = false;                      ///< since the last tick
-    std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries counted as missed, unless the consumer has them
+    std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries counted as missed, unless the consumer got them
 };
 
 }  // namespace hive::event

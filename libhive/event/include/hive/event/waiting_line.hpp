@@ -1,4 +1,4 @@
-// One input of a Matcher: the events that wait for their partners, and how far each sender of the input has come.
+// One input of a Matcher: the events that wait for their partners, and the progress of each sender of the input.
 #pragma once
 
 #include <hive/event.hpp>
@@ -17,19 +17,19 @@ class WaitingLine {
 public:
     using TimePoint = Clock::time_point;
 
-    /// Live events: what a detector with a second or two of latency needs at 30 fps, and what a process can spare. A
-    /// picture that waits holds a slot of its sender's shared memory, or memory of this process when it holds too many
-    /// of them.
+    /// Live events: enough for a detector with a second or two of latency at 30 fps, and affordable for a process. A
+    /// waiting image holds a slot of its sender's shared memory, or memory of this process when it holds too many
+    /// slots.
     static constexpr std::size_t most_live = 128, most_live_bytes = 128u << 20;
-    /// Lossless events: as a Mailbox; no source that waits for its receivers comes near.
+    /// Lossless events: the same as a Mailbox; a source that waits for its receivers stays far below.
     static constexpr std::size_t most_lossless = 4096, most_lossless_bytes = 512u << 20;
-    /// Senders whose progress is remembered, at most.
+    /// Maximum number of senders whose progress is remembered.
     static constexpr std::size_t most_senders = 64;
 
     struct Waiting {
         Event event;
-        TimePoint due;           ///< when it has waited for too long
-        bool overtaken = false;  ///< its partner is late: a later event came where it is missing
+        TimePoint due;           ///< when it expires
+        bool overtaken = false;  ///< its partner is late: a later event arrived at that input
     };
 
     explicit WaitingLine(std::string input) : input_(std::move(input)) {}
@@ -39,26 +39,26 @@ public:
     [[nodiscard]] const std::deque<Waiting>& events() const noexcept { return events_; }
     void add(Event event, TimePoint due);
     Event take(std::size_t place);
-    /// Holds it more than it may?
+    /// Does it exceed its limits?
     [[nodiscard]] bool overfull() const;
 
-    /// Notes how far the sender of this event has come.
+    /// Records the progress of this event's sender.
     void hear(const Event& event, TimePoint now);
     void forget_silent_senders(TimePoint before);
     [[nodiscard]] TimePoint heard_at() const noexcept { return heard_at_; }
     void begin(TimePoint now) { heard_at_ = now; }
 
-    /// Where the event of this identity waits.
+    /// The position of the event with this identity.
     [[nodiscard]] std::optional<std::size_t> find(const Identity& identity) const;
-    /// Has every sender gone past this identity, so that it cannot come any more? Workers that share a job keep no
-    /// order, so never they.
+    /// Has every sender passed this identity, so that it cannot arrive any more? Never true for workers that share
+    /// jobs, since they keep no order.
     [[nodiscard]] bool passed(const Identity& identity) const;
-    /// Has any sender gone past it?
+    /// Has any sender passed it?
     [[nodiscard]] bool overtook(const Identity& identity) const;
 
-    /// Where the event captured nearest to this time waits; the earlier of two.
+    /// The position of the event captured nearest to this time; the earlier of two.
     [[nodiscard]] std::optional<std::size_t> nearest(std::int64_t captured_us) const;
-    /// Every sender has come to this capture time; nothing when none is known.
+    /// The capture time that every sender has reached; nothing when no sender is known.
     [[nodiscard]] std::optional<std::int64_t> heard_until() const;
 
 private:

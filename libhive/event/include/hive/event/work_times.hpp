@@ -1,4 +1,4 @@
-// How long the work of a group takes, for its leases.
+// Measures the work of a group, for its leases.
 #pragma once
 
 #include <hive/event/clock.hpp>
