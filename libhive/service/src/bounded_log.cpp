@@ -1,4 +1,4 @@
-// Writing lines, and cutting the file off when it is full.
+// Writes lines, and rotates the file when it is full.
 #include "bounded_log.hpp"
 
 #include <hive/printable.hpp>
@@ -12,7 +12,7 @@
 namespace hive {
 namespace {
 
-/// As much as there is room for: the log is bounded, whether its older half can be kept or not.
+/// Copies as much as fits on the disk: the log stays bounded even if its older half cannot be kept.
 void keep(const std::filesystem::path& from, const std::filesystem::path& to)
 {
     const transport::Descriptor in(::open(from.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
@@ -34,7 +34,7 @@ void BoundedLog::sink_it_(const spdlog::details::log_msg& message)
     for (std::size_t written = 0; written < line.size();) {
         const auto bytes = ::write(STDERR_FILENO, line.data() + written, line.size() - written);
         if (bytes <= 0)
-            return;  // nowhere to complain
+            return;  // no way to report it
         written += static_cast<std::size_t>(bytes);
     }
 }

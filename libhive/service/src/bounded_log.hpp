@@ -10,10 +10,10 @@
 
 namespace hive {
 
-/// Writes to standard error. Before a line would make the file NAME.log longer than `most_bytes`, what it holds moves
-/// to NAME.log.1, over what was there. It is copied and cut off, not renamed: libraries and the system write to the
-/// same descriptor. Any other file, terminal or pipe is written to and left alone. Whatever a text holds, it becomes
-/// one line of at most 4000 bytes before its escapes, and no order to a terminal.
+/// Writes to standard error. Before a line would make the file NAME.log longer than `most_bytes`, its content moves to
+/// NAME.log.1, replacing that file. The log is copied and truncated, not renamed, since libraries and the system write
+/// to the same descriptor. Any other file, terminal or pipe is only written to. Each text becomes one line of at most
+/// 4000 bytes before escaping, without control sequences for a terminal.
 class BoundedLog final : public spdlog::sinks::base_sink<std::mutex> {
 public:
     static constexpr long most_bytes = 4 * 1024 * 1024;

@@ -1,4 +1,4 @@
-// The command line that all drones share.
+// Parses and checks the command line that all drones share.
 #include "command_line.hpp"
 
 #include "bounded_log.hpp"
@@ -28,7 +28,7 @@ Json parameters_from(const std::vector<std::string>& assignments)
     return parameters;
 }
 
-/// An address for others: of the network, and one that they can dial.
+/// An address for other machines: a TCP address that they can dial.
 void require_advertisable(const service::ListenWish& wish)
 {
     for (const auto& text : wish.advertise) {
@@ -51,13 +51,13 @@ void start_log(const std::string& name, const std::string& level)
     spdlog::set_level(spdlog::level::from_str(level));
 }
 
-/// The words of the command line that are checked later.
+/// The arguments that are checked later.
 struct Words {
     std::vector<std::string> assignments, connections, expected;
     double take_over_s = 0;
 };
 
-/// The options of an order. More than one address may be given, which no swarm file says.
+/// The options of an order. The command line may have several addresses, a swarm file only one.
 void declare(CLI::App& app, DroneSettings& settings, const OrderField& field)
 {
     const std::string option(field.option), help(field.help);
@@ -109,7 +109,7 @@ void declare(CLI::App& app, DroneSettings& settings, Words& words)
     app.set_version_flag("--version", std::string(HIVE_VERSION));
 }
 
-/// What this program was started as, such as a Python file. Programs that it starts are something else.
+/// The kind that this program was started as, such as a Python file. Programs that it starts do not inherit it.
 std::string kind_started()
 {
     const char* const kind = std::getenv("HIVE_KIND");
@@ -139,7 +139,7 @@ void check(DroneSettings& settings, const Words& words)
         service::trace_crashes(event::default_home() / (settings.name + ".crash"));
 }
 
-/// What is wrong with a command line. CLI11 would exit with codes of its own, from 100 on.
+/// Prints an error of the command line. CLI11 would exit with its own codes, from 100 on.
 Error usage_error(const CLI::App& app, const CLI::ParseError& error)
 {
     const auto extras = app.remaining();

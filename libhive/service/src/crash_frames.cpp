@@ -1,4 +1,4 @@
-// Walks the stack, and reads what others say of its frames.
+// Walks the stack, and parses the descriptions of its frames.
 #include "crash_frames.hpp"
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace hive::service {
 namespace {
 
-/// How near a frame is to its author: what is higher is rather the cause.
+/// Rates how likely a frame is the cause; higher is likelier.
 enum Rank { runtime, entry, library, own };
 
 template <std::size_t size>
@@ -27,7 +27,7 @@ void copy(char (&to)[size], std::string_view from)
 
 std::string_view base_name(std::string_view path) { return path.substr(path.rfind('/') + 1); }
 
-/// "hive-face+0x1a2b"; empty: in no file.
+/// "hive-face+0x1a2b"; empty: not in a file.
 void name_by_place(char (&function)[512], void* address)
 {
     Dl_info info{};
@@ -61,13 +61,13 @@ _Unwind_Reason_Code add(_Unwind_Context* context, void* to)
     int interrupted = 0;
     void* const address = reinterpret_cast<void*>(_Unwind_GetIPInfo(context, &interrupted));
     if (interrupted != 0)
-        frames.count = 0;                                                // what was before belongs to the handler
-    if (frames.count == Frames::most || (!address && interrupted == 0))  // behind the first one of a thread is null
+        frames.count = 0;                                                // the frames so far belong to the handler
+    if (frames.count == Frames::most || (!address && interrupted == 0))  // null follows the outermost frame
         return _URC_NORMAL_STOP;
     frames.exact[frames.count] = interrupted != 0;
     frames.addresses[frames.count++] = address;
 #ifdef __x86_64__
-    // A call through a null pointer has no frame of its own, but the address to return to is on the stack.
+    // A call through a null pointer has no frame, but its return address is on the stack.
     if (Dl_info none; interrupted != 0 && ::dladdr(address, &none) == 0)
         frames.addresses[frames.count++] = *reinterpret_cast<void**>(_Unwind_GetCFA(context));
 #endif

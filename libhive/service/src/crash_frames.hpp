@@ -1,9 +1,9 @@
-// The frames of a crash, and which of them is its cause. Nothing here allocates, except where it is said.
+// The stack frames of a crash, and which of them is its cause. Nothing here allocates unless noted.
 #pragma once
 
 namespace hive::service {
 
-/// A function, and where it stands; each may be unknown, and is empty then.
+/// A function and its source position; each is empty if unknown.
 struct Frame {
     char function[512] = "";
     char source[512] = "";  ///< "/src/main.cpp:12:5"
@@ -13,9 +13,9 @@ struct Frame {
 struct Frames {
     static constexpr int most = 64;
 
-    /// Of the calling thread, from the one that the outermost signal handler has interrupted.
+    /// Walks the stack of the calling thread, from the frame that the outermost signal handler interrupted.
     void walk();
-    /// An address within the call: what walk() finds are the addresses to which the calls return.
+    /// An address within the call instruction, since walk() finds return addresses.
     [[nodiscard]] void* shown(int index) const;
 
     void* addresses[most]{};
@@ -23,14 +23,14 @@ struct Frames {
     int count = 0;
 };
 
-/// Reads what `eu-addr2line -fCi --pretty-print` says of frames: a line for each, and one for each that is inlined.
+/// Parses the output of `eu-addr2line -fCi --pretty-print`: a line for each frame and each inlined function.
 class Explained {
 public:
     Explained(const Frames& frames, char* text) : frames_(frames), rest_(text) {}
-    /// @return false behind the last one
+    /// @return false after the last one
     bool next();
     [[nodiscard]] const Frame& frame() const noexcept { return frame_; }
-    /// The innermost frame of the program's own so far, else of libhive, else of all.
+    /// The innermost frame so far of the program itself, else of libhive, else of all.
     [[nodiscard]] const Frame& cause() const noexcept { return cause_; }
 
 private:
@@ -41,9 +41,9 @@ private:
     Frame frame_, cause_;
 };
 
-/// The same cause by the symbols that are exported. It allocates.
+/// The same cause by exported symbols. Allocates.
 Frame exported_cause(const Frames& frames);
-/// The first frame of the thread that crashed which is no library's, in what Python's faulthandler has written.
+/// The first frame of the crashed thread outside of libraries, in the output of Python's faulthandler.
 Frame foreign_cause(const char* text);
 
 }  // namespace hive::service

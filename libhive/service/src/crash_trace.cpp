@@ -1,5 +1,5 @@
-// The handler only forks and waits: what may hang or fail in a process whose memory is broken does so in the child,
-// which has a deadline. Names and lines come from eu-addr2line of elfutils, in a process with a sound heap of its own.
+// The handler only forks and waits: work that may hang or fail with corrupted memory runs in the child, which has a
+// deadline. Names and lines come from eu-addr2line of elfutils, in a new process with a sound heap.
 #include "crash_trace.hpp"
 
 #include "crash_frames.hpp"
@@ -35,10 +35,10 @@ constexpr bool sanitized = false;
 
 constexpr int limit_of_names_ms = 4000, limit_of_addresses_ms = 1000;
 
-/// All that the handler needs is made before the crash: it may allocate nothing.
+/// Everything for the handler is prepared before the crash, since it must not allocate.
 struct Crash {
     char note[4096] = "";           ///< the path
-    std::atomic<int> foreign = -1;  ///< a memory file; negative: there is none
+    std::atomic<int> foreign = -1;  ///< a memory file; negative: none
     int signal = 0;
     long long time_us = 0;
     pid_t process = 0, thread = 0;
@@ -54,7 +54,7 @@ void write_all(int to, const char* text, std::size_t size)
 {
     for (ssize_t written = 0; size > 0; text += written, size -= static_cast<std::size_t>(written))
         if ((written = ::write(to, text, size)) <= 0)
-            return;  // nowhere to complain
+            return;  // no way to report it
 }
 
 __attribute__((format(printf, 2, 3))) void print(int to, const char* format, ...)
@@ -78,7 +78,7 @@ const char* name_of(int signal)
     }
 }
 
-/// A text within a JSON string; what JSON would have to escape otherwise is no part of a name.
+/// A text within a JSON string; other characters that need escaping do not occur in names.
 void print_escaped(int to, const char* text)
 {
     for (; *text != '\0'; ++text) {
@@ -93,7 +93,7 @@ void print_escaped(int to, const char* text)
 void write_note()
 {
     const int note = ::open(crash.note, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK,
-                            0600);  // no FIFO holds it
+                            0600);  // a FIFO must not block it
     if (note < 0)
         return;
     print(note, R"({"pid":%d,"signal":"%s","time_us":%lld)", static_cast<int>(crash.process), name_of(crash.signal),
@@ -109,7 +109,7 @@ void write_note()
     ::close(note);
 }
 
-/// What the runtime of another language has said of its own frames.
+/// The frames that the runtime of another language has written.
 void repeat_foreign()
 {
     if (crash.foreign < 0)
@@ -120,14 +120,14 @@ void repeat_foreign()
     crash.cause = foreign_cause(crash.text);
 }
 
-/// Runs the work in a child, which ends when its time is over. Did the work succeed?
+/// Runs the work in a child with a time limit. @return whether the work succeeded
 bool in_child(bool (*work)(), int limit_ms)
 {
     const pid_t child = ::_Fork();
     if (child == 0) {
         for (const int signal : platform::crash_signals)
             ::signal(signal, SIG_DFL);
-        ::close_range(STDERR_FILENO + 1, ~0U, 0);  // peers see that the drone is gone, whatever becomes of the child
+        ::close_range(STDERR_FILENO + 1, ~0U, 0);  // peers see that the drone is gone, even if the child hangs
         ::_exit(work() ? 0 : 1);
     }
     int status = 0;
@@ -154,7 +154,7 @@ bool in_child(bool (*work)(), int limit_ms)
         words[5 + i] = addresses[i];
     }
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    ::unsetenv("DEBUGINFOD_URLS");  // a crash waits for no server
+    ::unsetenv("DEBUGINFOD_URLS");  // a crash must not wait for a server
     const int nowhere = ::open("/dev/null", O_RDWR);
     ::dup2(nowhere, STDIN_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
@@ -163,7 +163,7 @@ bool in_child(bool (*work)(), int limit_ms)
     ::_exit(127);
 }
 
-/// What addr2line says of the frames; false: nothing, as it is not installed.
+/// Writes the frames as named by addr2line; false: it is not installed.
 bool ask_addr2line()
 {
     int ends[2];
@@ -201,7 +201,7 @@ bool explain()
     return true;
 }
 
-/// Without eu-addr2line: the symbols that are exported.
+/// Without eu-addr2line: writes exported symbols.
 bool list_addresses()
 {
     walk();
@@ -225,7 +225,7 @@ void die(int signal)
 void on_crash(int signal, siginfo_t* info, void* /*context*/)
 {
     if (crashing.test_and_set()) {
-        if (crash.thread != ::gettid())  // the other thread ends the process
+        if (crash.thread != ::gettid())  // the other thread kills the process
             ::sleep((limit_of_names_ms + limit_of_addresses_ms) / 1000 + 1);
         return die(signal);
     }

@@ -1,4 +1,4 @@
-// Keeps what the author of a drone declares.
+// Stores the declarations of a drone's author.
 #include "declaration.hpp"
 
 #include <hive/name.hpp>

@@ -1,4 +1,4 @@
-// What the author of a drone declares before run(): parameters, ports, callbacks.
+// The declarations of a drone's author before run(): parameters, ports, callbacks.
 #pragma once
 
 #include "parameter_set.hpp"
@@ -14,10 +14,10 @@
 
 namespace hive::service {
 
-/// What is worked on at once: events that were brought together, mostly a single one.
+/// The input of one callback: a set of matched events, usually a single event.
 using Set = event::Matcher::Set;
 
-/// Inputs whose events are brought together. The inputs are fixed; the matcher is for the user thread.
+/// Inputs whose events are matched. The inputs are fixed; the matcher is for the user thread.
 struct MatchedInputs {
     std::vector<MatchedInput> inputs;
     event::Matcher matcher;
@@ -26,8 +26,8 @@ struct MatchedInputs {
     [[nodiscard]] const MatchedInput* input(const std::string& name) const;
 };
 
-/// Filled by the user thread before run(). From then on the interface is read by both threads and changed by none, the
-/// parameters guard themselves, and the functions and matchers are for the user thread.
+/// Filled by the user thread before run(). From then on the interface is constant and read by both threads, the
+/// parameters have their own mutex, and the functions and matchers are for the user thread.
 class Declaration {
 public:
     explicit Declaration(DroneProgram program);

@@ -1,4 +1,4 @@
-// The handles that a drone's author holds: thin doors to the core.
+// Forwards the public handles of a drone to its core.
 #include "drone_core.hpp"
 
 #include <hive/name.hpp>
@@ -20,7 +20,7 @@ ParameterInfo describe(const std::string& name, ParameterType type, const Constr
             .for_operator = constraint.for_operator};
 }
 
-/// Makes the body only when somebody is to have it.
+/// Calls `body` only if a receiver will get it.
 std::function<std::optional<Body>()> if_needed(const service::Emitter& emitter, std::size_t output,
                                                const std::function<Body()>& body)
 {
@@ -31,7 +31,7 @@ std::function<std::optional<Body>()> if_needed(const service::Emitter& emitter, 
 
 void Drone::parameter(const std::string& name, int& variable, const Constraint& constraint, const std::string& help)
 {
-    Constraint whole = constraint;  // what an int holds
+    Constraint whole = constraint;  // the range of int
     whole.least = std::max(constraint.least.value_or(-2147483648.0), -2147483648.0);
     whole.most = std::min(constraint.most.value_or(2147483647.0), 2147483647.0);
     core_.declaration().parameters.add(describe(name, ParameterType::integer, whole, help), variable);

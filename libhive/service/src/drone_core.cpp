@@ -1,4 +1,4 @@
-// Starts a drone, runs it and ends it.
+// Starts, runs and stops a drone.
 #include "drone_core.hpp"
 
 #include "failure_keeper.hpp"
@@ -18,23 +18,23 @@ using service::Worker;
 
 namespace {
 
-/// As on the command line, on which every value is a text.
+/// Converts values to texts, as on the command line.
 std::string in_words(const Json& value) { return value.is_string() ? value.get<std::string>() : to_text(value); }
 
 }  // namespace
 
-/// Each uses those before it.
+/// Each part uses those before it.
 struct DroneCore::Running {
     explicit Running(DroneCore& core);
-    /// Whoever still waits for an answer gets one, the network side ends, and the name is free.
+    /// Answers pending requests, ends the network side, and frees the name.
     void end();
 
-    /// Claims the name, unless it is to be taken over, and then reads what was told to a drone of this name.
+    /// Claims the name, unless another drone is to be replaced, then reads the saved state of this name.
     Json first_state(DroneCore& core);
 
     event::Home home{event::default_home()};
-    std::optional<event::NameClaim> claim;  ///< until the end, which this object may outlive for long
-    Json left;                              ///< by a drone of this name that crashed, or is to be replaced
+    std::optional<event::NameClaim> claim;  ///< until the end, which this object may outlive
+    Json left;                              ///< saved by a drone that crashed, or is to be replaced
     service::ListenWish wish;
     event::Module module;
     service::Supervised supervised;
@@ -77,7 +77,8 @@ DroneCore::Running::Running(DroneCore& core)
 {
 }
 
-/// Peers tell the next run of a drone by its larger epoch, and the clock may have been set back since the last one.
+/// Peers recognise the next run of a drone by its larger epoch, and the clock may have been set back since the last
+/// run.
 Json DroneCore::Running::first_state(DroneCore& core)
 {
     if (!core.settings_.take_over)
@@ -108,7 +109,7 @@ DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
 {
 }
 
-/// A start that failed may have left the network side serving: it ends before what it uses.
+/// A failed start may have left the network side running: it must end before the parts that it uses.
 DroneCore::~DroneCore()
 {
     if (running_)
@@ -171,7 +172,7 @@ void DroneCore::ended()
         reporter_.log(LogLevel::info, "replaced by another process");
     }
     mailbox_.discard([](const Event&) { return true; });
-    running_->end();  // not reset(): what still runs on the network side uses it
+    running_->end();  // not reset(): the network side may still use it
     reporter_.log(LogLevel::info, "stopped");
 }
 
@@ -217,8 +218,8 @@ void DroneCore::begin_work()
     serve();
 }
 
-/// All that costs time is done. What the drone was told meanwhile holds as well.
-/// @return  whether the old one had halted
+/// All slow work is done. Also applies the changes that the old drone got meanwhile.
+/// @return whether the old drone had halted
 bool DroneCore::take_over()
 {
     auto& running = *running_;
@@ -226,7 +227,7 @@ bool DroneCore::take_over()
     auto left = left_state(running.home);
     if (left == running.left)
         return halted;
-    // What has its default again is not in the state any more.
+    // Values that returned to their default are not in the state any more.
     auto parameters = left.value("parameters", Json::object());
     const auto before = running.left.value("parameters", Json::object());
     for (const auto& parameter : declaration_.parameters.declared())
@@ -241,9 +242,9 @@ bool DroneCore::take_over()
     return halted;
 }
 
-/// What the drone was told before a crash holds, unless it is told otherwise now.
-/// @param all  throws when the drone does not take one of the values, instead of leaving it out
-/// @return     what the parameters were given
+/// Restores the values of before a crash, unless the command line sets others.
+/// @param all  throw when the drone refuses one of the values, instead of skipping it
+/// @return the given parameters
 Json DroneCore::take_values(const Json& state, bool all)
 {
     auto& parameters = declaration_.parameters;
@@ -283,7 +284,7 @@ void DroneCore::end()
         last_grace_.begin(running_->home.path(self_.name, ".sock"));
 }
 
-/// On the network side. As in a halt nothing more is asked for, and shared work that was not begun goes back.
+/// On the network side. As in a halt nothing more is requested, and shared work that was not started is returned.
 void DroneCore::hand_over()
 {
     if (!board_.hand_over())
@@ -311,12 +312,12 @@ std::optional<Json> DroneCore::given(const std::string& parameter) const
 std::optional<Json> DroneCore::told_before(const std::string& parameter) const
 {
     if (settings_.describe)
-        return std::nullopt;  // without a home
+        return std::nullopt;  // without a runtime directory
     const Json told = left_state(event::Home(event::default_home())).value("parameters", Json::object());
     return told.contains(parameter) ? std::optional(told[parameter]) : std::nullopt;
 }
 
-/// An engine starts a drone that fell with the words of its first start, which tell it nothing new.
+/// An engine restarts a crashed drone with the arguments of its first start, which must not override later changes.
 bool DroneCore::remembered(const std::string& parameter) const
 {
     const auto before = told_before(parameter);

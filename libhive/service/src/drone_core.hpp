@@ -1,4 +1,4 @@
-// A drone from its declarations to its end: makes the parts, each for its thread, and wires them together.
+// A drone from its declarations to its end: creates its parts, each for one thread, and wires them together.
 #pragma once
 
 #include "emitter.hpp"
@@ -15,7 +15,7 @@
 
 namespace hive {
 
-/// What the command line of a drone says, and what belongs to a program that is nothing but this drone.
+/// The command line of a drone, and the settings of a program that is only this drone.
 struct DroneSettings {
     std::string name;
     service::ListenWish listen;
@@ -23,28 +23,28 @@ struct DroneSettings {
     std::vector<protocol::Connect> connections;  ///< --connect
     std::vector<protocol::Expect> expected;      ///< --expect
     DroneOrder order;                            ///< without on_exception: as before the crash, or skip
-    std::string swarm = {};                      ///< that brings it up; empty: as before the crash, or none
-    /// To take over from the running drone of this name, if it is ready by then.
+    std::string swarm = {};                      ///< the swarm that starts it; empty: as before the crash, or none
+    /// Replace the running drone of this name, if ready within this time.
     std::optional<std::chrono::steady_clock::time_point> take_over = {};
     bool describe = false;
-    bool signals = true;       ///< SIGINT and SIGTERM end the drone
-    bool ends_process = true;  ///< told to stop, but its code does not return: the process ends
+    bool signals = true;       ///< SIGINT and SIGTERM stop the drone
+    bool ends_process = true;  ///< exit the process if the drone's code does not return after a stop
     Log log;                   ///< any thread; empty: the log of the program
 };
 
-/// The user thread, but for what says otherwise.
+/// The user thread, unless noted.
 class DroneCore {
 public:
     DroneCore(DroneProgram program, DroneSettings settings);
     ~DroneCore();
 
-    /// Until the drone is told to stop; for --describe it prints the interface instead.
+    /// Runs until the drone is told to stop; for --describe it prints the interface instead.
     void run();
     // --- the same in pieces ---
     void start();
-    /// Works for about so long. @return whether the drone goes on
+    /// Works for about this long. @return whether the drone continues
     bool work(std::chrono::milliseconds time);
-    /// Ends the drone as the request `stop` would.
+    /// Stops the drone as the request `stop` would.
     void finish();
     [[nodiscard]] const DroneSettings& settings() const noexcept { return settings_; }
     [[nodiscard]] Interface interface() const;
@@ -67,7 +67,7 @@ public:
     void stop();
 
 private:
-    struct Running;  ///< what there is between run() and the end
+    struct Running;  ///< the parts that exist between run() and the end
 
     void prepare();
     Json take_values(const Json& state, bool all);
@@ -80,7 +80,7 @@ private:
 
     service::LastGrace last_grace_;
     DroneSettings settings_;
-    protocol::Hello self_;  ///< its epoch is final when the module is made
+    protocol::Hello self_;  ///< its epoch is final when the module is created
     service::StatusBoard board_;
     service::Declaration declaration_;
     service::Reporter reporter_;

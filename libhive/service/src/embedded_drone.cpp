@@ -1,4 +1,4 @@
-// The core of a drone, held by somebody's program.
+// Holds the core of a drone for a program.
 #include "command_line.hpp"
 
 #include <hive/embedded_drone.hpp>

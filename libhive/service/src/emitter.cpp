@@ -1,4 +1,4 @@
-// Gives events their identity and hands them to the network side.
+// Makes events with identities, and posts them to the network side.
 #include "emitter.hpp"
 
 #include <hive/event/ticket.hpp>
@@ -11,7 +11,7 @@ using event::Clock;
 
 namespace {
 
-/// A time as an event may tell it; 0 is unknown.
+/// A time within the limits of an event's header; 0 is unknown.
 std::int64_t telling(std::int64_t time_us) { return time_us >= 0 && time_us <= max_json_integer ? time_us : 0; }
 
 }  // namespace
@@ -95,12 +95,12 @@ bool Emitter::backlogged(std::size_t output) const
     return slot.outlet && (slot.handed_over > 0 || slot.outlet->backlogged());
 }
 
-/// What is emitted for the present set has the identity of its first event, and the tickets of lossless ones.
+/// A result of the current set has the identity of its first event, and the tickets of lossless ones.
 void Emitter::inherit(Event& event, Slot& slot) const
 {
     event.identity = event::identity_of(*set_);
     event.identity.part = slot.part++;
-    // It waited from when it was complete; what its earlier events waited for is told by the hops of the last.
+    // The set waited since it was complete; the hops of its last event have the waiting time of the earlier ones.
     const auto complete = std::ranges::max_element(*set_, {}, &Event::received)->received;
     event.identity.hops.push_back(
         {self_.name, event::microseconds(begun_ - complete), event::microseconds(Clock::now() - begun_)});
@@ -128,7 +128,7 @@ void Emitter::emit(std::size_t output, std::optional<Identity> begun, Json heade
     event.size = event.body.size();
     send(output, std::move(event), complete);
     if (begins)
-        ++outputs_[output]->sequence;  // what could not be sent leaves no gap
+        ++outputs_[output]->sequence;  // an event that could not be sent leaves no gap
 }
 
 void Emitter::fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error)
@@ -182,7 +182,7 @@ void Emitter::end_all(const std::string& text, const std::function<bool()>& stil
         });
 }
 
-/// User code that emits faster than the network side takes does the work of that side meanwhile.
+/// If user code emits faster than the network side sends, its thread runs the network side meanwhile.
 void Emitter::await_room(Slot& slot)
 {
     constexpr int most = 64;
@@ -190,11 +190,11 @@ void Emitter::await_room(Slot& slot)
         module_->loop().wait(Clock::time_point::max(), [&] { return slot.handed_over < most; });
 }
 
-/// On the network side, behind all that was emitted before.
+/// On the network side, after all earlier emissions.
 void Emitter::perform(Slot& slot, std::function<void(event::Outlet&)> task)
 {
     if (!module_)
-        return;  // nobody receives yet
+        return;  // no receivers yet
     await_room(slot);
     ++slot.handed_over;
     module_->loop().perform([&slot, task = std::move(task)] {

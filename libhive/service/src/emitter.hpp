@@ -1,4 +1,4 @@
-// What a drone emits: identities, bodies in shared memory, the way to the network side.
+// Emits events: gives them identities, puts bodies into shared memory, and passes them to the network side.
 #pragma once
 
 #include "declaration.hpp"
@@ -12,7 +12,7 @@
 
 namespace hive::service {
 
-/// What a source could not give, which has a number all the same.
+/// A source item that could not be sent, but still has a sequence number.
 class CaptureFailed : public Error {
 public:
     CaptureFailed(const Error& error, Identity identity) : Error(error) { lost_.identity = std::move(identity); }
@@ -22,7 +22,7 @@ private:
     Event lost_;
 };
 
-/// The user thread, but for loan().
+/// The user thread, except loan().
 class Emitter {
 public:
     Emitter(const protocol::Hello& self, Interface& interface, event::Mailbox& mailbox)
@@ -35,7 +35,7 @@ public:
     void attach(event::Module& module);
 
     // --- around a callback ---
-    /// Until finish(), what is emitted inherits from this set.
+    /// Until finish(), emitted events inherit from this set.
     void begin(const Set& set);
     void finish() { set_ = nullptr; }
 
@@ -43,26 +43,26 @@ public:
     /// Any thread, once attached.
     [[nodiscard]] Loan loan(std::size_t bytes) const;
     [[nodiscard]] bool wanted(std::size_t output) const;
-    /// Is a body to be made for what is emitted now? Also when it is lossless and nobody receives anything of this
-    /// drone yet: then it waits for whoever comes first, at whichever output.
+    /// Must a body be made for an event emitted now? True also for a lossless event as long as this drone has no
+    /// receiver: the event then waits for the first receiver at any output.
     [[nodiscard]] bool needs_body(std::size_t output) const;
     [[nodiscard]] bool received(std::size_t output) const;
     [[nodiscard]] bool asked(std::size_t output) const;
     [[nodiscard]] bool backlogged(std::size_t output) const;
-    /// Its number is taken when the event is sent.
+    /// The sequence number is taken when the event is sent.
     [[nodiscard]] Identity fresh_identity(std::size_t output, std::int64_t captured_us, bool lossless) const;
-    /// @param begun  empty: inherited from the present set, or a new one
-    /// @param body  gives nothing when nobody wants it
+    /// @param begun  empty: inherited from the current set, or a new one
+    /// @param body  returns nothing if no receiver wants it
     void emit(std::size_t output, std::optional<Identity> begun, Json header,
               const std::function<std::optional<Body>()>& body, std::string type);
-    /// Takes the number of an event that cannot be made, and throws CaptureFailed.
+    /// Takes a sequence number for an event that cannot be made, and throws CaptureFailed.
     [[noreturn]] void fail(std::size_t output, std::int64_t captured_us, bool lossless, const Error& error);
     void repeat(std::size_t output, Event event);
-    /// Nothing more will come; what is captured after all begins a new epoch.
+    /// Nothing more will come; a later capture starts a new epoch.
     void end(std::size_t output, const std::string& text);
-    /// What is captured from now on is of another source.
+    /// Later captures are of another source.
     void begin_source(std::size_t output);
-    /// All outputs end, if it is `still` so when the network side comes to it.
+    /// Ends all outputs, if `still` is true when the network side executes it.
     void end_all(const std::string& text, const std::function<bool()>& still);
 
 private:
@@ -70,10 +70,10 @@ private:
         Encoder encoder;  ///< until the outlet has it
         event::Outlet* outlet = nullptr;
         std::int64_t epoch = 0;            ///< of the source
-        std::int64_t sequence = 0;         ///< of the last identity that was begun
+        std::int64_t sequence = 0;         ///< of the last new identity
         std::int64_t given = 0;            ///< turns of lossless events
-        int part = 0;                      ///< events emitted for the present set
-        std::atomic<int> handed_over = 0;  ///< tasks that the network side has not done yet
+        int part = 0;                      ///< events emitted for the current set
+        std::atomic<int> handed_over = 0;  ///< pending tasks of the network side
     };
     void inherit(Event& event, Slot& slot) const;
     [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
@@ -87,7 +87,7 @@ private:
     event::Module* module_ = nullptr;
     std::list<Slot> slots_;
     std::vector<Slot*> outputs_;  ///< the slots, by number
-    const Set* set_ = nullptr;    ///< what is being worked on
+    const Set* set_ = nullptr;    ///< the input of the running callback
     event::Clock::time_point begun_{};
 };
 

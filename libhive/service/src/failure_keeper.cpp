@@ -1,4 +1,4 @@
-// What is kept, with the words that say what happened.
+// Writes failures with a text that says what happened.
 #include "failure_keeper.hpp"
 
 #include <hive/printable.hpp>
@@ -29,7 +29,7 @@ event::EncoderThread::Job FailureKeeper::receiver_failed(const event::Outlet::Fa
     const auto& [link, receiver, how, events] = failing;
     const auto& peer = link.peer();
     if (receiver.size() <= peer.name.size() + 1 || (link.local() && home_.succession(peer.name)))
-        return {};  // whoever is replaced has not died of it
+        return {};  // a replaced drone has not crashed
     if (!kept_.pass("receivers", event::Clock::now()))
         return {};
     KeptFailure failure{.drone = peer.name,
@@ -50,7 +50,7 @@ event::EncoderThread::Job FailureKeeper::receiver_failed(const event::Outlet::Fa
     return [this, failure = std::move(failure), edge] { keep(failure, edge); };
 }
 
-/// The crash of a drone of this machine is told before its connections end.
+/// A drone on this machine writes its crash record before its connections end.
 std::string FailureKeeper::how_it_died(const event::Link& link, Fate how) const
 {
     if (how == Fate::passed_on)
@@ -65,7 +65,7 @@ std::string FailureKeeper::how_it_died(const event::Link& link, Fate how) const
                    + (source.empty() ? "" : " (" + file_name(source) + ")");
         }
     } catch (const Error&) {
-        // Half a file, of a full disk: the death is kept without its cause.
+        // A truncated file, because of a full disk: the crash is kept without its cause.
     }
     return how == Fate::lost_cut_off ? "gave no sign of life and was cut off"
            : link.local()            ? "its process ended"

@@ -1,4 +1,4 @@
-// Keeps what this drone's code threw at, and what its receivers died of.
+// Keeps the inputs at which this drone's code threw, and the events that crashed its receivers.
 #pragma once
 
 #include "reporter.hpp"
@@ -7,7 +7,8 @@
 
 namespace hive::service {
 
-/// At most 8 within 8 s, and of all receivers together as many: who fails at every event would write all of them.
+/// At most 8 within 8 s, and the same for all receivers together, since a drone that fails at every event would write
+/// all of them.
 class FailureKeeper {
 public:
     FailureKeeper(const protocol::Hello& self, const event::Home& home, const Reporter& reporter)
@@ -17,7 +18,8 @@ public:
 
     /// The user thread. @param inputs  of the callback that threw
     void threw(const Error& error, const std::vector<Event>& inputs);
-    /// The network side; see event::Outlet::Hooks. @return  what writes it, to be done aside; null: nothing is kept
+    /// The network side; see event::Outlet::Hooks. @return a function that writes it on another thread; null: nothing
+    /// is kept
     [[nodiscard]] event::EncoderThread::Job receiver_failed(const event::Outlet::Failing& failing);
 
 private:

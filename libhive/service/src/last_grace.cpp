@@ -1,4 +1,4 @@
-// Waits for a drone's code to come to its end, but not for ever.
+// Waits for a drone's code to return, for a limited time.
 #include "last_grace.hpp"
 
 #include <condition_variable>

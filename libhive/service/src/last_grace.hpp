@@ -1,4 +1,4 @@
-// Ends a process that was told to end and does not.
+// Kills a process that does not stop when told to.
 #pragma once
 
 #include <chrono>
@@ -9,12 +9,13 @@ namespace hive::service {
 
 class LastGrace {
 public:
-    /// A drone told to stop ends within this, whatever its code does.
+    /// The time limit of a drone that was told to stop.
     static constexpr std::chrono::seconds length{2};
-    /// One that hands over finishes the callback that it is in.
+    /// The time limit of a drone that is replaced, which finishes its running callback.
     static constexpr std::chrono::seconds length_to_hand_over{30};
 
-    /// Any thread, once. If this object still lives after the grace, the socket is removed and the process ends.
+    /// Any thread, once. If this object still exists after the grace period, the socket is removed and the process is
+    /// killed.
     void begin(const std::filesystem::path& socket, std::chrono::seconds grace = length);
 
 private:

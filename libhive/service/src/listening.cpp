@@ -1,4 +1,4 @@
-// Chooses ports, and takes those of before a crash again.
+// Chooses ports, and reuses those of before a crash.
 #include "listening.hpp"
 
 #include <hive/transport/port_holder.hpp>
@@ -11,7 +11,7 @@ using transport::Address;
 
 namespace {
 
-/// The texts under a key of the state of before a crash.
+/// The texts under a key of the state saved before a crash.
 std::vector<std::string> saved_texts(const Json& state, const char* key)
 {
     std::vector<std::string> texts;
@@ -21,7 +21,7 @@ std::vector<std::string> saved_texts(const Json& state, const char* key)
     return texts;
 }
 
-/// The port that it had at this host, then all that it may choose from.
+/// The previous port at this host, then all ports to choose from.
 std::vector<std::uint16_t> ports_to_try(const std::string& host, const std::vector<std::string>& before)
 {
     std::vector<std::uint16_t> ports;
@@ -33,7 +33,7 @@ std::vector<std::uint16_t> ports_to_try(const std::string& host, const std::vect
     return ports;
 }
 
-/// What is advertised without a port has the port of the first that is listened at.
+/// An advertised address without a port gets the port of the first listener.
 std::string advertised(const std::string& text, const std::vector<std::string>& listening)
 {
     auto address = listen_address(text);
@@ -79,13 +79,13 @@ void Listening::begin(const ListenWish& wish, const Json& state)
     }
     for (const auto& text : wish.advertise)
         held_.advertise.push_back(advertised(text, held_.listen));
-    // Last, because who meets it in the home takes it for ready.
+    // Last, because peers treat a drone with a local socket as ready.
     places_ = {to_text(module_.listen(home_.address(module_.self().name)))};
     std::ranges::copy(held_.advertise.empty() ? held_.listen : held_.advertise, std::back_inserter(places_));
     announce();
 }
 
-/// Where strangers may come in there is no key by which friends would know it.
+/// A drone that accepts peers without a key has no key for a proof.
 void Listening::announce()
 {
     const auto spot = discovery::announced_spot(held_.listen, held_.advertise);
@@ -101,7 +101,7 @@ void Listening::announce()
         .log = [this](LogLevel level, const std::string& text) { reporter_.log(level, text); }});
 }
 
-/// At a port that is named, or on a unix socket.
+/// Listens at a given port, or on a unix socket.
 Address Listening::listen_there(const Address& wanted)
 try {
     return module_.listen(wanted);

@@ -1,4 +1,4 @@
-// Where a drone is met: its local socket, and the ports that it was told to take. It keeps its ports after a crash.
+// The addresses of a drone: its local socket, and the ports at which it listens. It keeps its ports after a crash.
 #pragma once
 
 #include "reporter.hpp"
@@ -11,19 +11,19 @@
 
 namespace hive::service {
 
-/// What the command line says of it.
+/// The command line's part.
 struct ListenWish {
-    std::vector<std::string> listen;     ///< beside the local socket: "tcp://HOST:PORT", "tcp://HOST"
-    std::vector<std::string> advertise;  ///< where others find it, if that is elsewhere
+    std::vector<std::string> listen;     ///< besides the local socket: "tcp://HOST:PORT", "tcp://HOST"
+    std::vector<std::string> advertise;  ///< addresses for other machines, if they differ
     bool insecure = false;               ///< without a key
     std::string key = {};                ///< the swarm's key file; empty: default_key_file()
     bool no_announce = false;            ///< on the local network
 };
 
-/// What is told now; where nothing is told of listening, what held before the crash.
+/// The command line's settings; without any about listening, those of before the crash.
 ListenWish wished(ListenWish told, const Json& state);
 
-/// The swarm's keys; null: none. Throws Errc::not_permitted when it is to listen on tcp and there is no members' key.
+/// The swarm's keys; null: none. Throws Errc::not_permitted when the drone should listen on tcp without a members' key.
 std::shared_ptr<transport::KeyRing> keys_for(const ListenWish& wish);
 
 using transport::listen_address;
@@ -36,16 +36,16 @@ public:
     {
     }
 
-    /// Listens at the local socket, and where it is told to, if it may at the ports of before the crash. Throws
-    /// Errc::name_taken, Errc::not_permitted, Errc::io.
+    /// Listens at the local socket and at the given addresses, at the ports of before the crash if they are free.
+    /// Throws Errc::name_taken, Errc::not_permitted, Errc::io.
     void begin(const ListenWish& wish, const Json& state);
-    /// Takes back what is announced on the local network. Any thread, after the network side has ended.
+    /// Withdraws the announcement on the local network. Any thread, after the network side has ended.
     void end() { announcer_.reset(); }
-    /// For the state file: what begin() takes.
+    /// For the state file: the input of begin().
     [[nodiscard]] Json saved() const;
-    /// The same in the words of an order, which have one address.
+    /// The same as fields of an order, which have one address.
     void tell(DroneOrder& order) const;
-    /// Where it is met, the local socket first.
+    /// Its addresses, the local socket first.
     [[nodiscard]] const std::vector<std::string>& places() const noexcept { return places_; }
 
 private:

@@ -1,4 +1,4 @@
-// Reads parameters at once; has sets tried between two callbacks, and answers them by their deadline.
+// Reads parameters at once; tries sets between two callbacks, and answers them by their deadline.
 #include "parameter_requests.hpp"
 
 #include <hive/protocol/requests.hpp>
@@ -14,11 +14,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds most_patience = std::chrono::hours(24);  ///< for a `set`, whatever its deadline
-/// This process may have been stopped until a prepared set came to its end: a commit that came in time is read now.
+constexpr milliseconds most_patience = std::chrono::hours(24);  ///< the maximum deadline of a `set`
+/// If this process was suspended until a prepared set expired, a commit that arrived in time is read now.
 constexpr milliseconds last_look(200);
 
-/// What the answer says when the drone's code threw: it understood, and said no.
+/// The answer when the drone's code threw: the set was understood and refused.
 Error refusal(const Error& error)
 {
     return {error.code() == Errc::failed ? Errc::refused : error.code(), error.what()};
@@ -45,7 +45,7 @@ void ParameterRequests::on_get(const Incoming& incoming) const
     incoming.answer(Json{{"parameters", std::move(values)}});
 }
 
-/// What concerns the drone's machine is for who is on that machine.
+/// Parameters that affect the drone's machine are for peers on that machine.
 void ParameterRequests::require_allowed(const Incoming& incoming, const Json& wanted) const
 {
     if (incoming.role == Role::owner || parts_.remote_operator)
@@ -61,7 +61,7 @@ void ParameterRequests::require_allowed(const Incoming& incoming, const Json& wa
 void ParameterRequests::on_set(const Incoming& incoming)
 {
     const auto set = protocol::set_from_json(incoming.header);
-    incoming.asked->begin();  // from here on the deadline is kept below
+    incoming.asked->begin();  // from here on the code below enforces the deadline
     if (set.commit)
         return on_commit(incoming, *set.commit);
     if (set.abort)
@@ -93,8 +93,8 @@ void ParameterRequests::propose(Proposal::Terms terms)
     parts_.mailbox.push([this, proposal] { carry_out(parts_.worker, proposal); });
 }
 
-/// A second prepare is refused at once instead of waiting: two that wait for each other on two drones would wait for
-/// their deadlines. Who was refused first has the next turn, or else who asks most often would have them all.
+/// Refuses a second prepare at once instead of queueing it: two sets that wait for each other on two drones would wait
+/// for their deadlines. The first refused asker has the next turn, or else the most frequent one would have them all.
 void ParameterRequests::require_free(const std::string& asker)
 {
     if (held_ && !held_->wanted() && !held_->committed())
@@ -145,7 +145,7 @@ void ParameterRequests::forget(const ProposalPtr& proposal)
     under_way_.erase(proposal);
 }
 
-/// A set that is prepared is held for longer, because its asker may have decided already: see hold().
+/// A prepared set is held for longer, because its asker may have decided already: see hold().
 void ParameterRequests::on_deadline(const ProposalPtr& proposal)
 {
     if (proposal && proposal->undecided() && !proposal->prepared())
@@ -192,8 +192,8 @@ bool ParameterRequests::begin(const ProposalPtr& proposal)
     return proposal->undecided();
 }
 
-/// No callback may see values that are not decided, so the user thread waits here and runs the network side: for the
-/// decision, for the end of the asker's connection or of the drone, and at the longest for the end of the grace.
+/// No callback may see undecided values, so the user thread waits here and runs the network side: until the decision,
+/// the end of the asker's connection or of the drone, and at most until the end of the grace period.
 void ParameterRequests::hold(const Worker& worker, Proposal& proposal)
 {
     parts_.module.call([&] {
@@ -208,7 +208,7 @@ void ParameterRequests::hold(const Worker& worker, Proposal& proposal)
         loop.wait(Clock::now() + last_look, over);
 }
 
-/// What is kept is in the state file before anybody is told.
+/// The values are in the state file before the set is confirmed.
 bool ParameterRequests::settle(Worker& worker, const ProposalPtr& proposal)
 {
     if (!proposal->by_asker() && Clock::now() < proposal->deadline() && proposal->undecided())

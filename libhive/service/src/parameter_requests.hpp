@@ -1,4 +1,4 @@
-// Answers get and set: each set is tried by the drone's own code, and kept or put back as it is decided.
+// Answers get and set: the drone's code tries each set, which is then kept or reverted.
 #pragma once
 
 #include "proposal.hpp"
@@ -10,10 +10,10 @@
 
 namespace hive::service {
 
-/// The network side, but for what carries out a set on the user thread.
+/// The network side, except the execution of a set on the user thread.
 class ParameterRequests {
 public:
-    /// What it uses, which outlives it.
+    /// The parts that it uses, which outlive it.
     struct Parts {
         const ParameterSet& parameters;
         StatusBoard& board;
@@ -21,13 +21,13 @@ public:
         event::Mailbox& mailbox;
         Worker& worker;  ///< for commands alone
         StateFile& state_file;
-        bool remote_operator;  ///< members may set what is the operator's
+        bool remote_operator;  ///< members may set the operator's parameters
     };
     explicit ParameterRequests(const Parts& parts) : parts_(parts) {}
 
     void on_get(const event::Incoming& incoming) const;
     void on_set(const event::Incoming& incoming);
-    /// Answers the sets that still wait: the drone ends.
+    /// Answers the waiting sets, because the drone ends.
     void end();
 
 private:
@@ -54,7 +54,7 @@ private:
 
     Parts parts_;
     std::map<ProposalPtr, platform::Timer> under_way_;  ///< each with its deadline
-    ProposalPtr held_;                                  ///< the one prepare that locks the others out
+    ProposalPtr held_;                                  ///< the prepare that blocks the others
     SetTurns turns_;
 };
 

@@ -1,4 +1,4 @@
-// Checking, assigning and telling groups of parameters.
+// Checks, assigns and reports groups of parameters.
 #include "parameter_set.hpp"
 
 #include <hive/error.hpp>
@@ -35,7 +35,7 @@ void ParameterSet::assign(const Json& checked_values)
 
 void ParameterSet::require_tellable() const
 {
-    constexpr std::size_t most_bytes = 48 * 1024;  // so that they fit into one header, with what else is said there
+    constexpr std::size_t most_bytes = 48 * 1024;  // so that they fit into one header, with its other fields
     std::size_t bytes = 0;
     for (const auto& [name, read] : read_) {
         const Json value = read();
@@ -55,7 +55,7 @@ Json ParameterSet::assigned(const Json& wanted) const
 
 void ParameterSet::read_back(const Json& checked_values)
 {
-    constexpr std::size_t most_bytes = 8 * 1024;  // told in the place of values, which have their own limit
+    constexpr std::size_t most_bytes = 8 * 1024;  // reported instead of values, which have their own limit
     const std::lock_guard lock(mutex_);
     for (const auto& [name, read] : read_)
         if (auto now = read(); values_[name] != now) {

@@ -1,4 +1,4 @@
-// The parameters of one drone: bound to the author's variables, checked, and told to whoever asks.
+// The parameters of one drone: bound to the author's variables, checked, and reported.
 #pragma once
 
 #include <hive/interface.hpp>
@@ -9,7 +9,7 @@
 
 namespace hive {
 
-/// Declared before the drone runs. The variables belong to the user thread; what is told of them is for any.
+/// Declared before the drone runs. The variables belong to the user thread; the reported values are for any thread.
 class ParameterSet {
 public:
     template <class Value>
@@ -17,7 +17,7 @@ public:
     {
         parameter.default_value = variable;
         (void)checked_value(parameter,
-                            parameter.default_value);  // a default outside its own range is the author's mistake
+                            parameter.default_value);  // a default outside its range is the author's error
         values_[parameter.name] = parameter.default_value;
         assign_[parameter.name] = [&variable](const Json& value) { variable = value.get<Value>(); };
         read_[parameter.name] = [&variable] { return Json(variable); };
@@ -25,25 +25,25 @@ public:
     }
 
     [[nodiscard]] const std::vector<ParameterInfo>& declared() const noexcept { return declared_; }
-    /// The values that `wanted` stands for. Throws Errc::not_found (with the nearest name) or Errc::refused.
+    /// The checked values of `wanted`. Throws Errc::not_found (with the most similar name) or Errc::refused.
     [[nodiscard]] Json checked(const Json& wanted) const;
-    /// The user thread. Gives checked values to the variables; what is told stays as it was until read_back().
+    /// The user thread. Assigns checked values to the variables; the reported values stay until read_back().
     void assign(const Json& checked_values);
-    /// The user thread. What the variables hold now is what is told from now on.
-    /// @param checked_values  what they were given before the drone's code made of them what they are
+    /// The user thread. Reports the variables' current values from now on.
+    /// @param checked_values  the assigned values, before the drone's code changed them
     void read_back(const Json& checked_values);
-    /// The user thread. The variables hold again what is told.
+    /// The user thread. Reverts the variables to the reported values.
     void put_back() { assign(values()); }
-    /// The user thread. What the variables hold of the parameters that `wanted` names.
+    /// The user thread. The variables' values of the parameters in `wanted`.
     [[nodiscard]] Json assigned(const Json& wanted) const;
-    /// Throws Errc::too_large when the drone's code has made something of its variables that cannot be told: over the
-    /// limits of a header, and of the file that outlives a crash.
+    /// Throws Errc::too_large when the drone's code has changed its variables to values over the limits of a header,
+    /// and of the state file.
     void require_tellable() const;
-    /// All, or those named. Throws Errc::not_found.
+    /// All values, or those named. Throws Errc::not_found.
     [[nodiscard]] Json values(const std::vector<std::string>& names = {}) const;
-    /// The same as they were asked for: the drone's code may have made another value of one, for example by rounding.
+    /// The same as requested: the drone's code may have changed a value, for example by rounding.
     [[nodiscard]] Json asked(const std::vector<std::string>& names = {}) const;
-    /// What was asked for that is not the default.
+    /// The requested values that differ from the default.
     [[nodiscard]] Json changed() const;
 
 private:
@@ -54,7 +54,7 @@ private:
     std::map<std::string, std::function<Json()>> read_;
     mutable std::mutex mutex_;
     Json values_ = Json::object();
-    Json asked_ = Json::object();  ///< where that is not the value
+    Json asked_ = Json::object();  ///< requested values that differ from the value
 };
 
 }  // namespace hive

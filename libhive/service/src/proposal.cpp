@@ -1,4 +1,4 @@
-// The states of a set, and who is answered at which change.
+// The states of a set, and the answers at each change.
 #include "proposal.hpp"
 
 #include <utility>

@@ -1,4 +1,4 @@
-// One set on its way: it waits for the user thread, the drone's code tries it there, and it is decided once.
+// One set in progress: it waits for the user thread, the drone's code tries it there, and it is decided once.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -11,19 +11,19 @@
 
 namespace hive::service {
 
-/// The network side. Each who asks is answered exactly once. Knows neither threads nor sockets.
+/// The network side. Each asker is answered exactly once. Knows neither threads nor sockets.
 class Proposal {
 public:
     using Answer = std::function<void(const event::Outcome&)>;
 
-    /// How long a prepared set is held beyond its deadline: the asker decides until then, and the packet that says so
-    /// takes its time.
+    /// How long a prepared set is held beyond its deadline: the asker decides by the deadline, and its packet arrives
+    /// later.
     static constexpr std::chrono::seconds grace{1};
 
     struct Terms {
         Json values;  ///< checked
         event::Clock::time_point deadline;
-        std::optional<std::int64_t> token;  ///< of a prepare, which its asker decides; a plain set decides itself
+        std::optional<std::int64_t> token;  ///< of a prepare, which its asker decides; a plain set needs no decision
         std::string asker;
         const void* connection;           ///< only this one decides a prepare
         std::function<bool()> connected;  ///< is the asker still there?
@@ -41,20 +41,20 @@ public:
         return terms_.token == token && terms_.connection == connection;
     }
 
-    /// Nobody has decided yet.
+    /// Not decided yet.
     [[nodiscard]] bool undecided() const noexcept { return state_ == State::waiting || state_ == State::prepared; }
-    /// As undecided, and an asker who must decide is still there to do so.
+    /// Undecided, and the asker that must decide is still connected.
     [[nodiscard]] bool wanted() const { return undecided() && (!by_asker() || terms_.connected()); }
     [[nodiscard]] bool prepared() const noexcept { return state_ == State::prepared; }
     [[nodiscard]] bool committed() const noexcept { return state_ == State::committed; }
 
-    /// The drone's code has taken the values of a prepare. Nothing when it is decided already.
+    /// The drone's code has accepted the values of a prepare. Does nothing when it is decided already.
     void prepare(const Json& result);
-    /// Decides that the values hold. @param answer  whom to confirm(); none: who asked for the set
+    /// Decides that the values hold. @param answer  what to confirm(); none: the request of the set
     void commit(std::optional<Answer> answer = {});
-    /// The values hold: whoever asked for that is told.
+    /// The values hold: answers the request that asked for it.
     void confirm(const Json& result);
-    /// Decides that the old values hold, unless it is decided already. Who still waits for an answer gets this one.
+    /// Decides that the old values hold, unless it is decided already. Pending requests get this answer.
     void give_up(const Error& reason);
 
 private:

@@ -1,4 +1,4 @@
-// Writes the log and makes the exception events of a drone.
+// Formats log lines, and emits exception events.
 #include "reporter.hpp"
 
 #include "log_line.hpp"
@@ -46,7 +46,7 @@ void Reporter::report(const Error& error, const Event* cause)
         });
 }
 
-/// Live events do not count: their receivers do not get all of them anyway.
+/// Live events do not count, since their receivers do not get all of them anyway.
 void Reporter::count(const Event& exception)
 {
     constexpr std::size_t most_sources = 64, most_shown = 160;
@@ -80,7 +80,7 @@ Event Reporter::exception_event(const Error& error, const Event* cause) const
                                       .captured_us = event::wall_us(),
                                       .monotonic_us = event::steady_us(),
                                       .hops = {}};
-    // One place is left for the share of the exception itself. The outermost ones say to whom it matters.
+    // One place is kept for the share of the exception itself. The outermost shares say which receivers need it.
     if (auto& shares = event.identity.shares; shares.size() >= event::most_shares)
         shares.resize(event::most_shares - 1);
     if (cause && cause->identity.lossless)

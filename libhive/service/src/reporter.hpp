@@ -1,4 +1,4 @@
-// What a drone says of its own accord: lines in its log, and exceptions as events.
+// The log of a drone, and its exceptions as events.
 #pragma once
 
 #include "status_board.hpp"
@@ -11,18 +11,18 @@ namespace hive::service {
 /// Any thread, once it is attached.
 class Reporter {
 public:
-    /// @param sink  takes the lines of the log; empty: the log of the program
+    /// @param sink  gets the lines of the log; empty: the log of the program
     Reporter(const protocol::Hello& self, StatusBoard& board, Log sink)
         : self_(self), board_(board), sink_(std::move(sink))
     {
     }
 
-    /// Before it, exceptions reach the log and the board alone.
+    /// Before this, exceptions reach only the log and the board.
     void attach(event::Module& module);
 
     void log(LogLevel level, const std::string& text) const;
     /// An exception goes to subscribed applications, to the status board and to the log.
-    /// @param cause  the event that was worked on, or null
+    /// @param cause  the event in progress, or null
     void report(const Error& error, const Event* cause = nullptr);
 
     /// "face failed at 3 events, at last: the image is empty", counting lossless ones; empty: none. See

@@ -1,4 +1,4 @@
-// Gives each request to what answers it; put, halt, resume and stop are answered here.
+// Dispatches requests; put, halt, resume and stop are answered here.
 #include "requests.hpp"
 
 #include <hive/event_text.hpp>
@@ -47,7 +47,8 @@ void Requests::add_handlers()
     handle(PacketType::stop, [this](const Incoming& incoming) { on_stop(incoming); });
 }
 
-/// Who was connected last counts, and comes soon; the command line counts for a drone that was never connected.
+/// The receivers of the last run count, and return soon; the command line counts only for a drone that was never
+/// connected.
 void Requests::expect(const Json& state, const std::vector<protocol::Expect>& expected)
 {
     if (state.contains("subscribers"))
@@ -70,7 +71,7 @@ void Requests::restore(const Json& state, const std::vector<protocol::Connect>& 
 
 namespace {
 
-/// With a `source` it is the event of another drone, put again; nobody waits for what becomes of it.
+/// With a `source` it is the event of another drone, sent again; no sender waits for its outcome.
 Event put_event(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "put");
@@ -117,7 +118,7 @@ void Requests::on_put(const Incoming& incoming)
     incoming.answer(Json::object());
 }
 
-/// Nobody waits any longer for a receiver that is gone.
+/// Stops waiting for a receiver that is gone.
 void Requests::on_forget(const Incoming& incoming)
 {
     const auto forget = protocol::forget_from_json(incoming.header);
@@ -129,7 +130,7 @@ void Requests::on_forget(const Incoming& incoming)
     incoming.answer(Json{{"removed", removed}});
 }
 
-/// A halt or resume that names a policy sets it, and does nothing else.
+/// A halt or resume with a policy only sets the policy.
 bool Requests::set_policy(const Incoming& incoming)
 {
     const Fields fields(incoming.header, "policy");

@@ -1,4 +1,4 @@
-// The network side of a drone: what applications ask of it, answered while user code is busy.
+// The network side of a drone: answers applications while user code is busy.
 #pragma once
 
 #include "parameter_requests.hpp"
@@ -9,10 +9,10 @@
 
 namespace hive::service {
 
-/// The network side, but for the constructor: it runs before the module starts.
+/// The network side, except the constructor, which runs before the module starts.
 class Requests {
 public:
-    /// What it uses, which outlives it.
+    /// The parts that it uses, which outlive it.
     struct Parts {
         const Declaration& declaration;
         StatusBoard& board;
@@ -22,16 +22,16 @@ public:
         event::Mailbox& mailbox;
         event::Module& module;
         Worker& worker;                   ///< for commands, and to halt it
-        std::function<void()> end;        ///< ends the drone
-        std::function<void()> hand_over;  ///< ends it in favour of a successor
-        const DroneOrder& order;          ///< what the drone was started with
+        std::function<void()> end;        ///< stops the drone
+        std::function<void()> hand_over;  ///< stops it in favour of a successor
+        const DroneOrder& order;          ///< the drone's start configuration
     };
     explicit Requests(Parts parts);
 
-    /// Waits for those who received before a crash, connects what the command line says, and again what was connected.
+    /// Waits for the receivers of before a crash, makes the command line's connections, and restores the saved ones.
     void restore(const Json& state, const std::vector<protocol::Connect>& wished,
                  const std::vector<protocol::Expect>& expected);
-    /// Answers whoever still waits: the drone ends.
+    /// Answers pending requests, because the drone ends.
     void end() { parameters_.end(); }
     [[nodiscard]] Status status() const { return status_.now(); }
 

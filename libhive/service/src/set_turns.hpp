@@ -1,4 +1,4 @@
-// Whose turn it is to prepare a set, so that who asks most often does not have every turn.
+// Gives askers turns to prepare a set, so that the most frequent one does not get every turn.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -7,20 +7,20 @@
 
 namespace hive::service {
 
-/// Who was refused first comes next, and may then try again and again for a while: it has to get hold of other drones
-/// at the same time. The network side; pure logic.
+/// The asker that was refused first is next, and may then retry for some time, since it needs other drones at the same
+/// time. The network side; pure logic.
 class SetTurns {
 public:
-    /// Longer than an application waits between two attempts (JointSet).
+    /// Longer than an application's delay between two attempts (JointSet).
     static constexpr std::chrono::milliseconds kept{150}, lasting{200};
 
-    /// Somebody else's set is held here.
+    /// Another asker's set is held here.
     void refused(const std::string& asker)
     {
         if (next_.empty() && asker != owner_)
             next_ = asker;
     }
-    /// Nothing is held: may this one prepare now? @return  empty, or whose turn it is
+    /// Nothing is held: may this asker prepare now? @return empty, or the asker that has the turn
     [[nodiscard]] std::string taken_by(const std::string& asker, event::Clock::time_point now)
     {
         if (now < until_) {
@@ -34,7 +34,7 @@ public:
         next_.clear();
         return "";
     }
-    /// What was held is decided.
+    /// The held set is decided.
     void freed(bool committed, event::Clock::time_point now)
     {
         freed_ = now;
@@ -44,8 +44,8 @@ public:
 
 private:
     std::string owner_;                       ///< has the turn, until
-    event::Clock::time_point until_, freed_;  ///< the last time that nothing was held any longer
-    std::string next_;                        ///< empty: nobody waits
+    event::Clock::time_point until_, freed_;  ///< when the last held set was released
+    std::string next_;                        ///< empty: no asker waits
 };
 
 }  // namespace hive::service

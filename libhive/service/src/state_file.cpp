@@ -1,4 +1,4 @@
-// Reads and writes the state of a drone.
+// Reads and writes the state of a drone as JSON.
 #include "state_file.hpp"
 
 #include <hive/protocol/requests.hpp>

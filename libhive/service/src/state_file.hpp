@@ -1,23 +1,23 @@
-// What a drone was told: kept beside its socket, and taken again after a crash.
+// The state of a drone: saved next to its socket, and restored after a crash.
 #pragma once
 
 #include "listening.hpp"
 
 namespace hive::service {
 
-/// What holds for a drone of this name and another kind.
+/// The part of a state that is valid for a drone of this name and another kind.
 enum class OtherKind { leave_out, take };
 
-/// What a drone of this name was told that crashed, or that is to be replaced; an empty object when there is nothing of
-/// use. Any thread.
+/// The state of a drone of this name that crashed, or that is to be replaced; an empty object if there is none. Any
+/// thread.
 [[nodiscard]] Json left_state(const event::Home& home, const protocol::Hello& self, OtherKind other,
                               const Reporter& reporter);
-/// The saved values that the drone still takes. The user thread, before the start.
+/// The saved values that the drone still accepts. The user thread, before the start.
 [[nodiscard]] Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter);
 
-/// The epoch of the last run, 0 when it is not known or larger than a clock could have made it.
+/// The epoch of the last run; 0 if unknown, or larger than any plausible clock.
 [[nodiscard]] std::int64_t left_epoch(const Json& state, const Reporter& reporter);
-/// Whom a drone of this name worked for; those that cannot be read are left out.
+/// The subscribers of a drone of this name; invalid ones are skipped.
 [[nodiscard]] std::vector<event::Subscriber> subscribers_from(const Json& state, const Reporter& reporter);
 
 /// The network side.
@@ -34,9 +34,9 @@ public:
     {
     }
 
-    /// Writes what the drone is told now. One that cannot write goes on without, and says so once.
+    /// Saves the current state. If that fails, the drone continues without, and reports it once.
     void remember();
-    /// The same, if others are waited for than it says.
+    /// The same, if the subscribers have changed.
     void subscribers_changed();
 
 private:
@@ -49,7 +49,7 @@ private:
     const Listening& listening_;
     Reporter& reporter_;
     std::vector<event::Subscriber> subscribers_;  ///< as written
-    bool forgetful_ = false;                      ///< the state cannot be written, which was reported
+    bool forgetful_ = false;                      ///< the state cannot be written, and that was reported
 };
 
 }  // namespace hive::service

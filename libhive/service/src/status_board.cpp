@@ -38,7 +38,7 @@ bool StatusBoard::hand_over()
 {
     if (stopping_)
         return false;
-    handing_over_ = true;  // before the user thread can see that it is to stop
+    handing_over_ = true;  // before the user thread can see the stop
     return stop();
 }
 

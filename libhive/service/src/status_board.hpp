@@ -1,4 +1,4 @@
-// What everybody may know of a drone while its code is busy: its state, its condition, its last exception.
+// The drone's status, readable while its code is busy: its state, its condition, its last exception.
 #pragma once
 
 #include "declaration.hpp"
@@ -12,23 +12,23 @@
 
 namespace hive::service {
 
-/// Any thread. Its mutex is locked by its own small functions and by nobody else.
+/// Any thread. Only its own short functions lock its mutex.
 class StatusBoard {
 public:
-    /// A copy of what the board says at one moment.
+    /// A consistent copy.
     struct Values {
         State state = State::starting;
         std::string condition;
-        std::string callback;  ///< what the user thread works on
+        std::string callback;  ///< the user thread's running callback
         ExceptionPolicy policy{};
-        std::string swarm;  ///< that brought the drone up
+        std::string swarm;  ///< that started the drone
         std::int64_t busy_us = 0;
         event::Clock::time_point busy_since{};
-        Reason why{};           ///< beside the condition
-        bool prepared = false;  ///< a set waits for its asker's decision, and the user thread with it
+        Reason why{};           ///< belongs to the condition
+        bool prepared = false;  ///< a set, and so the user thread, waits for its asker's decision
         std::int64_t source_events = 0;
         std::optional<ExceptionStatus> last_exception;
-        std::vector<MatchCounts> matched;  ///< one for each matching, in the order of their declaration
+        std::vector<MatchCounts> matched;  ///< one per matching, in the order of declaration
     };
     [[nodiscard]] Values values() const;
 
@@ -40,7 +40,7 @@ public:
     void resume();
     /// @return  whether this was the first call
     bool stop();
-    /// As stop(), for a process that takes over: what the drone is told is kept until handed_over().
+    /// As stop(), for a process that takes over: changes are still saved until handed_over().
     bool hand_over();
     [[nodiscard]] bool handing_over() const noexcept { return handing_over_; }
     void handed_over() { handing_over_ = false; }
@@ -54,7 +54,7 @@ public:
     void matched(std::size_t matching, MatchCounts counts);
 
     // --- what is told ---
-    /// @return  whether that is news
+    /// @return whether that is a change
     bool condition(const std::string& text, Reason why);
     void source_events(std::int64_t events);
     void exception(ExceptionStatus exception);

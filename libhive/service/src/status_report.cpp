@@ -1,4 +1,4 @@
-// Puts together what the board, the outlets and the intakes say.
+// Combines the board, the outlets and the intakes.
 #include "status_report.hpp"
 
 #include <hive/event/ticket.hpp>
@@ -27,7 +27,7 @@ MatchingStatus matching_row(const MatchedInputs& matching, const MatchCounts& co
 
 }  // namespace
 
-/// Each receiver on another machine asks every 2 s for what the time is, and skips all rows: they are not even made.
+/// Each receiver on another machine asks for the time every 2 s, and skips all rows, so the rows are not made.
 Status StatusReport::page(std::int64_t skip, Role role) const
 {
     auto status = skip == max_json_integer ? without_rows() : page_of(now(), skip);
@@ -84,7 +84,7 @@ Status StatusReport::without_rows() const
     return status;
 }
 
-/// As it runs, whatever it was started with.
+/// The current configuration, which may differ from that of the start.
 DroneOrder StatusReport::order(const StatusBoard::Values& board) const
 {
     auto order = order_;

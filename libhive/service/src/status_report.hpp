@@ -1,4 +1,4 @@
-// The answer to status.
+// Builds the answer to `status`.
 #pragma once
 
 #include "listening.hpp"
@@ -22,9 +22,9 @@ public:
     {
     }
 
-    /// As SPEC.md, section 6.4, has it, with all edges.
+    /// As in SPEC.md, section 6.4, with all edges.
     [[nodiscard]] Status now() const;
-    /// With as many edges as fit one answer, from one on, and without what this role may not know.
+    /// One page: as many rows as fit one answer, without the fields that are hidden from this role.
     [[nodiscard]] Status page(std::int64_t skip, Role role) const;
 
 private:
@@ -39,7 +39,7 @@ private:
     const event::Mailbox& mailbox_;
     event::Module& module_;
     const Listening& listening_;
-    const DroneOrder& order_;  ///< what it was started with
+    const DroneOrder& order_;  ///< its start configuration
     event::Clock::time_point started_ = event::Clock::now();
 };
 

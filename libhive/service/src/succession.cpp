@@ -1,4 +1,4 @@
-// Asks the running drone to hand over, and waits until the kernel says that the name is free.
+// Asks the running drone to hand over, and waits until the kernel frees the name.
 #include "succession.hpp"
 
 #include "last_grace.hpp"
@@ -12,14 +12,14 @@ using namespace std::chrono_literals;
 constexpr auto patience_to_ask = 5s;
 constexpr auto patience_for_name = LastGrace::length_to_hand_over + 5s;
 
-/// One that has ended, or ends before it has answered, frees the name all the same.
+/// A drone that has ended, or ends before it answers, frees the name too.
 bool is_refusal(const Error& error)
 {
     return error.code() == Errc::refused || error.code() == Errc::not_permitted
            || error.code() == Errc::invalid_argument;
 }
 
-/// @return  its answer; an empty object when it has none
+/// @return its answer; an empty object if there is none
 Json ask_to_hand_over(event::Module& module, const event::Home& home)
 {
     const auto outcome = std::make_shared<std::optional<event::Outcome>>();
@@ -37,7 +37,7 @@ Json ask_to_hand_over(event::Module& module, const event::Home& home)
     return error ? Json::object() : std::get<Json>(**outcome);
 }
 
-/// A lock of a file tells nobody when it is freed, so it is looked at each millisecond.
+/// A file lock does not signal its release, so it is polled every millisecond.
 void await_name(event::Module& module, const event::Home& home, std::optional<event::NameClaim>& claim)
 {
     const auto& name = module.self().name;

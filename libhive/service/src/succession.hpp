@@ -1,4 +1,4 @@
-// A process takes over the name of a drone that runs, once it is ready to do its work.
+// Takes over the name of a running drone, once this process is ready to work.
 #pragma once
 
 #include <hive/event/home.hpp>
@@ -6,10 +6,10 @@
 
 namespace hive::service {
 
-/// The user thread of a drone whose module has started and that is not met by anybody yet. Returns with the name in
-/// `claim`; the one that had it has ended in whatever way. Before it is asked, anything that is wrong throws:
-/// Errc::timeout after `ready_by`, Errc::name_taken when another process is about to take over.
-/// @return  had the other one halted?
+/// The user thread of a drone whose module has started and does not listen yet. Returns with the name in `claim`; the
+/// old holder has ended. Until the old holder is asked, errors are thrown: Errc::timeout after `ready_by`,
+/// Errc::name_taken when another process is about to take over.
+/// @return had the old drone halted?
 bool take_over(event::Module& module, const event::Home& home, std::optional<event::NameClaim>& claim,
                event::Clock::time_point ready_by);
 

@@ -1,4 +1,4 @@
-// The words of sd_notify(3) for what happens to a drone.
+// Reports a drone's state in the form of sd_notify(3).
 #include "supervised.hpp"
 
 #include <hive/platform/supervisor.hpp>
@@ -6,7 +6,7 @@
 
 namespace hive::service {
 
-/// Again and again, since it is not told if whoever supervises has no room for it at that moment.
+/// Repeatedly, since a message is lost if the supervisor's queue is full.
 void Supervised::ready()
 {
     tell("READY=1\nWATCHDOG=1");

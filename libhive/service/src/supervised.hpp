@@ -1,4 +1,4 @@
-// Tells whoever supervises the process, as systemd does, that the drone is ready, that it lives, and what it waits for.
+// Tells the process's supervisor, such as systemd, that the drone is ready and alive, and what it waits for.
 #pragma once
 
 #include <hive/platform/timer.hpp>
@@ -7,10 +7,10 @@
 
 namespace hive::service {
 
-/// On the network side, so that user code that takes long is no reason to end the process.
+/// On the network side, so that long callbacks do not make the supervisor kill the process.
 class Supervised {
 public:
-    /// @param speaks  for the process, which is the drone's own
+    /// @param speaks  the process is only this drone
     Supervised(asio::io_context& context, bool speaks) : speaks_(speaks), timer_(context) {}
 
     void ready();

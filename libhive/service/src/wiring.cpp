@@ -1,4 +1,4 @@
-// Answers connect and disconnect.
+// Answers connect and disconnect, and passes ends on.
 #include "wiring.hpp"
 
 #include <hive/event/ticket.hpp>
@@ -23,7 +23,7 @@ bool same_ends(const IntakeSpec& one, const IntakeSpec& other)
 /// "image from camera.image"
 std::string ends_of(const IntakeSpec& spec) { return spec.input + " from " + spec.sender + "." + spec.output; }
 
-/// The host of "192.0.2.7:50012" or "[2001:db8::7]:50012"; empty: who is there is on this machine.
+/// The host of "192.0.2.7:50012" or "[2001:db8::7]:50012"; empty: the peer is on this machine.
 std::string host_of(const std::string& peer_place)
 {
     const auto colon = peer_place.rfind(':');
@@ -33,8 +33,8 @@ std::string host_of(const std::string& peer_place)
     return host.starts_with('[') ? host.substr(1, host.size() - 2) : host;
 }
 
-/// An asker whose sender listens at all addresses of one machine does not know which of them this drone can reach: it
-/// is the one from which it asks.
+/// The asker does not know which address of a sender that listens at all addresses this drone can reach: use the
+/// address from which it asks.
 std::string dialable(const std::string& text, const std::string& asker)
 {
     if (text.empty())
@@ -94,7 +94,7 @@ void Wiring::begin(const std::vector<protocol::Connect>& connections)
         begin(intake_spec(connect));
 }
 
-/// Nobody waits for the answer, so the log has it.
+/// No asker waits for the answer, so it is logged.
 void Wiring::begin(IntakeSpec spec)
 {
     const auto intake = add_intake(std::move(spec));
@@ -149,12 +149,12 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
     const auto intake = module_.add_intake(
         std::move(spec), [this](Event&& event) { mailbox_.push(std::move(event)); }, changed);
     *own = intake;
-    pass_end_on();  // while this one is not known to have ended, neither have all
+    pass_end_on();  // as long as this input may not have ended, the outputs must not end
     return intake;
 }
 
-/// Each once, until something else is to be said. A refused connection is tried again and again, since the sender may
-/// be restarted as another one.
+/// Logs each error once, until it changes. A refused connection is retried, since the sender may be restarted as
+/// another drone.
 void Wiring::say(const Intake& intake, std::string& said) const
 {
     const auto ends = ends_of(intake.spec());
@@ -165,7 +165,7 @@ void Wiring::say(const Intake& intake, std::string& said) const
             return {LogLevel::warning, "refused " + ends + ": " + refusal->what()};
         if (!said.starts_with("connected"))
             return {LogLevel::info, said};
-        if (intake.ended())  // the sender has said that nothing more comes
+        if (intake.ended())  // the sender has ended
             return {LogLevel::debug, "closed " + ends};
         return {LogLevel::warning, "lost " + ends + "; reconnecting"};
     }();
@@ -195,7 +195,7 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
             pass_end_on();
             for (const auto& intake : earlier)
                 intake->let_go_on();
-            state_file_.remember();  // it may have been written down while it was tried
+            state_file_.remember();  // the change may have been saved during the attempt
             return on_outcome(outcome);
         }
         replace_earlier(self);
@@ -219,8 +219,7 @@ std::shared_ptr<Intake> Wiring::connected(const IntakeSpec& spec) const
     return nullptr;
 }
 
-/// An input has one connection to an output: the newest. One that was asked for later will replace this one in its
-/// turn.
+/// An input has one connection to an output: the newest. A later request replaces this one.
 void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
 {
     for (const auto& other : std::vector(module_.intakes())) {
@@ -235,8 +234,8 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
     pass_end_on();
 }
 
-/// The outputs end when all that the inputs receive has come to its end, and go on when there is something to do again,
-/// which receivers that were told of the end are told as well.
+/// The outputs end when all inputs have ended, and continue when there is work again, which revokes the end at their
+/// receivers.
 void Wiring::pass_end_on()
 {
     const bool before = end_.text().has_value();

@@ -1,4 +1,4 @@
-// The connections of a drone's inputs: made, replaced, ended, and made again after a crash.
+// The connections of a drone's inputs: makes, replaces, ends, and restores them after a crash.
 #pragma once
 
 #include "state_file.hpp"
@@ -25,10 +25,10 @@ public:
 
     void on_connect(const event::Incoming& incoming);
     void on_disconnect(const event::Incoming& incoming);
-    /// Connections that are made when their senders are there, and again whenever they are there again.
+    /// Makes connections as soon as their senders are up, and after each restart of a sender.
     void begin(const std::vector<protocol::Connect>& connections);
-    /// The same with those of before a crash, but for those that there are already.
-    /// @param connections  as the state file has them
+    /// The same for the connections of before a crash, except existing ones.
+    /// @param connections  as in the state file
     void restore(const Json& connections);
 
 private:

@@ -1,4 +1,4 @@
-// Checks what can be checked before the senders are there.
+// Checks connections as far as possible before the senders are up.
 #include "wished_connections.hpp"
 
 #include <hive/error.hpp>
@@ -25,7 +25,7 @@ void require_dialable(const std::string& text)
                     "write at=tcp://HOST:PORT, where the sender listens, as this machine knows it");
 }
 
-/// The one that it has. @param what  "input"
+/// The only port. @param what  "input"
 std::string only_port(const std::string& self, const std::vector<Port>& ports, const std::string& what,
                       const char* advice)
 {
@@ -50,7 +50,7 @@ void settle(Connect& connect, const Interface& interface, const std::string& sel
         throw Error(Errc::refused, self + " keeps state between events, so it must see every one: it cannot share");
 }
 
-/// The same error about this connection.
+/// The same error with the connection in its text.
 [[noreturn]] void rethrow(const Error& error, const Connect& connect)
 {
     throw error.reworded("--connect " + to_text(connect) + ": " + error.what());

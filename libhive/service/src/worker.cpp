@@ -12,7 +12,7 @@ using event::Clock;
 namespace {
 
 constexpr auto never = Clock::time_point::max();
-constexpr auto pause_after_failure = std::chrono::milliseconds(100);  ///< a main that keeps failing must not spin
+constexpr auto pause_after_failure = std::chrono::milliseconds(100);  ///< a main that keeps throwing must not spin
 
 void conclude_all(const Set& set, event::Ending ending)
 {
@@ -29,7 +29,7 @@ void Worker::run()
     parts_.board.ended();
 }
 
-/// The end of the time comes as a command like any other: a wait that simply ended could not be told from a demand for
+/// The end of the time is delivered as a command, since the end of a wait could not be distinguished from a wake-up for
 /// main.
 void Worker::run(Clock::time_point until)
 {
@@ -85,7 +85,7 @@ void Worker::halt()
 {
     parts_.board.halt();
     parts_.module.halt(true);
-    parts_.mailbox.discard(event::came_to_member);  // others may do it meanwhile
+    parts_.mailbox.discard(event::came_to_member);  // other members may process them
     parts_.mailbox.nudge();
 }
 
@@ -132,7 +132,7 @@ try {
     parts_.reporter.report(current_error());
 }
 
-/// Refuses second answers here and not on arrival, because an event that is discarded in the queue is no answer.
+/// Rejects duplicate results here and not on arrival, because an event that is discarded in the queue is not an answer.
 void Worker::deliver(Event&& event)
 {
     if (!filters_[event.input].first(event))
@@ -148,7 +148,7 @@ void Worker::deliver(Event&& event)
     };
     if (work(set, callback))
         conclude_all(set, event::Ending::processed);
-}  // the ticket goes with the set: the next one is asked for, unless the drone has halted
+}  // the tickets are released with the set, which requests the next event unless the drone has halted
 
 void Worker::to_partners(Event event, MatchedInputs& matching, const MatchedInput& input)
 {
@@ -180,7 +180,7 @@ void Worker::work_on_sets()
     }
 }
 
-/// @return  whether the callback came to its end
+/// @return whether the callback returned without an exception
 bool Worker::work(const Set& set, const std::function<void()>& callback)
 {
     parts_.board.begin_work(set.front().input);
@@ -197,12 +197,12 @@ bool Worker::work(const Set& set, const std::function<void()>& callback)
     return done;
 }
 
-/// @param set   empty: it was main that failed
-/// @param lost  then what it could not give, if that has an identity
+/// @param set  empty: main failed
+/// @param lost  then the item that it could not send, if that has an identity
 void Worker::failed(const Set& set, const Error& error, const Event* lost)
 {
     if (!set.empty())
-        parts_.failures.threw(error, set);  // before it is told, so that who hears of it finds it
+        parts_.failures.threw(error, set);  // before it is reported, so that readers of the report find it
     parts_.reporter.report(error, set.empty() ? lost : &set.front());
     if (set.empty())
         next_step_ = Clock::now() + pause_after_failure;

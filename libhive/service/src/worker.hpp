@@ -1,4 +1,4 @@
-// The user thread of a drone at work: the loop, the callbacks, main, and what comes of exceptions.
+// The user thread of a drone: the loop, the callbacks, main, and the handling of exceptions.
 #pragma once
 
 #include "emitter.hpp"
@@ -12,10 +12,10 @@
 
 namespace hive::service {
 
-/// Everything here but halt() runs on the user thread. The network side reaches it only by commands of the mailbox.
+/// Everything except halt() runs on the user thread. The network side reaches it only by commands in the mailbox.
 class Worker {
 public:
-    /// What it uses, which outlives it.
+    /// The parts that it uses, which outlive it.
     struct Parts {
         Declaration& declaration;
         StatusBoard& board;
@@ -29,23 +29,23 @@ public:
 
     /// Works until the drone is told to stop.
     void run();
-    /// Works until the drone is told to stop, or until that time.
+    /// Works until the drone is told to stop, or until this time.
     void run(event::Clock::time_point until);
-    /// Assigns checked values and calls on_change. What that throws is returned, and the old values are back.
+    /// Assigns checked values and calls on_change. If that throws, the values are reverted and the error is returned.
     [[nodiscard]] std::optional<Error> try_out(const Json& values);
-    /// What the parameters that `wanted` names are while they are tried out.
+    /// The tried values of the parameters in `wanted`.
     [[nodiscard]] Json tried(const Json& wanted) const { return parts_.declaration.parameters.assigned(wanted); }
-    /// What was tried out is told from now on.
+    /// Keeps the tried values and reports them from now on.
     void keep(const Json& values) { parts_.declaration.parameters.read_back(values); }
-    /// The values from before are back, and on_change is called again.
+    /// Reverts the values, and calls on_change again.
     void put_back();
-    /// Any thread. What is being worked on comes to its end; nothing more is begun or asked for, and shared work goes
-    /// back to its group.
+    /// Any thread. The running callback finishes; nothing more is started or requested, and shared work is returned to
+    /// its group.
     void halt();
-    /// Live events that waited are discarded, so that the drone continues with the newest.
+    /// Discards waiting live events, so that the drone continues with the newest.
     void resume();
-    /// Nothing more comes to the inputs: the author's code is told, then the outputs end.
-    /// @param still  network side: is it so when the outputs are to end?
+    /// The inputs have ended: calls on_end, then ends the outputs.
+    /// @param still  network side: does that still hold when the outputs are about to end?
     void inputs_ended(const std::string& text, const std::function<bool()>& still);
 
 private:
