@@ -1,4 +1,4 @@
-// Accepting.
+// Accepts peers, and pauses without descriptors.
 #include "accept_loop.hpp"
 
 #include "make_connection.hpp"
@@ -13,13 +13,13 @@ namespace hive::transport {
 namespace {
 
 constexpr std::chrono::milliseconds exhausted_pause{100};
-/// Of the peers that shake hands, and fill the hall: nobody has to go for another one before that.
+/// A handshake is not evicted before this time.
 constexpr std::chrono::milliseconds guest_patience{250};
 constexpr std::chrono::milliseconds waiting_pause{5};
-constexpr int accepted_at_once = 64;  // then the connections that exist have their turn
+constexpr int accepted_at_once = 64;  // then existing connections are served
 
-/// Where a peer comes from: an address, or the network that all addresses of one IPv6 host are in. Of link-local
-/// addresses all hosts have the same network.
+/// The origin of a peer: its address, or for IPv6 the network of its host's addresses. With link-local addresses all
+/// hosts have the same network.
 std::string host_of(const sockaddr_storage& from)
 {
     const auto bytes = [](const void* at, std::size_t count) {
@@ -95,14 +95,14 @@ void AcceptLoop::accept_waiting()
     wait();
 }
 
-/// The others wait in the queue of the system, where nobody has an address.
+/// The others wait in the kernel's queue, which does not show their addresses.
 bool AcceptLoop::may_accept() const
 {
     return listening_.is_open() && (family_ == AF_UNIX ? !admissions_->full() : !waiting_.full());
 }
 
-/// Strangers who hold places and prove nothing do not keep out those who would: of the host that has most of them,
-/// whoever has been here for longest goes.
+/// Unauthenticated peers must not keep key holders out: evicts the oldest handshake of the host with the most
+/// handshakes.
 bool AcceptLoop::make_room()
 {
     const auto patient_since = std::chrono::steady_clock::now() - guest_patience;
@@ -151,8 +151,7 @@ void AcceptLoop::admit(WaitingRoom::Peer peer)
         if (handshake)
             guests_[guest] = {std::move(peer.host), std::chrono::steady_clock::now(), std::move(handshake)};
     } catch (const Error&) {
-        // The peer went away while it was looked at, or the system is short of something: it is closed, it may come
-        // again.
+        // The peer left during the check, or the system lacks a resource: it is closed, and may reconnect.
     }
 }
 

@@ -18,12 +18,12 @@ namespace hive::transport {
 /// On the network side; kept alive by its own waits until stop().
 class AcceptLoop : public std::enable_shared_from_this<AcceptLoop> {
 public:
-    /// To be called once with the stream of a peer that may come in, or nothing; then its place is free again.
+    /// To be called once with the stream of an accepted peer, or nothing; then its slot is free again.
     using Welcomed = std::function<void(std::unique_ptr<Stream>)>;
-    /// Looks at an accepted socket: answers at once, or later and returns what is under way. May throw.
+    /// Checks an accepted socket: answers at once, or later and returns the handshake in progress. May throw.
     using Welcome = std::function<Handshake(Socket, Welcomed)>;
 
-    /// Takes over `descriptor`, which listens and does not block.
+    /// Takes over `descriptor`, a non-blocking listening socket.
     AcceptLoop(asio::io_context& context, int family, int descriptor, Welcome welcome, OnConnection on_connection,
                const Timing& timing);
     void start();
@@ -37,7 +37,7 @@ private:
     void admit_waiting();
     void admit(WaitingRoom::Peer peer);
     void welcomed(std::uint64_t guest, std::unique_ptr<Stream> stream, std::shared_ptr<void> admission);
-    /// Is there somebody who has shaken hands for too long and makes room?
+    /// Evicts a handshake that takes too long, if any.
     bool make_room();
     [[nodiscard]] bool may_accept() const;
     void pause(std::chrono::milliseconds time);
@@ -49,7 +49,7 @@ private:
     const Welcome welcome_;
     const OnConnection on_connection_;
     const Timing timing_;
-    const bool pauses_, by_host_;  ///< false in twins of tests alone
+    const bool pauses_, by_host_;  ///< false only in twins of tests
     std::shared_ptr<Admissions> admissions_ = std::make_shared<Admissions>();
     WaitingRoom waiting_;
     struct Guest {
@@ -57,9 +57,9 @@ private:
         std::chrono::steady_clock::time_point since;
         Handshake handshake;
     };
-    std::map<std::uint64_t, Guest> guests_;  ///< who shakes hands, in the order of their coming
+    std::map<std::uint64_t, Guest> guests_;  ///< peers in a handshake, in the order of arrival
     std::uint64_t last_guest_ = 0;
-    bool busy_ = false;  ///< a wait or a pause is under way, or accepting is
+    bool busy_ = false;  ///< a wait, a pause or accepting is in progress
 };
 
 /// The Listener of sockets: runs a loop while it lives.

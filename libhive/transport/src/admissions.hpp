@@ -1,4 +1,4 @@
-// How many peers may be inside a listener's hall without having said hello.
+// Limits the number of a listener's peers that have not sent a hello.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@ public:
     static constexpr std::size_t most = 64;
 
     [[nodiscard]] bool full() const { return count_ >= most; }
-    /// One more; its place is free again when the last copy of the token is gone.
+    /// Admits one more peer; its slot is free again when the last copy of the token is destroyed.
     std::shared_ptr<void> admit();
-    /// Called whenever a place becomes free.
+    /// Called whenever a slot becomes free.
     std::function<void()> freed;
 
 private:

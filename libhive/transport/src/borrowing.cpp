@@ -1,4 +1,4 @@
-// Who holds which slot of the peer.
+// Counts which bodies hold which slots of the peer.
 #include "borrowing.hpp"
 
 #include "mapping.hpp"
@@ -15,7 +15,7 @@ constexpr std::uint64_t most_held_bytes = 512ULL << 20;   // to be copied when t
 
 }  // namespace
 
-/// What is held and what is to be given back. It outlives the connection, kept by the bodies.
+/// The held slots, and those to be returned. Outlives the connection, kept by the bodies.
 class Borrowed {
 public:
     explicit Borrowed(std::function<void()> on_return) : on_return_(std::move(on_return)) {}

@@ -1,5 +1,5 @@
-// The receiving end of shared memory on one connection: maps what the peer offers, makes bodies of references, gives
-// slots back.
+// The receiving end of shared memory on one connection: maps offered segments, turns references into bodies, returns
+// slots.
 #pragma once
 
 #include <hive/protocol/messages.hpp>
@@ -16,24 +16,23 @@ class Mapping;
 class Borrowed;
 
 /// Bodies outlive the connection: when it ends, those that are still held become private copies, because the producer
-/// takes its slots back. Network side, but for the bodies, which end on any thread.
+/// reclaims its slots. Network side, except the bodies, which end on any thread.
 class Borrowing {
 public:
-    /// @param on_return  called from any thread when slots wait to be given back after none did; not after end()
+    /// @param on_return  called from any thread when the first slot waits to be returned; not after end()
     explicit Borrowing(std::function<void()> on_return);
     ~Borrowing();  ///< calls end()
     Borrowing(const Borrowing&) = delete;
     Borrowing& operator=(const Borrowing&) = delete;
 
     /// Maps a segment that the peer offers. Throws Errc::malformed when it is not sealed, too small, or one too many;
-    /// nothing that the peer may still shrink or that may be written here is ever mapped. Throws Errc::too_large when
-    /// its slots are over what bodies of `most_body` bytes need, Errc::io when the system refuses.
+    /// memory that the peer can still shrink, or that is writable here, is never mapped. Throws Errc::too_large when
+    /// its slots are larger than bodies of `most_body` bytes need, Errc::io when the system refuses.
     void map(const protocol::Segment& offered, Descriptor descriptor, std::uint64_t most_body);
-    /// The body that a reference names. Throws Errc::malformed when there is no such place, Errc::too_large when it is
-    /// over `most_body` bytes or when the peer would have more held here than anybody needs, Errc::io when it is not
-    /// in memory.
+    /// The body that a reference names. Throws Errc::malformed for an invalid location, Errc::too_large when it is over
+    /// `most_body` bytes or over the limit of held bytes, Errc::io when it is not in memory.
     [[nodiscard]] Body resolve(const protocol::Reference& reference, std::uint64_t most_body);
-    /// Gives back, without touching it, what nobody here wants. Throws as resolve() for what is no such place.
+    /// Returns an unneeded body untouched. Throws as resolve() for an invalid location.
     void decline(const protocol::Reference& reference, std::uint64_t most_body);
     /// The slots whose bodies have ended since the last call.
     [[nodiscard]] std::vector<protocol::Slot> take_returns();

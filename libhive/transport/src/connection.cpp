@@ -1,4 +1,4 @@
-// The Connection that users hold: a handle that lets the connection end when the last of them lets go.
+// The Connection that users hold: a handle that ends the connection when its last copy is destroyed.
 #include "connection_core.hpp"
 #include "make_connection.hpp"
 
@@ -7,7 +7,7 @@
 namespace hive::transport {
 namespace {
 
-/// Owns the core until start(); from then on what is under way owns it. So handlers may own the handle without a cycle
+/// Owns the core until start(); from then on pending operations own it. So handlers may own the handle without a cycle
 /// that would outlive the io_context.
 class ConnectionHandle final : public Connection {
 public:
@@ -104,7 +104,7 @@ private:
 std::shared_ptr<Connection> make_connection(asio::io_context& context, std::unique_ptr<Stream> stream,
                                             const Timing& timing, std::shared_ptr<void> admission)
 {
-    const Stream& carrier = *stream;  // which belongs to the core from the next line on
+    const Stream& carrier = *stream;  // the next line moves it into the core
     auto core = std::make_shared<ConnectionCore>(context, std::move(stream), timing, std::move(admission));
     return std::make_shared<ConnectionHandle>(context, carrier, std::move(core));
 }

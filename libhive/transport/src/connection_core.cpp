@@ -1,4 +1,4 @@
-// Reading, writing, watching and ending.
+// Reads, writes, watches and ends a connection.
 #include "connection_core.hpp"
 
 #include <asio/error.hpp>
@@ -91,8 +91,7 @@ void ConnectionCore::take_pong()
     answered(true);
 }
 
-/// A body in shared memory is replaced by a reference to it. The offer of its segment is a control packet, so it
-/// arrives before.
+/// Replaces a body in shared memory by a reference. The offer of its segment is a control packet, so it arrives first.
 Carriage ConnectionCore::lend(protocol::Packet& packet)
 {
     if (!lending_ || packet.type != protocol::PacketType::event || packet.body.size() < Pool::least_body)
@@ -117,7 +116,7 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
     const auto now = Clock::now();
     seemed_dead_ = liveness_.seemed_dead(now - timer_.expiry(), now);
     if (borrowing_)
-        borrowing_->end();  // before the peer can see the end and use its slots again
+        borrowing_->end();  // before the peer can see the end and reuse its slots
     if (lending_)
         lending_->end(by_peer);
     stream_->close();
@@ -136,7 +135,7 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
 
 void ConnectionCore::abandon()
 {
-    if (handlers_)  // what they hold is destroyed from the event loop, not inside the user's reset()
+    if (handlers_)  // their captures are destroyed from the event loop, not inside the user's reset()
         asio::post(context_, [dropped = std::exchange(handlers_, nullptr)] {});
     end(Error(Errc::stopped, "nobody holds the connection any more"));
 }
@@ -182,7 +181,7 @@ void ConnectionCore::on_read(std::error_code error, std::size_t bytes)
     read();
 }
 
-/// Hands over what is whole; returns how many packets that were.
+/// Passes on whole packets; returns their number.
 std::size_t ConnectionCore::deliver()
 {
     std::size_t count = 0;
@@ -205,7 +204,7 @@ std::optional<protocol::Packet> ConnectionCore::next_packet()
     }
 }
 
-/// What tells of shared memory is needed here, whoever wants the event.
+/// References are needed here even if the event is not wanted.
 bool ConnectionCore::wants_body(const protocol::Prefix& prefix) const
 {
     using protocol::PacketType;
@@ -244,7 +243,7 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
     if (!stream_->passes_descriptors())
         throw Error(Errc::malformed, std::string(token(packet.type)) + ": no memory is shared on this connection");
     if (packet.type == PacketType::release) {
-        const auto slots = protocol::slots_from_body(packet.body);  // checked, also when there is nothing to give back
+        const auto slots = protocol::slots_from_body(packet.body);  // checked, even if there is nothing to reclaim
         if (lending_)
             lending_->released(slots);
         return true;
@@ -269,8 +268,8 @@ bool ConnectionCore::take_shared(protocol::Packet& packet)
 std::unique_ptr<Borrowing> ConnectionCore::make_borrowing()
 {
     return std::make_unique<Borrowing>([weak = weak_from_this(), &context = context_] {
-        // Twice around the queue: the request for the next event, which is on its way there as well, takes the slots
-        // along.
+        // Twice through the queue, so that the request for the next event, which is in that queue as well, carries the
+        // slots.
         asio::post(context, [weak, &context] {
             asio::post(context, [weak] {
                 if (const auto self = weak.lock())

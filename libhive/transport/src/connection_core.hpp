@@ -19,8 +19,8 @@
 
 namespace hive::transport {
 
-/// Kept alive by what is under way on the io_context (the timer at least, from start() to the end), not by those who
-/// use the connection: their last reference may go while a read waits. On the network side.
+/// Kept alive by pending operations of the io_context (at least the timer, from start() to the end), not by users of
+/// the connection: their last reference may be dropped while a read waits. On the network side.
 class ConnectionCore : public std::enable_shared_from_this<ConnectionCore> {
 public:
     ConnectionCore(asio::io_context& context, std::unique_ptr<Stream> stream, const Timing& timing,
@@ -39,9 +39,9 @@ public:
     [[nodiscard]] bool seemed_dead() const { return seemed_dead_; }
     [[nodiscard]] bool shares() const { return lending_.has_value() && !ended_; }
     /// Ends it; Written callbacks and then `closed` are posted.
-    /// @param by_peer  it is the peer that went away
+    /// @param by_peer  the peer closed it
     void end(const Error& reason, bool by_peer = false);
-    /// Nobody holds the connection any more: ends it, and tells only the Written callbacks.
+    /// No user holds the connection any more: ends it, and calls only the Written callbacks.
     void abandon();
 
 private:
@@ -56,7 +56,7 @@ private:
     [[nodiscard]] bool wants_body(const protocol::Prefix& prefix) const;
     void take(protocol::Packet&& packet);
     void take_pong();
-    /// What is said about shared memory. True when that was all.
+    /// Handles packets about shared memory. True if the packet was one.
     bool take_shared(protocol::Packet& packet);
     Carriage lend(protocol::Packet& packet);
     std::unique_ptr<Borrowing> make_borrowing();
@@ -76,10 +76,10 @@ private:
     PacketReader reader_;
     PacketWriter writer_;
     std::optional<Lending> lending_;
-    std::unique_ptr<Borrowing> borrowing_;            ///< from the first segment of the peer on
-    std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a call that is going on, which may end everything
+    std::unique_ptr<Borrowing> borrowing_;            ///< from the peer's first segment on
+    std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a running call, which may end the connection
     std::optional<Error> ended_;
-    std::deque<std::function<void(bool)>> pings_;  ///< that were not answered, the oldest first
+    std::deque<std::function<void(bool)>> pings_;  ///< unanswered ones, the oldest first
     std::uint64_t most_body_ = 0;
     bool hello_came_ = false;
     bool opened_ = false;

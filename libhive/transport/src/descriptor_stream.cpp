@@ -13,14 +13,14 @@
 namespace hive::transport {
 namespace {
 
-// A segment brings one, and is taken as soon as it is read. A peer that sends more is cut off, so that not even all the
-// peers that a module takes could use up its descriptors.
-constexpr std::size_t most_descriptors = 2;  // that wait to be taken
+// A segment brings one descriptor, which is taken as soon as the segment is read. A peer that sends more is
+// disconnected, so that all peers of a module together cannot use up its descriptors.
+constexpr std::size_t most_descriptors = 2;  // pending at once
 constexpr std::size_t most_at_once = 2;
 
 std::error_code system_error(int number) { return {number, std::generic_category()}; }
 
-/// Room for the descriptors of one message, as the kernel wants it.
+/// The kernel's buffer format for the descriptors of one message.
 union Control {
     cmsghdr header;
     std::array<char, CMSG_SPACE(sizeof(int) * most_at_once)> bytes;
@@ -98,7 +98,7 @@ private:
             return handler(asio::error::no_descriptors, 0);
         handler(size == 0 ? std::error_code(asio::error::eof) : std::error_code(), static_cast<std::size_t>(size));
     }
-    /// Returns how many came with this message.
+    /// Returns the number of descriptors in this message.
     std::size_t keep_descriptors(msghdr& message)
     {
         const auto before = descriptors_.size();

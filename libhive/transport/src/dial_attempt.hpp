@@ -1,4 +1,4 @@
-// What every dialer shares: one answer, at the latest at the deadline.
+// The common part of all dialers: one answer, at the latest at the deadline.
 #pragma once
 
 #include <hive/platform/timer.hpp>
@@ -14,9 +14,9 @@ public:
     void start(std::chrono::milliseconds deadline);
 
 protected:
-    /// Begins; may throw hive::Error, which becomes the answer.
+    /// Starts; may throw hive::Error, which becomes the answer.
     virtual void begin() = 0;
-    /// The answer is given: nothing need go on.
+    /// The answer was given: stops pending work.
     virtual void cancel() noexcept = 0;
 
     void succeed(std::unique_ptr<Stream> stream);

@@ -1,4 +1,4 @@
-// The file of a swarm's keys: found, read with suspicion, written as a whole.
+// Finds, validates and atomically writes the file of a swarm's keys.
 #include "key_derivation.hpp"
 #include "os_text.hpp"
 
@@ -118,7 +118,7 @@ Descriptor open_regular(const fs::path& file)
     return opened;
 }
 
-/// Of a file that is a key: nobody is told to change the mode of another one.
+/// Only for a key file: the advice must not change the mode of any other file.
 void require_private(const Descriptor& opened, const fs::path& file)
 {
     struct stat info {};
@@ -164,7 +164,7 @@ void write_all(int descriptor, const std::string& text, const fs::path& file)
         throw Error(Errc::io, "cannot write " + file.string() + ": " + os_text(errno));
 }
 
-/// Gives the file its name: over an older one, or only if there is none.
+/// Renames the file: over an older one, or only if there is none.
 void put_in_place(const fs::path& fresh, const fs::path& file, KeyFileMode mode)
 {
     const int failed =
@@ -247,7 +247,7 @@ void write_key_file(const fs::path& file, const std::vector<SwarmKey>& keys, Key
             throw Error(Errc::io, "cannot make " + file.parent_path().string() + ": " + problem.message());
     }
     const fs::path fresh = file.string() + "." + std::to_string(platform::own_pid()) + ".new";
-    ::unlink(fresh.c_str());  // of a process of this number that was killed
+    ::unlink(fresh.c_str());  // left by a killed process with this pid
     const Descriptor opened(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
     if (!opened)
         throw Error(Errc::io, "cannot write " + fresh.string() + ": " + os_text(errno));

@@ -41,7 +41,7 @@ bool KeyRing::accepts(const std::string& id, Role role)
     try {
         return std::ranges::any_of(accepted(), [&](const SwarmKey& key) { return key.id == id && key.role == role; });
     } catch (const Error&) {
-        return false;  // no key holds any longer
+        return false;  // no key is valid any more
     }
 }
 
@@ -59,7 +59,7 @@ void KeyRing::refresh()
 void KeyRing::read()
 {
     struct stat now {};
-    const bool there = ::stat(file_.c_str(), &now) == 0;  // before it is read: what changes later is read again
+    const bool there = ::stat(file_.c_str(), &now) == 0;  // before reading, so that a later change is detected
     try {
         own_ = read_key_file(file_);
         trouble_.clear();

@@ -1,4 +1,4 @@
-// Lending and taking back.
+// Lends slots to a peer, and reclaims them.
 #include "lending.hpp"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace hive::transport {
 namespace {
 
-/// A peer that was cut off because it was silent may only have been stopped, with a picture in its hands.
+/// A peer that was disconnected for inactivity may only be suspended, and still use an image.
 constexpr std::chrono::seconds kept_after_cut{10};
 
 }  // namespace
@@ -19,7 +19,7 @@ std::optional<protocol::Reference> Lending::lend(const Body& body)
     const auto segment = reference->slot.segment;
     const auto& known_segment = segments_.try_emplace(segment, pool_->offer(segment).first).first->second;
     if (known_segment.slot_size > protocol::most_slot_size(protocol::Limits{}.body))
-        return {};  // no peer would take it
+        return {};  // no peer would accept it
     const auto slots = known_segment.slots;
     const auto held = std::ranges::count_if(lent_, [&](const auto& row) { return row.first.segment == segment; });
     const auto known = lent_.find(reference->slot);

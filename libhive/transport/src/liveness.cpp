@@ -1,4 +1,4 @@
-// The verdicts on a peer.
+// Judges a peer by its bytes and pauses.
 #include "liveness.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ constexpr std::int64_t least_bytes_per_second = 64 * 1024;
 
 }  // namespace
 
-/// What is on its way counts: the last packet of this end may have travelled fast, and the next one slowly.
+/// Transit time counts: the last packet of this end may have been fast, and the next one slow.
 bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
 {
     return late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat);
@@ -49,7 +49,7 @@ std::optional<Error> Liveness::verdict(Clock::time_point now, bool inside)
     return {};
 }
 
-// Judged once per window of `stall`; a packet that is fast enough begins another window.
+// Judged once per window of `stall`; a packet that is fast enough starts another window.
 bool Liveness::too_slow(Clock::time_point now)
 {
     if (now < window_ + timing_.stall)
@@ -67,7 +67,7 @@ Liveness::Clock::time_point Liveness::next_look(Clock::time_point now, bool insi
     auto next = hello_ ? heard_ + timing_.silence : started_ + timing_.first_packet;
     if (inside && hello_)
         next = std::min(next, window_ + timing_.stall);
-    // A ping that is overdue waits behind what the peer does not read: looking sooner would only spin.
+    // An overdue ping waits behind bytes that the peer does not read: an earlier check would only spin.
     const auto ping = sent_ && !ping_due(now) ? *sent_ : now;
     next = std::min(next, ping + timing_.heartbeat);
     return std::max(next, now + std::chrono::milliseconds(1));

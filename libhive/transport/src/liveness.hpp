@@ -1,4 +1,4 @@
-// When a peer is alive, late or dead, by the clock readings it is given. No timer of its own.
+// Decides from clock readings whether a peer is alive, late or dead. Has no timer.
 #pragma once
 
 #include <hive/error.hpp>
@@ -17,28 +17,28 @@ public:
 
     Liveness(const Timing& timing, Clock::time_point now) : timing_(timing), started_(now), heard_(now), window_(now) {}
 
-    /// The peer's first packet is whole.
+    /// The peer's first packet is complete.
     void hello_came() { hello_ = true; }
-    /// Bytes left this end.
+    /// Bytes were sent.
     void sent(Clock::time_point now) { sent_ = now; }
-    /// Bytes came. `fresh`: they begin a packet, or end one.
+    /// Bytes arrived. `fresh`: they begin or end a packet.
     void heard(Clock::time_point now, std::size_t bytes, bool fresh);
 
-    /// This end was held up for so long, until now: the peer is not to blame.
+    /// This end was blocked for this long, until now: the peer is not to blame.
     void excuse(Clock::duration late, Clock::time_point now);
 
-    /// Was this end, until now or just before, held up for so long that the peer may have taken it for dead?
-    /// @param late  held up, and not excused yet
+    /// Was this end, until now or just before, blocked for so long that the peer may have declared it dead?
+    /// @param late  blocked time that is not excused yet
     [[nodiscard]] bool seemed_dead(Clock::duration late, Clock::time_point now) const;
     /// A ping is due: something was sent once (so the hello is first), but not lately.
     [[nodiscard]] bool ping_due(Clock::time_point now) const { return sent_ && now >= *sent_ + timing_.heartbeat; }
-    /// Why the connection must end now, if it must. `inside`: a packet has begun and is not whole.
+    /// Why the connection must end now, if it must. `inside`: a packet has begun and is incomplete.
     std::optional<Error> verdict(Clock::time_point now, bool inside);
-    /// When to look again; not later than anything can become due.
+    /// The time of the next check, at the latest when anything becomes due.
     [[nodiscard]] Clock::time_point next_look(Clock::time_point now, bool inside) const;
 
 private:
-    /// For the peer to be sure of this end.
+    /// The longest pause before the peer may declare this end dead.
     [[nodiscard]] Clock::duration longest_pause() const { return timing_.silence - timing_.heartbeat; }
     [[nodiscard]] bool too_slow(Clock::time_point now);
 
@@ -46,7 +46,7 @@ private:
     Clock::time_point started_, heard_;
     std::optional<Clock::time_point> sent_, back_;  ///< back: from the last long pause
     bool hello_ = false;
-    Clock::time_point window_;  ///< since when the bytes of the present packet are counted
+    Clock::time_point window_;  ///< since when the bytes of the current packet are counted
     std::size_t window_bytes_ = 0;
 };
 

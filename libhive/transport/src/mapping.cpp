@@ -1,4 +1,4 @@
-// Checking seals, mapping, copying away.
+// Checks seals, maps segments, and copies bodies.
 #include "mapping.hpp"
 
 #include "os_text.hpp"
@@ -33,7 +33,7 @@ void require_size(int descriptor, std::uint64_t size)
                                          + std::to_string(size));
 }
 
-/// Huge pages are mapped, and become private, in other units than slots.
+/// Huge pages are mapped and made private in other units than slots.
 void require_usual_pages(int descriptor)
 {
     struct statfs status {};
@@ -81,8 +81,8 @@ void Mapping::check(const protocol::Reference& reference, std::uint64_t most) co
     require_at_most("a body", reference.size, most);
 }
 
-// A page that was never written would be made by the first who reads it: a peer could have gigabytes made here. The
-// seals see to it that what is there once stays.
+// The first reader of a never written page allocates it: a peer could make this process allocate gigabytes. The seals
+// ensure that existing pages stay.
 std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference)
 {
     const std::span<const std::byte> bytes(base_ + reference.slot.index * segment_.slot_size + reference.offset,
@@ -95,7 +95,7 @@ std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference)
     if (::mincore(pages.data(), pages.size(), there.data()) != 0
         || std::ranges::any_of(there, [](unsigned char page) { return (page & 1) == 0; }))
         throw Error(Errc::io, "a reference to memory that was never written, or is not there any more");
-    ::madvise(pages.data(), pages.size(), MADV_POPULATE_READ);  // else page by page; old kernels do that
+    ::madvise(pages.data(), pages.size(), MADV_POPULATE_READ);  // otherwise page by page, as on old kernels
     seen = pages;
     return bytes;
 }
@@ -115,7 +115,7 @@ void Mapping::make_private(std::span<const std::byte> bytes) noexcept
         return;
     void* const copy = ::mmap(nullptr, pages.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (copy == MAP_FAILED)
-        return;  // without memory the old picture may be overwritten; there is nothing better to do
+        return;  // without memory the old image may be overwritten; there is no alternative
     std::memcpy(copy, pages.data(), pages.size());
     ::mprotect(copy, pages.size(), PROT_READ);
     if (::mremap(copy, pages.size(), pages.size(), MREMAP_MAYMOVE | MREMAP_FIXED, pages.data()) == MAP_FAILED)

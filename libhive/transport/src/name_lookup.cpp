@@ -1,4 +1,4 @@
-// Asking the system's resolver from four threads of its own.
+// Calls the system's resolver on four separate threads.
 #include "name_lookup.hpp"
 
 #include <hive/protocol/defended.hpp>
@@ -12,10 +12,10 @@
 
 namespace hive::transport {
 
-/// Shared with the thread that looks; the mutex decides who is first, the answer or the end of interest.
+/// Shared with the resolving thread; the mutex orders the answer and the cancellation.
 struct NameLookup::Question {
     std::mutex mutex;
-    asio::io_context* context = nullptr;  ///< null when nobody waits any more
+    asio::io_context* context = nullptr;  ///< null after cancellation
     Handler handler;
 
     void answer(Endpoints endpoints, std::string error)
@@ -30,7 +30,7 @@ struct NameLookup::Question {
 
 namespace {
 
-// Never destroyed: at the end of the process a lookup may hang for longer than anybody waits.
+// Never destroyed, since a lookup may still hang at the exit of the process.
 asio::thread_pool& lookup_threads()
 {
     static auto* threads = new asio::thread_pool(4);

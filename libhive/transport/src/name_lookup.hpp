@@ -1,5 +1,4 @@
-// Host names to addresses, beside the network side: asio's own resolver has one thread, which a dead name server holds
-// up.
+// Resolves host names outside of the network side: asio's own resolver has one thread, which a dead name server blocks.
 #pragma once
 
 #include <asio/io_context.hpp>
@@ -12,7 +11,7 @@
 
 namespace hive::transport {
 
-/// One question; destroying it forgets it, even while the system still looks. Used on the network side.
+/// One lookup; destroying it cancels it, even while the system is still resolving. Used on the network side.
 class NameLookup {
 public:
     using Endpoints = std::vector<asio::ip::tcp::endpoint>;

@@ -51,14 +51,15 @@ std::optional<protocol::Packet> PacketReader::next(const Judge& wants_body)
     return protocol::make_packet(prefix_.type, std::exchange(header_, {}), prefix_.channel, std::move(body));
 }
 
-/// Another protocol is refused by its first bytes, it need not fill a prefix.
+/// Refuses another protocol by its first bytes, before a whole prefix has arrived.
 void PacketReader::require_hive() const
 {
     const auto* at = buffer_.get() + begin_;
     const auto bytes = end_ - begin_;
     if (std::memcmp(at, protocol::magic.data(), std::min(bytes, protocol::magic.size())) == 0)
         return;
-    // The records that TLS begins with: a handshake, or an alert. What it is has to be the same however the bytes come.
+    // The records with which TLS begins: a handshake, or an alert. The verdict must not depend on how the bytes are
+    // split.
     const bool may_be_tls = first_ && (at[0] == 0x16 || at[0] == 0x15);
     if (may_be_tls && bytes < 2)
         return;

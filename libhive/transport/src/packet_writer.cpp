@@ -1,4 +1,4 @@
-// The two lanes and the batches they leave in.
+// Batches the packets of two lanes.
 #include "packet_writer.hpp"
 
 #include <algorithm>
@@ -88,7 +88,7 @@ void PacketWriter::finish(Item& item, std::vector<Written>& callbacks)
         callbacks.push_back(std::move(item.written));
 }
 
-// What has not begun goes back to its lane, so that a control packet that comes now overtakes the events among it.
+// Returns packets that have not begun to their lanes, so that a new control packet overtakes the events among them.
 void PacketWriter::put_back()
 {
     const std::size_t keep = begun_ > 0 ? 1 : 0;

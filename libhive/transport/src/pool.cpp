@@ -1,4 +1,4 @@
-// Choosing segments and slots.
+// Chooses segments and slots.
 #include "segment.hpp"
 
 #include <hive/transport/pool.hpp>
@@ -36,7 +36,7 @@ Pool::~Pool() = default;
 
 std::optional<Loan> Pool::loan(std::size_t bytes)
 {
-    const auto released = expired();  // goes out of scope after the lock: giving back takes it
+    const auto released = expired();  // destroyed after the lock, which returning a slot takes
     const std::lock_guard lock(mutex_);
     auto loan = take_slot(bytes);
     refused_ += loan ? 0 : 1;
@@ -121,7 +121,7 @@ std::pair<protocol::Segment, int> Pool::offer(std::uint32_t segment) const
 
 void Pool::keep(std::vector<Body> bodies, Clock::time_point until)
 {
-    const Kept kept{std::move(bodies), until};  // if not taken it goes after the lock: giving back takes it
+    const Kept kept{std::move(bodies), until};  // if not kept, destroyed after the lock, which returning takes
     const std::lock_guard lock(mutex_);
     if (!ended_)
         kept_.push_back(kept);
@@ -140,7 +140,7 @@ std::vector<Pool::Kept> Pool::expired()
 
 void Pool::end()
 {
-    std::deque<Kept> kept;  // goes out of scope after the lock: giving back takes it
+    std::deque<Kept> kept;  // destroyed after the lock, which returning a slot takes
     const std::lock_guard lock(mutex_);
     kept.swap(kept_);
     ended_ = true;

@@ -1,4 +1,4 @@
-// Finds the socket that listens in the kernel's tables, and the process that has it open.
+// Finds the listening socket in the kernel's tables, and the process that has it open.
 #include <hive/transport/port_holder.hpp>
 
 #include <charconv>
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view listening = "0A";
 
-/// "socket:[INODE]" of the sockets that listen there, as links to them read.
+/// "socket:[INODE]" of the sockets that listen there, the text of links in /proc/PID/fd.
 std::set<std::string> sockets_at(std::uint16_t port)
 {
     std::set<std::string> found;

@@ -1,5 +1,5 @@
-// The transports there are: each a listener and a dialer. Texts of thrown errors say what was tried, on what, and why
-// not.
+// The available transports: each a listener and a dialer. Texts of thrown errors name the action, its object, and the
+// cause.
 #pragma once
 
 #include <hive/transport/transport.hpp>

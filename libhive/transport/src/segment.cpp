@@ -1,4 +1,4 @@
-// Making, sealing and backing shared memory.
+// Creates, seals and backs shared memory.
 #include "segment.hpp"
 
 #include <fcntl.h>
@@ -8,7 +8,7 @@
 namespace hive::transport {
 namespace {
 
-/// A file over this limit would not be refused but end the process (SIGXFSZ).
+/// A file over this limit would not be refused, but kill the process (SIGXFSZ).
 bool allowed(std::size_t size)
 {
     rlimit limit{};
@@ -28,7 +28,7 @@ std::unique_ptr<Segment> Segment::create(std::size_t slot_size, std::uint32_t sl
         return nullptr;
     auto segment =
         std::unique_ptr<Segment>(new Segment(std::move(descriptor), static_cast<std::byte*>(base), slot_size, slots));
-    // From here on nobody can change its size (a reader would get SIGBUS) or map it for writing once more.
+    // From here on no process can change its size (a reader would get SIGBUS) or map it for writing again.
     if (::fcntl(segment->descriptor(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL)
         != 0)
         return nullptr;
@@ -53,7 +53,7 @@ bool Segment::back_one() noexcept
     if (backed_ == slots()
         || ::fallocate(descriptor(), 0, static_cast<off_t>(backed_ * slot_size_), static_cast<off_t>(slot_size_)) != 0)
         return false;
-    // Page by page at the first writing it would cost as much as the picture; kernels before 5.14 do that instead.
+    // Page faults at the first write would cost as much as writing the image; kernels before 5.14 have them anyway.
     ::madvise(at(backed_), slot_size_, MADV_POPULATE_WRITE);
     free_.push_back(backed_++);
     return true;

@@ -1,4 +1,4 @@
-// One segment of a pool: a sealed memfd, mapped for writing by its producer alone, cut into slots of one size.
+// One segment of a pool: a sealed memfd, mapped for writing only by its producer, cut into slots of one size.
 #pragma once
 
 #include <hive/transport/descriptor.hpp>
@@ -14,7 +14,7 @@ namespace hive::transport {
 /// Guarded by the pool's mutex.
 class Segment {
 public:
-    /// Nothing when the operating system refuses.
+    /// Returns nothing if the operating system refuses.
     static std::unique_ptr<Segment> create(std::size_t slot_size, std::uint32_t slots);
     ~Segment();
     Segment(const Segment&) = delete;
@@ -28,16 +28,16 @@ public:
     [[nodiscard]] bool has_free() const noexcept { return !free_.empty(); }
     [[nodiscard]] std::byte* at(std::uint32_t index) const noexcept { return base_ + index * slot_size_; }
     [[nodiscard]] std::uint64_t generation(std::uint32_t index) const { return generations_[index]; }
-    /// Do these bytes lie in here?
+    /// Are these bytes in this segment?
     [[nodiscard]] bool contains(std::span<const std::byte> bytes) const noexcept;
     [[nodiscard]] std::size_t offset(const std::byte* byte) const noexcept
     {
         return static_cast<std::size_t>(byte - base_);
     }
 
-    /// Gives one more slot its memory; false when there is none.
+    /// Backs one more slot with memory; false if there is none.
     bool back_one() noexcept;
-    /// The free slot that was used last, in a new generation.
+    /// Takes the free slot that was used last, in a new generation.
     std::uint32_t take();
     void give_back(std::uint32_t index) noexcept { free_.push_back(index); }
 
@@ -49,7 +49,7 @@ private:
     std::byte* base_;
     std::size_t slot_size_;
     std::vector<std::uint64_t> generations_;
-    std::vector<std::uint32_t> free_;  ///< the last one first; has room for all, so that giving back cannot fail
+    std::vector<std::uint32_t> free_;  ///< the last one first; has capacity for all, so that returning cannot fail
     std::uint32_t backed_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Taking, probing and removing the file of a unix socket.
+// Binds, probes and removes the file of a unix socket.
 #include "socket_file.hpp"
 
 #include "socket_stream.hpp"
@@ -28,7 +28,7 @@ Error os_failure(const Address& address, const std::string& what)
 }
 
 /// Locks the folder, so that of two modules that find the same stale file only one replaces it. Held for microseconds;
-/// whoever holds it for a second holds it in error.
+/// a process that holds it for a second is faulty.
 void lock_folder(const Descriptor& folder, const Address& address)
 {
     if (!folder)
@@ -86,7 +86,7 @@ SocketFile SocketFile::bind_and_listen(int descriptor, const Address& address)
     const Descriptor folder(::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     lock_folder(folder, address);
     remove_stale(at, address);
-    // On Linux the file takes its mode from the unbound socket: it is never open to others, not even for a moment.
+    // On Linux the file takes its mode from the unbound socket, so it is never open to others, not even briefly.
     if (::fchmod(descriptor, 0600) != 0)
         throw os_failure(address, {});
     if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0)

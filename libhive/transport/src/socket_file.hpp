@@ -1,4 +1,4 @@
-// The file of a listening unix socket: made over a stale one, never over a living one, removed by its owner only.
+// The file of a listening unix socket: replaces a stale one, never a live one, and is removed only by its owner.
 #pragma once
 
 #include <hive/transport/address.hpp>
@@ -16,8 +16,8 @@ sockaddr_un socket_address(const std::string& path);
 /// Owns the file, not the socket.
 class SocketFile {
 public:
-    /// Binds `descriptor` to the path with mode 0600 and listens. Throws Errc::name_taken when somebody answers there
-    /// or the file is no socket, invalid_argument, not_permitted, io.
+    /// Binds `descriptor` to the path with mode 0600 and listens. Throws Errc::name_taken when another listener answers
+    /// there or the file is not a socket, invalid_argument, not_permitted, io.
     static SocketFile bind_and_listen(int descriptor, const Address& address);
 
     SocketFile(SocketFile&& other) noexcept;

@@ -1,4 +1,4 @@
-// Sockets as streams.
+// Reads and writes a socket.
 #include "socket_stream.hpp"
 
 #include "unsent_limit.hpp"
@@ -30,7 +30,7 @@ public:
     }
     void write_some(std::span<const asio::const_buffer> from, Handler handler) override
     {
-        if (!local_)  // it was tried before, and the kernel took nothing
+        if (!local_)  // write_now() tried it, and the kernel took nothing
             unsent_.fit(socket_.native_handle());
         socket_.async_write_some(from, std::move(handler));
     }

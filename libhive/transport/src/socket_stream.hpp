@@ -10,7 +10,7 @@
 
 namespace hive::transport {
 
-/// With an executor that is known here: a type-erased one costs every operation some more cold lines.
+/// With a concrete executor: a type-erased one costs every operation more cache misses.
 using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, asio::io_context::executor_type>;
 
 /// @param local  the peer is on this machine
@@ -21,11 +21,11 @@ std::unique_ptr<Stream> make_descriptor_stream(Socket socket, std::string peer);
 /// Stream::write_now of a socket.
 std::size_t write_now(Socket& socket, std::span<const asio::const_buffer> from);
 
-/// A new socket that children do not inherit. Throws Errc::io.
+/// Creates a socket that children do not inherit. Throws Errc::io.
 Socket open_socket(asio::io_context& context, int family);
-/// Takes over an open descriptor; it is closed when that fails. Throws Errc::io.
+/// Takes over an open descriptor, and closes it on failure. Throws Errc::io.
 Socket adopt_socket(asio::io_context& context, int family, int descriptor);
-/// Sets an integer option, as far as the operating system knows it.
+/// Sets an integer option, if the operating system supports it.
 void set_option(int descriptor, int level, int option, int value) noexcept;
 
 /// Buffers of local sockets: larger ones only push the bytes out of the cache between writer and reader.

@@ -1,4 +1,4 @@
-// What streams have in common.
+// The default for streams without descriptors.
 #include "os_text.hpp"
 
 #include <hive/transport/stream.hpp>

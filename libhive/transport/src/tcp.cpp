@@ -35,8 +35,8 @@ void tune(int descriptor, const Endpoint& peer)
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, 1);   // seconds
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, 1);  // seconds
     set_option(descriptor, IPPROTO_TCP, TCP_KEEPCNT, 3);
-    // What waits should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across
-    // a network the kernel's own tuning of buffers fits bandwidth and delay, so only what it has not sent is bounded.
+    // Packets should wait in our lanes, where control overtakes and the oldest is dropped, not in the kernel. Across a
+    // network the kernel adapts its buffers to bandwidth and delay, so only its unsent bytes are bounded.
     if (!is_loopback(peer)) {
         if (UnsentLimit::wanted())
             set_option(descriptor, IPPROTO_TCP, TCP_NOTSENT_LOWAT, UnsentLimit::most);
@@ -65,7 +65,7 @@ std::string text_of(const Endpoint& endpoint)
 
 struct Peer {
     std::string text;
-    bool local;  ///< it has the address of this end, or a loopback address; it may be a tunnel, which nothing tells
+    bool local;  ///< it has the address of this end, or a loopback address; may be an undetectable tunnel
 };
 
 Peer peer_of(Socket& socket)
@@ -81,7 +81,7 @@ std::unique_ptr<Stream> plain_stream(Socket socket)
     return make_socket_stream(std::move(socket), peer.text, peer.local);
 }
 
-/// A listener's look at who has come.
+/// A listener's check of a new peer.
 AcceptLoop::Welcome welcome_by(const Security& security, std::chrono::milliseconds limit)
 {
     return [security, limit](Socket socket, const AcceptLoop::Welcomed& welcomed) -> Handshake {
@@ -106,7 +106,7 @@ AcceptLoop::Welcome welcome_by(const Security& security, std::chrono::millisecon
     };
 }
 
-/// Where to listen. Names are looked up here and now: a module listens once, before it serves anybody.
+/// The endpoint to listen at. Resolves names synchronously, since a module listens once, before it serves peers.
 Endpoint listening_endpoint(asio::io_context& context, const Address& address)
 {
     std::error_code error;
@@ -149,7 +149,7 @@ private:
                     self->on_found(found, why);
             });
     }
-    /// Whoever has no key, and named none, dials in the plain; a listener that wants one refuses.
+    /// Without a key the dialer connects unencrypted; a listener that requires a key refuses.
     void read_keys()
     {
         try {
@@ -196,7 +196,7 @@ private:
     }
     void on_connected(std::error_code error)
     try {
-        // A dial to a free port of this machine may be given that very port as its own, and meet itself.
+        // A dial to a free port of this machine may get that port as its own, and connect to itself.
         if (!error
             && name_of(::getsockname, socket_.native_handle()) == name_of(::getpeername, socket_.native_handle()))
             error = asio::error::connection_refused;
@@ -217,12 +217,12 @@ private:
         handshake_ = shake_hands(std::move(socket_),
                                  {.end = TlsEnd::dialer,
                                   .keys = {keys_.at(shown_)},
-                                  .limit = std::chrono::hours(1),  // the dial has a deadline of its own
+                                  .limit = std::chrono::hours(1),  // the dial has its own deadline
                                   .peer = peer.text,
                                   .local = peer.local},
                                  [this](Result<std::unique_ptr<Stream>> stream) { on_shaken(std::move(stream)); });
     }
-    /// A peer that does not know the newest key may know the one before.
+    /// A peer that does not know the newest key may know the previous one.
     void on_shaken(Result<std::unique_ptr<Stream>> stream)
     {
         const auto self = shared_from_this();
@@ -239,7 +239,7 @@ private:
     NameLookup::Endpoints endpoints_;
     std::size_t next_ = 0;
     std::shared_ptr<KeyRing> ring_;
-    std::vector<SwarmKey> keys_;  ///< to be shown, one after the other
+    std::vector<SwarmKey> keys_;  ///< to be offered, one after the other
     std::size_t shown_ = 0;
     Handshake handshake_;
     Socket socket_{context_};
@@ -254,7 +254,7 @@ std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& a
     const int family = endpoint.protocol().family();
     auto socket = open_socket(context, family);
     const int descriptor = socket.native_handle();
-    set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1);  // a port whose old connections linger is free
+    set_option(descriptor, SOL_SOCKET, SO_REUSEADDR, 1);  // allows a port with lingering old connections
     if (!defended("own-port"))
         set_option(descriptor, SOL_SOCKET, SO_REUSEPORT, 1);
     if (::bind(descriptor, reinterpret_cast<const sockaddr*>(endpoint.data()), static_cast<socklen_t>(endpoint.size()))

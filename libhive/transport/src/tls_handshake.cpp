@@ -1,4 +1,4 @@
-// The handshake, and what is said when it fails.
+// Runs the handshake, and words its errors.
 #include "tls_handshake.hpp"
 
 #include "liveness.hpp"
@@ -16,7 +16,7 @@ namespace hive::transport {
 namespace {
 
 constexpr unsigned char tls_handshake_record = 0x16;
-/// A fatal alert "handshake failure": what a dialer that speaks plain packets knows TLS by.
+/// A fatal alert "handshake failure", by which a dialer without TLS recognises TLS.
 constexpr std::array<unsigned char, 7> alert{0x15, 0x03, 0x03, 0x00, 0x02, 0x02, 0x28};
 
 std::string ids(const std::vector<SwarmKey>& keys)
@@ -91,7 +91,7 @@ private:
         fail({Errc::malformed, "it speaks neither TLS nor Hive"});
     }
 
-    /// What it has sent is read first: closing over unread bytes would take the alert back.
+    /// Reads the peer's bytes first, since closing a socket with unread bytes would discard the alert.
     void tell_plain_peer()
     {
         std::array<unsigned char, 4096> rest;
@@ -172,7 +172,7 @@ private:
             stream_->close();
     }
 
-    Socket socket_;  ///< until the stream has it
+    Socket socket_;  ///< until the stream takes it
     const HandshakeTerms terms_;
     OnShaken on_shaken_;
     asio::steady_timer timer_;

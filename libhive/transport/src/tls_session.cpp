@@ -1,4 +1,4 @@
-// The settings and the callbacks. A pre-shared key looks to OpenSSL like a session that is resumed.
+// Settings and callbacks of OpenSSL, which treats a pre-shared key like a resumed session.
 #include "tls_session.hpp"
 
 #include "key_derivation.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using ContextPtr = std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)>;
 
-/// With another order OpenSSL picks a suite whose hash does not fit an external key, and every handshake fails.
+/// With another order OpenSSL picks a suite whose hash does not match an external key, and every handshake fails.
 constexpr const char* suites = "TLS_AES_128_GCM_SHA256:TLS_CHACHA20_POLY1305_SHA256";
 constexpr unsigned char suite_of_keys[] = {0x13, 0x01};  // TLS_AES_128_GCM_SHA256
 
@@ -35,7 +35,8 @@ SSL_SESSION* session_of(SSL* ssl, const SwarmKey& key)
     return nullptr;
 }
 
-/// The id in an identity of ours; what else a stranger may send is cut and cleaned, for it is shown to people.
+/// The id in an identity of our form; any other text of an unauthenticated peer is shortened and escaped, since it is
+/// displayed.
 std::string shown_id(std::string_view identity)
 {
     std::string text;
@@ -44,7 +45,7 @@ std::string shown_id(std::string_view identity)
     return text;
 }
 
-// Exceptions may not pass through OpenSSL: an answer of 0 ends the handshake.
+// Exceptions must not pass through OpenSSL; returning 0 ends the handshake.
 
 int find_key(SSL* ssl, const unsigned char* identity, std::size_t size, SSL_SESSION** session)
 try {
@@ -67,7 +68,7 @@ try {
 int show_key(SSL* ssl, const EVP_MD* digest, const unsigned char** identity, std::size_t* size, SSL_SESSION** session)
 try {
     *session = nullptr;
-    // OpenSSL copies the identity before this thread can be here again.
+    // OpenSSL copies the identity before this thread can call this again.
     thread_local std::string text;
     auto& talk = talk_of(ssl);
     SSL_SESSION* mine = session_of(ssl, talk.keys.front());
@@ -95,7 +96,7 @@ ContextPtr make_context(TlsEnd end)
         || ::SSL_CTX_set_ciphersuites(context.get(), suites) != 1)
         throw Error(Errc::failed, "OpenSSL offers no TLS 1.3");
     ::SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
-    // Packets have their sizes: a connection that breaks off needs no mark of TLS to be known as one.
+    // Packets have their sizes: a truncated connection is recognised without TLS's close_notify.
     ::SSL_CTX_set_options(context.get(), SSL_OP_IGNORE_UNEXPECTED_EOF | SSL_OP_NO_TICKET);
     ::SSL_CTX_set_num_tickets(context.get(), 0);
     ::SSL_CTX_set_default_read_buffer_len(context.get(), SocketTurn::most);
@@ -104,7 +105,8 @@ ContextPtr make_context(TlsEnd end)
         return context;
     }
     ::SSL_CTX_set_psk_use_session_callback(context.get(), show_key);
-    // Without authorities no certificate is good: a listener that shows one instead of the key is refused.
+    // Without certificate authorities no certificate is valid: a listener that sends one instead of using the key is
+    // refused.
     ::SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
     return context;
 }
@@ -135,7 +137,7 @@ BIO* new_bio(const MethodPtr& method, void* data)
     return bio;
 }
 
-// OpenSSL's own BIO of a socket reads on without end.
+// OpenSSL's own socket BIO reads without limit.
 
 int take(BIO* bio, char* into, std::size_t size, std::size_t* taken)
 {
@@ -184,12 +186,12 @@ void on_message(int sent, int, int type, const void* bytes, std::size_t size, SS
         turn.left = 0;
 }
 
-// OpenSSL's own BIO in memory wipes its whole buffer for each message; this one appends to a vector.
+// OpenSSL's own memory BIO wipes its whole buffer for each message; this one appends to a vector.
 
 int append(BIO* bio, const char* bytes, std::size_t size, std::size_t* written)
 try {
     auto& outgoing = *static_cast<std::vector<unsigned char>*>(::BIO_get_data(bio));
-    const auto* at = reinterpret_cast<const unsigned char*>(bytes);  // of another type they would go one by one
+    const auto* at = reinterpret_cast<const unsigned char*>(bytes);  // other types would be copied one by one
     outgoing.insert(outgoing.end(), at, at + size);
     *written = size;
     return 1;
@@ -231,7 +233,7 @@ SslPtr make_tls_session(TlsEnd end, SocketTurn& turn, KeyTalk& talk, std::vector
 
 bool proved(const SSL& session, const KeyTalk& talk)
 {
-    auto* ssl = const_cast<SSL*>(&session);  // OpenSSL's questions are not const
+    auto* ssl = const_cast<SSL*>(&session);  // OpenSSL's getters are not const
     return talk.shown && ::SSL_is_init_finished(ssl) == 1 && ::SSL_version(ssl) == TLS1_3_VERSION
            && ::SSL_session_reused(ssl) == 1;
 }

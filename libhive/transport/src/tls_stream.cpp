@@ -1,4 +1,4 @@
-// Handshake, reading and writing over a socket that never blocks.
+// Handshake, reading and writing over a non-blocking socket.
 #include "tls_stream.hpp"
 
 #include <hive/protocol/packet.hpp>
@@ -16,10 +16,10 @@
 namespace hive::transport {
 namespace {
 
-constexpr std::size_t record = 16 * 1024;          // of TLS: what is encrypted at once
+constexpr std::size_t record = 16 * 1024;          // of TLS: the unit of encryption
 constexpr std::size_t most_written = 16 * record;  // encrypted before it is sent
-constexpr std::size_t most_read = 16 * record;     // of data, before others have their turn
-/// A hello of TLS with one key has about 400 bytes.
+constexpr std::size_t most_read = 16 * record;     // of data, before other connections are served
+/// A TLS hello with one key has about 400 bytes.
 constexpr std::uint64_t most_before_key = 4096;
 
 class TlsCategory final : public std::error_category {
@@ -61,7 +61,7 @@ void TlsStream::post(Handler handler, std::error_code error, std::size_t bytes)
     asio::post(socket_.get_executor(), [handler = std::move(handler), error, bytes] { handler(error, bytes); });
 }
 
-/// After a call into OpenSSL, on its thread. No error: it waits for the peer.
+/// The error after a call into OpenSSL, on the calling thread. None: it waits for the peer.
 std::error_code TlsStream::failure(int result)
 {
     const int kind = ::SSL_get_error(session_.get(), result);
@@ -93,7 +93,7 @@ void TlsStream::shake(Handler handler)
     auto error = done ? std::error_code() : failure(result);
     if (!done && !error && ::BIO_number_read(::SSL_get_rbio(session_.get())) > most_before_key)
         error = std::make_error_code(std::errc::message_size);
-    // What is left is sent also after a failure: it tells the peer what was wrong.
+    // Remaining bytes are sent even after a failure: the alert tells the peer the reason.
     flush(0, [this, done, error, handler = std::move(handler)](std::error_code unsent, std::size_t) mutable {
         shake_on(done, error ? error : unsent, std::move(handler));
     });
@@ -102,7 +102,7 @@ void TlsStream::shake(Handler handler)
 void TlsStream::shake_on(bool done, std::error_code error, Handler handler)
 {
     if (done && !error)
-        ::SSL_set_read_ahead(session_.get(), 1);  // from now on many records are read at once
+        ::SSL_set_read_ahead(session_.get(), 1);  // from now on reads many records at once
     if (done || error)
         return handler(error, 0);
     await_turn([this, handler = std::move(handler)](std::error_code failed) mutable {
@@ -145,8 +145,8 @@ TlsStream::Step TlsStream::decrypt(asio::mutable_buffer into)
             if (step.bytes == 0)
                 step.error = failure(result);
             if (step.error.category() == tls_category())
-                static_cast<void>(send());  // the alert that tells the peer
-            break;                          // an error comes again at the next call
+                static_cast<void>(send());  // the alert for the peer
+            break;                          // an error is reported again by the next call
         }
         step.bytes += bytes;
         turn_.brought(bytes);
@@ -185,10 +185,10 @@ std::error_code TlsStream::encrypt(const void* bytes, std::size_t size)
     if (result == 1)
         return {};
     const auto error = failure(result);
-    return error ? error : asio::error::connection_aborted;  // into memory there is nothing to wait for
+    return error ? error : asio::error::connection_aborted;  // writing to memory never waits
 }
 
-/// Small pieces share a record, large ones are encrypted where they lie.
+/// Small pieces share a record; large ones are encrypted in place.
 TlsStream::Step TlsStream::encrypt(std::span<const asio::const_buffer> from)
 {
     Step step;
@@ -229,7 +229,7 @@ void TlsStream::write_some(std::span<const asio::const_buffer> from, Handler han
     flush(step.bytes, std::move(handler));
 }
 
-/// As much as the operating system takes now; no error and outgoing_ not empty: it takes no more.
+/// Sends as much as the operating system takes now; no error and outgoing_ not empty: it takes no more.
 std::error_code TlsStream::send()
 {
     while (sent_ < outgoing_.size()) {

@@ -9,20 +9,20 @@
 
 namespace hive::transport {
 
-/// OpenSSL works on the socket directly, without an asio::ssl::stream between them, whose records of 17 KiB make one
-/// system call and one copy each.
+/// OpenSSL uses the socket directly, without asio::ssl::stream, whose records of 17 KiB cost one system call and one
+/// copy each.
 class TlsStream final : public Stream {
 public:
-    /// @param talk  whose keys the handshake is about
+    /// @param talk  has the keys of the handshake
     TlsStream(Socket socket, TlsEnd end, KeyTalk talk, std::string peer, bool local);
 
-    /// Shakes hands; before anything is read or written. Afterwards established() tells whether the peer has proved a
-    /// key, and reason() why not.
+    /// Does the handshake, before any read or write. Afterwards established() tells whether the peer has proved a key,
+    /// and reason() why not.
     void handshake(Handler handler);
     [[nodiscard]] bool established() const { return proved(*session_, talk_); }
     /// OpenSSL's reason for the failure; 0: none.
     [[nodiscard]] int reason() const noexcept { return reason_; }
-    /// The dialer: did the answer begin as a plain packet does?
+    /// The dialer: did the answer begin like an unencrypted packet?
     [[nodiscard]] bool plain_peer() const noexcept { return plain_peer_; }
     [[nodiscard]] const KeyTalk& talk() const noexcept { return talk_; }
 
@@ -34,12 +34,12 @@ public:
     [[nodiscard]] Credentials credentials() const override;
 
 private:
-    struct Step {  ///< what came of a call into OpenSSL
+    struct Step {  ///< the result of a call into OpenSSL
         std::size_t bytes = 0;
         std::error_code error;
         [[nodiscard]] bool waits() const { return bytes == 0 && !error; }
     };
-    /// Calls `more` when the peer's next turn has come: when the socket is readable, or after the others.
+    /// Calls `more` in the peer's next turn: when the socket is readable, or after the other connections.
     void await_turn(std::function<void(std::error_code)> more);
     void shake(Handler handler);
     void shake_on(bool done, std::error_code error, Handler handler);
@@ -48,7 +48,7 @@ private:
     std::error_code encrypt(const void* bytes, std::size_t size);
     Step encrypt(std::span<const asio::const_buffer> from);
     void wait_to_read(asio::mutable_buffer into, Handler handler);
-    /// Sends what is encrypted; the handler is told `bytes`.
+    /// Sends the encrypted bytes; the handler gets `bytes`.
     void flush(std::size_t bytes, Handler handler);
     std::error_code send();
     std::error_code failure(int result);
@@ -67,7 +67,7 @@ private:
     bool plain_peer_ = false;
 };
 
-/// What a broken seal is called, for errors of a connection.
+/// The text for a failed record authentication, for errors of a connection.
 const std::error_category& tls_category();
 
 }  // namespace hive::transport

@@ -27,7 +27,7 @@ const Scheme& scheme_of(const Address& address)
     throw Error(Errc::invalid_argument, "an address of a scheme that does not exist");
 }
 
-/// A time that never comes, where a test leaves out what it is for.
+/// An infinite time, if a test switches its defence off.
 Timing with_defences(Timing timing)
 {
     constexpr std::chrono::hours never(1);

@@ -1,4 +1,4 @@
-// The unix socket transport: its listener with its file, its dialer, and the check of who the peer is.
+// The unix socket transport: its listener with its file, its dialer, and the check of the peer's user.
 #include "accept_loop.hpp"
 #include "dial_attempt.hpp"
 #include "schemes.hpp"
@@ -75,7 +75,7 @@ private:
     } catch (const Error& refusal) {
         fail(refusal.code() == Errc::not_permitted ? Errc::not_permitted : Errc::unreachable, refusal.what());
     }
-    // The listener's queue is full; a unix socket cannot wait in line, it has to ask again.
+    // The listener's queue is full; a unix socket cannot wait for it, and has to retry.
     void connect_later()
     {
         retry_.expires_after(std::chrono::milliseconds(20));

@@ -1,4 +1,4 @@
-// TCP's own estimate of what a way carries: one window in each round trip.
+// Uses TCP's own estimate of the rate of a path: one window per round trip.
 #include "unsent_limit.hpp"
 
 #include "socket_stream.hpp"
@@ -14,7 +14,7 @@ namespace hive::transport {
 namespace {
 
 constexpr std::chrono::milliseconds often_enough{100};
-constexpr double covered_s = 0.05;  // longer than it takes to be woken and to write again, also on a busy machine
+constexpr double covered_s = 0.05;  // longer than waking up and writing again takes, even on a busy machine
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Whose turn it is, and who has to go when the room is full.
+// Chooses the next peer, and the one to evict when the room is full.
 #include "waiting_room.hpp"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace hive::transport {
 
-/// A peer that has left counts as well: there is nothing to wait for.
+/// A peer that has left counts as well, since waiting for it is useless.
 bool WaitingRoom::Waiting::has_spoken()
 {
     char first = 0;
@@ -29,7 +29,7 @@ void WaitingRoom::enter(Peer peer)
     }
 }
 
-/// Whoever is found to have spoken meanwhile stays.
+/// Peers that have sent something meanwhile stay.
 bool WaitingRoom::let_silent_go()
 {
     const auto silent = [](const Waiting& waiting) { return !waiting.spoken; };

@@ -1,4 +1,4 @@
-// Who has come while all places of a listener were taken, by where they come from and whether they have spoken.
+// Queues peers while all slots of a listener are taken, by their host and whether they have sent anything.
 #pragma once
 
 #include <hive/transport/descriptor.hpp>
@@ -11,8 +11,8 @@
 
 namespace hive::transport {
 
-/// Each address has its turn, however many come from another one, and whoever has sent something comes before those who
-/// are silent: a peer with something to say sends its hello at once.
+/// Hosts take turns, however many peers come from one, and peers that have sent something come before silent ones,
+/// since an honest peer sends its hello at once.
 class WaitingRoom {
 public:
     static constexpr std::size_t most = 192;
@@ -21,30 +21,30 @@ public:
         std::string host;
         Descriptor socket;
     };
-    /// One more than fit may come. Then the one that has been silent for longest goes, of a host that has most of them.
-    /// When all have spoken, and the newcomer is not of a host that has most, the last of one that has most goes for
-    /// it.
+    /// Adds a peer. If the room is full, evicts the oldest silent peer of the host with the most peers. If none is
+    /// silent, and another host than the new peer's has the most, evicts the newest peer of that host.
     void enter(Peer peer);
     [[nodiscard]] bool full() const { return size_ > most; }
     [[nodiscard]] bool empty() const { return hosts_.empty(); }
-    /// Has somebody here spoken?
+    /// Has any peer here sent something?
     bool spoken();
-    /// Of those who have spoken, or else of all, the first of the host whose turn it is. Not when the room is empty.
+    /// Takes the first peer that has sent something, or else any, of the host whose turn it is. The room must not be
+    /// empty.
     Peer next();
 
 private:
     struct Waiting {
         Descriptor socket;
-        std::uint64_t number;  ///< in the order of their coming
-        bool spoken = false;   ///< as of the last look
+        std::uint64_t number;  ///< in the order of arrival
+        bool spoken = false;   ///< at the last check
         bool has_spoken();
     };
     using Host = std::map<std::string, std::deque<Waiting>>::iterator;
     bool let_silent_go();
     Peer take(Host host, std::deque<Waiting>::iterator who);
 
-    std::map<std::string, std::deque<Waiting>> hosts_;  ///< that have somebody here
-    std::string last_;                                  ///< whose turn it was
+    std::map<std::string, std::deque<Waiting>> hosts_;  ///< hosts with peers here
+    std::string last_;                                  ///< the host of the last turn
     std::size_t size_ = 0;
     std::uint64_t last_number_ = 0;
 };
