@@ -1,4 +1,4 @@
-// Bodies over the containers that users have.
+// Makes bodies of users' containers.
 #include <hive/body.hpp>
 
 namespace hive {

@@ -1,4 +1,4 @@
-// Reading and writing a connection as one word.
+// Reads and writes a connection as one argument.
 #include <hive/connection_option.hpp>
 #include <hive/error.hpp>
 #include <hive/name.hpp>
@@ -44,7 +44,7 @@ void read_option(Connect& connect, std::set<std::string, std::less<>>& seen, con
         throw mistake(key + " must be " + std::string(option->must) + ", not " + in_quotes(value));
 }
 
-/// "image=camera.image": who sends, and to which input.
+/// "image=camera.image": the input and the sender's output.
 void read_ends(Connect& connect, const std::string& text)
 {
     const auto equals = text.find('=');

@@ -1,4 +1,4 @@
-// The table of the options of a connection, and how each is read and written.
+// The table of the options of a connection, with the reader and writer of each.
 #include "each.hpp"
 
 #include <hive/connection_option.hpp>
@@ -41,7 +41,7 @@ constexpr std::array clash_table{ConnectionClash{"stream", "window"},     Connec
                                  ConnectionClash{"notify", "group"},      ConnectionClash{"notify", "encoding"},
                                  ConnectionClash{"first_frame", "share"}, ConnectionClash{"first_frame", "group"}};
 
-/// Seconds; whole ones without a fraction.
+/// Seconds, without a fraction if whole.
 Json seconds(const Lease& lease)
 {
     if (!lease)
@@ -74,7 +74,7 @@ Json ConnectionOption::value(const ConnectionOptions& options) const
 {
     return std::visit(Each{[&](Transfer Options::*one) { return Json(options.*one == Transfer::streaming); },
                            [&](Delivery Options::*one) { return Json(options.*one == Delivery::notification); },
-                           [&](int Options::*one) {  // a stream has none
+                           [&](int Options::*one) {  // a stream has no window
                                return Json(options.transfer == Transfer::streaming ? Options{}.*one : options.*one);
                            },
                            [&](Lease Options::*one) { return seconds(options.*one); },

@@ -1,4 +1,4 @@
-// The list of defences that are left out.
+// Reads the list of disabled defences.
 #include <hive/protocol/defended.hpp>
 
 #include <cstdlib>
@@ -7,7 +7,7 @@
 namespace hive {
 namespace {
 
-/// Never destroyed: threads may ask until the process has ended.
+/// Never destroyed, since threads may read it until the process has ended.
 std::string& left_out()
 {
     static std::string& list = *new std::string([] {

@@ -1,4 +1,4 @@
-// The table of the fields of an order, and what walks it.
+// The table of the fields of an order, and the functions that use it.
 #include "each.hpp"
 
 #include <hive/drone_order.hpp>

@@ -16,7 +16,7 @@ std::string in_two_units(std::int64_t value, std::int64_t big, const char* big_u
 
 std::string duration_text(std::int64_t microseconds)
 {
-    if (microseconds < 0)  // the least number has no opposite
+    if (microseconds < 0)  // the minimum has no positive counterpart
         return "-" + duration_text(-std::max(microseconds, -std::numeric_limits<std::int64_t>::max()));
     if (microseconds < 1000)
         return std::to_string(microseconds) + " us";

@@ -1,4 +1,4 @@
-// A visitor of a variant, made of one function for each case.
+// A visitor of a variant with one function per case.
 #pragma once
 
 namespace hive {

@@ -1,4 +1,4 @@
-// Encodings by their words.
+// Parses encodings.
 #include <hive/encoding.hpp>
 #include <hive/error.hpp>
 

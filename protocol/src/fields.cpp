@@ -1,4 +1,4 @@
-// Reading the fields of a message.
+// Reads the fields of a message.
 #include <hive/error.hpp>
 #include <hive/json.hpp>
 #include <hive/name.hpp>

@@ -35,7 +35,7 @@ Json to_json(const std::vector<Port>& ports)
     return array;
 }
 
-/// A bound of an integer is written as one, as far as JSON holds integers.
+/// An integer's bound is written as an integer, within the range of JSON integers.
 void write_bound(Json& object, const char* key, const ParameterInfo& parameter, std::optional<double> bound)
 {
     if (!bound || !std::isfinite(*bound))

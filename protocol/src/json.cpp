@@ -1,4 +1,4 @@
-// Parsing with limits, and printing safely.
+// Parses with limits, and prints safely.
 #include "json_places.hpp"
 
 #include <hive/error.hpp>
@@ -10,7 +10,7 @@
 namespace hive {
 namespace {
 
-// Each limit in words, for what is read and for what is to be written.
+// The error of each limit, for reading and for writing.
 std::string too_deep(const JsonLimits& limits) { return "more than " + std::to_string(limits.depth) + " levels"; }
 std::string too_wide(const JsonLimits& limits)
 {
@@ -21,11 +21,11 @@ std::string too_long(const JsonLimits& limits)
     return "a string of over " + std::to_string(limits.string_bytes) + " bytes";
 }
 
-/// Builds the value while nlohmann's lexer reads, and stops it at the first excess: a text that would make a deep or
-/// wide value is refused before that value exists (nlohmann 3.11.2 crashes on copying or dumping a very deep one).
+/// Builds the value while nlohmann's lexer reads, and stops at the first limit: a deep or wide value is refused before
+/// it exists (nlohmann 3.11.2 crashes on copying or dumping a very deep one).
 class LimitedBuilder final : public nlohmann::json_sax<Json> {
 public:
-    /// @param places  told of each token; null: nobody wants to know
+    /// @param places  gets each token; null: not needed
     explicit LimitedBuilder(const JsonLimits& limits, PlaceWriter* places = nullptr) : limits_(limits), places_(places)
     {
     }
@@ -36,7 +36,7 @@ public:
     bool number_unsigned(number_unsigned_t value) override { return add(value); }
     bool number_float(number_float_t value, const string_t& text) override
     {
-        // The lexer turns an integer of over 64 bits into a double: a number that means another one is refused.
+        // The lexer turns an integer of over 64 bits into a double, which is another number and so refused.
         if (text.find_first_of(".eE") == string_t::npos)
             return refuse(Errc::malformed, "a whole number of over 64 bits");
         return add(value);
@@ -67,12 +67,12 @@ public:
         error_at_ = position;
         if (cause.id == 406)
             return refuse(Errc::malformed, "a number too large for a double");
-        // nlohmann's text repeats the input; only the place is told.
+        // nlohmann's text repeats the input; report only the position.
         return refuse(Errc::malformed,
                       places_ ? "something that does not belong here" : "an error at byte " + std::to_string(position));
     }
 
-    /// How many bytes had been read when the text turned out to be no JSON; 0: it is, or a limit was met first.
+    /// The number of bytes read when the text turned out to be invalid; 0: it is valid, or a limit came first.
     [[nodiscard]] std::size_t error_at() const noexcept { return error_at_; }
     Json take()
     {
@@ -92,7 +92,7 @@ private:
     {
         return value.size() <= limits_.string_bytes || refuse(Errc::too_large, too_long(limits_));
     }
-    /// Puts a value where the text has come to: the end of the open array, or the slot of the last key.
+    /// Inserts a value at the current position: the end of the open array, or the slot of the last key.
     template <class Value>
     bool add(Value&& value)
     {
@@ -128,7 +128,7 @@ private:
     const JsonLimits& limits_;
     PlaceWriter* places_;
     Json result_;
-    Json* slot_ = &result_;    ///< where the next value goes, unless an array is open
+    Json* slot_ = &result_;    ///< the place of the next value, unless an array is open
     std::vector<Json*> open_;  ///< the objects and arrays around it, outermost first
     std::size_t values_ = 0, error_at_ = 0;
     Errc code_ = Errc::malformed;
@@ -140,11 +140,11 @@ void require_readable(std::string_view text, const JsonLimits& limits)
     require_at_most("JSON", text.size(), limits.bytes);
     if (text.starts_with("\xEF\xBB\xBF"))
         throw Error(Errc::malformed, "JSON with a byte order mark");
-    if (text.find('\0') != std::string_view::npos)  // to nlohmann's lexer it is the end, whatever follows
+    if (text.find('\0') != std::string_view::npos)  // nlohmann's lexer would treat it as the end
         throw Error(Errc::malformed, "JSON with a NUL byte");
 }
 
-/// Where the mistake is: at the token that was not taken, or before it, where a ',' or ':' was too much.
+/// The position of the error: the refused token, or a superfluous ',' or ':' before it.
 std::size_t place_of_mistake(const LimitedBuilder& builder, const PlaceWriter& places)
 {
     const auto token = places.next_token();
@@ -207,7 +207,7 @@ std::string in_quotes(std::string_view text)
     const std::string quoted = to_text(Json(std::string(text.substr(0, 200))));
     std::string safe;
     for (std::size_t i = 0; i < quoted.size(); ++i) {
-        // nlohmann escapes C0 alone; DEL and C1 (C2 80 to C2 9F in UTF-8) are orders to a terminal, too.
+        // nlohmann escapes only C0; DEL and C1 (C2 80 to C2 9F in UTF-8) control terminals, too.
         const bool c1 = quoted[i] == '\xC2' && static_cast<unsigned char>(quoted[i + 1]) < 0xA0;
         if (quoted[i] != '\x7F' && !c1) {
             safe += quoted[i];

@@ -1,4 +1,4 @@
-// Finding tokens in a text that has been accepted, and lines and columns in any.
+// Finds tokens in an accepted text, and lines and columns in any text.
 #include "json_places.hpp"
 
 #include <algorithm>
@@ -8,11 +8,11 @@ namespace {
 
 constexpr std::string_view brackets = "{}[]";
 constexpr std::string_view between_tokens = " \t\r\n,:";
-constexpr std::string_view ends_word = " \t\r\n,:{}[]\"/";  // of a number, or of true, false and null
+constexpr std::string_view ends_word = " \t\r\n,:{}[]\"/";  // ends a number, or true, false and null
 
 std::size_t or_end(std::size_t found, std::string_view text) { return std::min(found, text.size()); }
 
-/// Behind the closing quotation mark.
+/// The position after the closing quotation mark.
 std::size_t end_of_string(std::string_view text, std::size_t begin)
 {
     for (auto at = begin + 1; at < text.size(); ++at)

@@ -7,7 +7,7 @@
 namespace hive::protocol {
 namespace {
 
-/// "face" or "face.image": people see it, and it names rows of tables.
+/// "face" or "face.image": displayed, and used as a name in tables.
 std::string receiver_name(const Fields& fields)
 {
     auto text = fields.text("receiver");

@@ -1,4 +1,4 @@
-// The grammar of names, globs over them, and the nearest one to a misspelt one.
+// The grammar of names, globs over them, and suggestions for misspelt ones.
 #include <hive/json.hpp>
 #include <hive/name.hpp>
 
@@ -62,7 +62,7 @@ bool matches_glob(std::string_view pattern, std::string_view text) noexcept
 
 std::size_t edit_distance(std::string_view a, std::string_view b)
 {
-    // Row by row; of the earlier rows only two are needed.
+    // Row by row; only the two previous rows are needed.
     std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
     std::iota(above.begin(), above.end(), std::size_t{0});
     for (std::size_t i = 1; i <= a.size(); ++i) {

@@ -1,4 +1,4 @@
-// Encoding and checking of prefixes.
+// Encodes and checks prefixes.
 #include "little_endian.hpp"
 
 #include <hive/error.hpp>
@@ -9,7 +9,7 @@
 namespace hive::protocol {
 namespace {
 
-/// What they have to say is said by their type, and by the body of a release.
+/// Pings, pongs and releases have no header; pings and pongs have no body.
 void require_bare(const Prefix& prefix)
 {
     const bool beat = prefix.type == PacketType::ping || prefix.type == PacketType::pong;

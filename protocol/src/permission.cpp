@@ -27,7 +27,7 @@ constexpr auto anyone = std::optional(Role::viewer);
 constexpr auto members = std::optional(Role::member);
 constexpr auto owners = std::optional(Role::owner);
 
-/// The least role that a connection must have for a packet of this type to be taken by that end.
+/// The minimum role at which the listener and the dialer accept a packet of this type.
 struct Rule {
     PacketType type;
     std::optional<Role> listener, dialer;
@@ -37,7 +37,7 @@ constexpr std::array table{
     Rule{hello, anyone, anyone},        Rule{ping, anyone, anyone},
     Rule{pong, anyone, anyone},         Rule{register_receiver, anyone, nobody},
     Rule{deregister, anyone, nobody},   Rule{request, anyone, nobody},
-    Rule{segment, nobody, owners},  // memory is shared at the local socket alone
+    Rule{segment, nobody, owners},  // memory is shared only over the local socket
     Rule{release, owners, nobody},      Rule{event, nobody, anyone},
     Rule{notification, nobody, anyone}, Rule{exception, nobody, anyone},
     Rule{reference, nobody, owners},    Rule{end, nobody, anyone},

@@ -1,4 +1,4 @@
-// Writing and reading plain JSON text.
+// Writes and reads plain JSON text.
 #include <hive/name.hpp>
 #include <hive/plain_text.hpp>
 
@@ -14,7 +14,7 @@ constexpr auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c
 
 void PlainWriter::close()
 {
-    text_[begin_] = '{';  // the first comma
+    text_[begin_] = '{';  // replaces the first comma
     text_ += '}';
 }
 

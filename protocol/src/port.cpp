@@ -1,4 +1,4 @@
-// Which port of a drone is meant, the one with the name or the only one that fits; and how an output is encoded.
+// Resolves a port of a drone, by its name or as the only match, and checks the encoding of an output.
 #include <hive/error.hpp>
 #include <hive/interface.hpp>
 #include <hive/name.hpp>

@@ -1,4 +1,4 @@
-// Finding code points, and replacing those that steer a terminal.
+// Decodes code points, and replaces those that control a terminal.
 #include <hive/printable.hpp>
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 namespace hive {
 namespace {
 
-/// A code point and how many bytes it took; -1 and 1 for a byte that begins no valid UTF-8.
+/// A code point and its number of bytes; -1 and 1 for a byte that begins no valid UTF-8.
 struct CodePoint {
     std::int32_t value;
     std::size_t bytes;

@@ -1,4 +1,4 @@
-// Segments, references and releases: what is said about bodies in shared memory (SPEC.md, section 11).
+// The messages about bodies in shared memory: segments, references and releases (SPEC.md, section 11).
 #include "little_endian.hpp"
 
 #include <hive/protocol/messages.hpp>

@@ -1,4 +1,4 @@
-// One sentence for each reason, and the receivers or senders that it is about.
+// One sentence per reason, and the affected receivers or senders.
 #include <hive/stall.hpp>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ void append(std::string& text, const std::string& part)
         text += (text.empty() ? "" : "; ") + part;
 }
 
-/// "s1.image, s2.image and 4 more": the edges that stand still for the reason of their output.
+/// "s1.image, s2.image and 4 more": the edges that are stalled for the reason of their output.
 std::string receivers(const OutputStatus& output)
 {
     std::string text;
@@ -43,14 +43,13 @@ std::string sentence_about(const InputStatus& input)
            + (told ? ": " + input.error : "");
 }
 
-/// By the drone's own clock, which began at its epoch.
+/// By the drone's clock, which started at its epoch.
 bool quiet(const Status& status, const OutputStatus& output)
 {
     return status.epoch + status.uptime_us - std::max(status.epoch, output.last_emitted_us) >= a_second;
 }
 
-/// Exceptions are for whoever is interested, and a drone that works on what it receives may well have outputs that
-/// nobody needs.
+/// Receivers of exceptions are optional, and a drone that processes inputs may have outputs that no receiver needs.
 bool may_be_left_alone(const Status& status, const OutputStatus& output)
 {
     const auto left_alone = [](const OutputStatus& other) {
@@ -62,7 +61,7 @@ bool may_be_left_alone(const Status& status, const OutputStatus& output)
 
 std::string of_drone(const Status& status)
 {
-    // Its state says that it has halted, and its condition which source has ended, or for what it waits.
+    // Its state already says that it has halted, and its condition which source has ended, or what it waits for.
     const bool in_condition =
         status.why == Reason::source_ended || status.why == Reason::no_receiver || status.why == Reason::watched;
     const bool told = status.why == Reason::halted || (in_condition && !status.condition.empty());

@@ -1,5 +1,4 @@
-// The status of a drone to JSON and back. Numbers that are 0, texts that are empty and flags that are false are left
-// out.
+// The status of a drone to JSON and back. Omits numbers that are 0, empty texts and false flags.
 #include <hive/error.hpp>
 #include <hive/status.hpp>
 
@@ -100,7 +99,7 @@ void write_text(Json& json, const char* key, std::string_view text)
 
 void write_why(Json& json, Reason why) { write_text(json, "why", token(why)); }
 
-/// A word that a newer drone knows and this reader does not is no reason to refuse the rest.
+/// A keyword of a newer drone that this reader does not know must not invalidate the rest.
 Reason read_why(const Fields& fields)
 {
     const auto word = fields.text_or("why", "");
@@ -204,7 +203,7 @@ MatchingStatus matching_from_json(const Json& object)
     return matching;
 }
 
-/// Of all inputs together, for who looks at the status without reading its rows.
+/// Of all inputs together, for readers that skip the rows.
 Json totals_to_json(const Status& status)
 {
     InputStatus sum;

@@ -6,7 +6,7 @@
 namespace hive {
 namespace {
 
-/// Calls it with each list of rows, in the one order that pages have.
+/// Calls `call` with each list of rows, in the order of pages.
 template <class AnyStatus, class Call>
 void for_rows(AnyStatus& status, const Call& call)
 {
@@ -16,7 +16,7 @@ void for_rows(AnyStatus& status, const Call& call)
         call(output.edges);
 }
 
-/// Leaves as many rows as one answer holds.
+/// Keeps as many rows as one answer holds.
 class Cut {
 public:
     explicit Cut(std::int64_t skip) : skip_(static_cast<std::size_t>(std::max<std::int64_t>(0, skip))) {}
@@ -46,7 +46,7 @@ private:
     static constexpr std::size_t max_rows = 128;
     std::size_t skip_, rows_ = 0;
     bool full_ = false;
-    std::size_t text_ = 40 * 1024;  // of a header of 64 KiB; the rest of the status needs room as well
+    std::size_t text_ = 40 * 1024;  // of a header of 64 KiB; the rest of the status needs space as well
     std::int64_t left_out_ = 0;
 };
 

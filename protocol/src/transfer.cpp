@@ -1,4 +1,4 @@
-// Tokens of the transfer words, connection options as JSON, and which media types fit.
+// Tokens of the enumerations, connection options as JSON, and the matching of media types.
 #include <hive/encoding.hpp>
 #include <hive/error.hpp>
 #include <hive/transfer.hpp>

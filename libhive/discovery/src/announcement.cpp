@@ -1,4 +1,4 @@
-// Writing and reading the TXT record.
+// Writes, reads and verifies TXT records.
 #include <hive/discovery/announcement.hpp>
 
 #include <hive/name.hpp>
@@ -18,13 +18,13 @@ constexpr std::string_view version = "1", local_domain = ".local";
 
 bool is_digit_of_hex(char letter) { return (letter >= '0' && letter <= '9') || (letter >= 'a' && letter <= 'f'); }
 
-/// A fingerprint, or a proof.
+/// Is the text a valid fingerprint or proof?
 bool is_digits(std::string_view text)
 {
     return text.size() == proof_digits && std::ranges::all_of(text, is_digit_of_hex);
 }
 
-/// Numbers of IPv4 and IPv6, and names of the DNS.
+/// IPv4 and IPv6 addresses, and DNS names.
 bool is_host(std::string_view text)
 {
     const auto fits = [](char letter) {
@@ -35,7 +35,7 @@ bool is_host(std::string_view text)
            && std::ranges::all_of(text, fits);
 }
 
-/// The first of each key counts, as RFC 6763 has it (6.4).
+/// The first value of each key counts (RFC 6763, 6.4).
 std::map<std::string, std::string> fields_of(const std::vector<std::string>& txt)
 {
     std::map<std::string, std::string> fields;
@@ -45,7 +45,7 @@ std::map<std::string, std::string> fields_of(const std::vector<std::string>& txt
     return fields;
 }
 
-/// "DIGITS,DIGITS" with as many as may be; nothing for anything else.
+/// "DIGITS,DIGITS" up to the maximum number; nothing for any other text.
 std::optional<std::vector<std::string>> digits_in(const std::string& text)
 {
     std::vector<std::string> all;
@@ -94,7 +94,7 @@ bool is_dialable(const transport::Address& address)
            && address.host != "0.0.0.0" && address.host != "::";
 }
 
-/// Throws Errc::invalid_argument for what is no address.
+/// Throws Errc::invalid_argument for an invalid address.
 bool is_place(const std::string& text) { return text.empty() || is_dialable(transport::parse_address(text)); }
 
 bool is_loopback(const std::string& host) { return host.starts_with("127.") || host == "::1" || host == "localhost"; }
@@ -109,20 +109,20 @@ std::string short_name(std::string host)
     return host;
 }
 
-/// What a proof is made of: nothing of it can be announced by another machine.
+/// The text that a proof covers: no part of it can be announced by another machine.
 std::string proved_text(const Announcement& said, const Service& service)
 {
     return said.drone + "\n" + said.kind + "\n" + std::to_string(said.epoch) + "\n" + said.at + "\n"
            + short_name(service.host) + "\n" + std::to_string(service.port);
 }
 
-/// The higher the better.
+/// Rates an address; higher is better.
 int worth(const Neighbour& neighbour)
 {
     const auto host = transport::parse_address(neighbour.address).host;
     if (is_loopback(host))
         return 0;
-    return host.find(':') == std::string::npos ? 2 : 1;  // what listens at all addresses may do so for IPv4 alone
+    return host.find(':') == std::string::npos ? 2 : 1;  // a drone at all addresses may listen for IPv4 only
 }
 
 auto identity(const Neighbour& neighbour) { return std::tie(neighbour.said.drone, neighbour.host, neighbour.port); }
@@ -205,7 +205,7 @@ std::optional<Neighbour> neighbour(const Announcement& said, const Service& serv
     if (!is_dialable(found) || !is_host(name))
         return std::nullopt;
     return Neighbour{.said = said,
-                     .host = name == "local" ? found.host : name,  // that is how this machine is called
+                     .host = name == "local" ? found.host : name,  // the name of this machine in swarm files
                      .address = to_text(found),
                      .port = found.port,
                      .same_machine = same_machine};

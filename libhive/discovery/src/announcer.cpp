@@ -1,4 +1,4 @@
-// Keeps one service of the daemon as the drone is.
+// Keeps one service of the daemon up to date.
 #include <hive/discovery/announcer.hpp>
 
 #include "daemon_thread.hpp"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_of_a_label = 63;
 
-/// The list of strings that libavahi takes.
+/// A string list of libavahi.
 class StringList {
 public:
     StringList(const Avahi& avahi, const std::vector<std::string>& texts) : avahi_(avahi)
@@ -40,7 +40,7 @@ class Announcer::Work final : public DaemonUser {
 public:
     explicit Work(Plan plan) : plan_(std::move(plan)), keys_(plan_.key) {}
 
-    /// No line is written after this. Any thread.
+    /// Writes no log line after this. Any thread.
     void be_quiet()
     {
         const std::lock_guard lock(mutex_);
@@ -66,7 +66,7 @@ public:
     void lost() override { group_ = nullptr; }
     [[nodiscard]] bool failed() const override { return failed_; }
 
-    /// The key may be another one by now.
+    /// The key may have changed.
     bool tick() override
     {
         const auto txt = to_txt(announcement());
@@ -87,7 +87,7 @@ private:
         try {
             prove(result, {host_, plan_.spot.port}, keys_.own());
         } catch (const Error&) {
-            // No key holds any longer: nobody gets in, and nobody need find it.
+            // No key is valid any more: no peer can connect, so no peer need find the drone.
         }
         return result;
     }
@@ -113,7 +113,7 @@ private:
         return result == 0;
     }
 
-    /// Another drone of this name is announced, on this machine or by one that calls itself as it.
+    /// Another drone of this name is announced, on this machine or on one with the same host name.
     void rename()
     {
         char* other = avahi_->alternative_service_name(label_.c_str());
@@ -140,10 +140,10 @@ private:
             plan_.log(level, said_ = text);
     }
 
-    std::mutex mutex_;  ///< of what writes lines
+    std::mutex mutex_;  ///< guards the log
     Plan plan_;
     std::string said_;
-    // of the thread
+    // only on the thread
     transport::KeyRing keys_;
     const Avahi* avahi_ = nullptr;
     AvahiEntryGroup* group_ = nullptr;

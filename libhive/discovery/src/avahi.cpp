@@ -1,4 +1,4 @@
-// Loading the libraries.
+// Loads the libraries.
 #include "avahi.hpp"
 
 #include <cstdlib>

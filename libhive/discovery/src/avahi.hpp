@@ -1,5 +1,4 @@
-// The functions of libavahi-client and libavahi-common that are used, from the libraries of this machine if it has
-// them.
+// The used functions of libavahi-client and libavahi-common, loaded from the libraries of this machine if it has them.
 #pragma once
 
 #include <avahi-client/client.h>
@@ -14,7 +13,7 @@
 
 namespace hive::discovery {
 
-/// Each is what <avahi-...> declares with "avahi_" before its name.
+/// Each is the function of <avahi-...> with the prefix "avahi_".
 struct Avahi {
     decltype(&::avahi_client_new) client_new;
     decltype(&::avahi_client_free) client_free;
@@ -42,9 +41,9 @@ struct Avahi {
     decltype(&::avahi_strerror) strerror;
 };
 
-/// Null when this machine does not have them. Any thread; the first call loads them, and nothing unloads them.
+/// Null if this machine does not have them. Any thread; the first call loads them, and they are never unloaded.
 const Avahi* avahi();
-/// Is there a system bus, through which the daemon is asked? Costs one look at the file system.
+/// Is there a system bus, through which the daemon is reached? Costs one file system check.
 bool has_system_bus();
 
 }  // namespace hive::discovery

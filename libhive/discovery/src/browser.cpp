@@ -1,4 +1,4 @@
-// Listens to what is announced, from the first question on.
+// Browses the network from the first call on.
 #include <hive/discovery/browser.hpp>
 
 #include "daemon_thread.hpp"
@@ -17,13 +17,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// So many announcements are looked at, on all networks together.
+/// Maximum number of announcements to read, on all networks together.
 constexpr std::size_t most_announcements = 1024;
 
-/// A network tells in less what its machines know, if at all.
+/// The machines of a network answer faster, if at all.
 constexpr std::chrono::milliseconds longest_wait_for_network{300};
 
-/// What is announced on one network.
+/// One announcement on one network.
 using Instance = std::tuple<AvahiIfIndex, AvahiProtocol, std::string, std::string>;
 
 std::vector<std::string> texts_of(const AvahiStringList* list)
@@ -38,7 +38,7 @@ std::vector<std::string> texts_of(const AvahiStringList* list)
 
 class Browser::Work final : public DaemonUser {
 public:
-    /// @param known  the daemon that was listened to of late
+    /// @param known  the daemon that has browsed recently
     explicit Work(std::optional<std::uint32_t> known) : known_(known) {}
 
     bool begin(const Avahi& avahi, AvahiClient& client) override
@@ -59,7 +59,7 @@ public:
     }
     void lost() override
     {
-        resolvers_.clear();  // they end with the client
+        resolvers_.clear();  // the client frees them
         const std::lock_guard lock(mutex_);
         seen_.clear();
         pending_ = 0;
@@ -74,7 +74,7 @@ public:
     [[nodiscard]] bool failed() const override { return failed_; }
 
     // --- any thread ---
-    /// Until all is known that the network will tell at once. @return the daemon, if it was listened to for that long
+    /// Waits for the immediate answers of the network. @return the daemon, if it browsed for that long
     std::optional<std::uint32_t> await()
     {
         std::unique_lock lock(mutex_);
@@ -105,7 +105,7 @@ private:
     struct Seen {
         Service service;
         Neighbour neighbour;
-        std::optional<bool> own{};  ///< proved by our keys; nothing: not looked at yet
+        std::optional<bool> own{};  ///< proved by our keys; nothing: not checked yet
     };
     struct Resolving {
         Work* work = nullptr;
@@ -114,7 +114,8 @@ private:
         bool pending = true;
     };
 
-    /// A proof costs some microseconds, and each drone is looked up several times.
+    /// Keeps verified proofs as long as the keys stay: a check costs microseconds, and each drone is looked up several
+    /// times.
     void forget_proofs_of_other(const std::vector<SwarmKey>& keys)
     {
         std::vector<SwarmKey::Secret> secrets;
@@ -127,7 +128,7 @@ private:
             seen.own.reset();
     }
 
-    /// The daemon remembers what it has heard; if it has asked the network of late, that is all.
+    /// Has the daemon reported all? If it has browsed recently, its cache is complete.
     [[nodiscard]] bool is_settled() const
     {
         if (nobody_ && !asked_)
@@ -166,8 +167,8 @@ private:
         resolving.work = this;
         resolving.instance = instance;
         const auto& [interface, protocol, name, domain] = instance;
-        // The address is of the protocol that announced it. Of all that it has, the daemon would tell the first that it
-        // hears of, and that may be the one of IPv6 that is good on one link only.
+        // Resolves an address of the announcing protocol. Otherwise the daemon would report the first known address,
+        // which may be an IPv6 one that is valid on one link only.
         resolving.resolver =
             avahi_->service_resolver_new(client_, interface, protocol, name.c_str(), service_type, domain.c_str(),
                                          protocol, AvahiLookupFlags{}, &Work::on_resolver, &resolving);
@@ -190,7 +191,7 @@ private:
         resolvers_.erase(found);
     }
 
-    /// Called again whenever something of it changes.
+    /// Called again on each change.
     static void on_resolver(AvahiServiceResolver*, AvahiIfIndex, AvahiProtocol, AvahiResolverEvent event, const char*,
                             const char*, const char*, const char* host, const AvahiAddress* address, std::uint16_t port,
                             AvahiStringList* txt, AvahiLookupResultFlags flags, void* data)
@@ -200,7 +201,7 @@ private:
             return resolving.work->set(resolving, std::nullopt);
         char number[AVAHI_ADDRESS_STR_MAX];
         resolving.work->avahi_->address_snprint(number, sizeof number, address);
-        const bool link_local = std::string_view(number).starts_with("fe80:");  // nobody can dial it without its link
+        const bool link_local = std::string_view(number).starts_with("fe80:");  // cannot be dialed without its link
         const Service service{host, port};
         const auto said = from_txt(texts_of(txt));
         const auto found = said && (!link_local || !said->at.empty())
@@ -221,7 +222,7 @@ private:
         changed_.notify_all();
     }
 
-    // of the thread
+    // only on the thread
     const Avahi* avahi_ = nullptr;
     AvahiClient* client_ = nullptr;
     std::map<Instance, Resolving> resolvers_;
@@ -234,7 +235,7 @@ private:
     std::map<Instance, Seen> seen_;
     std::vector<SwarmKey::Secret> proved_by_;
     Clock::time_point heard_at_{};
-    std::size_t pending_ = 0;  ///< announcements that are being looked at for the first time
+    std::size_t pending_ = 0;  ///< announcements being resolved for the first time
     bool asked_ = false, cache_told_ = false, all_told_ = false, nobody_ = false;
 };
 
@@ -259,8 +260,8 @@ void Browser::begin()
 std::vector<Neighbour> Browser::found()
 try {
     if (!keys_ || (!thread_ && !has_system_bus()))
-        return {};  // at no cost: what reads keys has OpenSSL begin its work, which takes a millisecond
-    const auto& keys = keys_->own();  // throws when there are none
+        return {};                    // before reading keys, which initialises OpenSSL and takes a millisecond
+    const auto& keys = keys_->own();  // throws without keys
     begin();
     return without_repetitions(work_->of(keys));
 } catch (const Error&) {

@@ -1,4 +1,4 @@
-// Connects to the daemon, and again after a while when it was lost.
+// Connects to the daemon, and reconnects after a delay.
 #include "daemon_thread.hpp"
 
 #include <hive/platform/crash_signals.hpp>
@@ -14,13 +14,13 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto again_after = 500ms;    ///< when the daemon was lost
-constexpr auto look_again_after = 5s;  ///< when there is nobody to be asked
+constexpr auto look_again_after = 5s;  ///< when no daemon is available
 constexpr auto patience_at_end = 200ms;
 
 }  // namespace
 
 struct DaemonThread::State {
-    /// @return whether the end has come
+    /// @return whether the thread has to end
     bool sleep(std::chrono::milliseconds time)
     {
         std::unique_lock lock(mutex);
@@ -44,13 +44,13 @@ struct DaemonThread::State {
     std::condition_variable changed;
     bool ending = false, ended = false;
     const Avahi* avahi = nullptr;     ///< with the poll
-    AvahiSimplePoll* poll = nullptr;  ///< to be woken up
+    AvahiSimplePoll* poll = nullptr;  ///< wakes the thread
 };
 
 DaemonThread::DaemonThread(std::shared_ptr<DaemonUser> user) : state_(std::make_shared<State>())
 {
     state_->user = std::move(user);
-    // Signals are for the threads that wait for them.
+    // Blocks signals, which are for the threads that wait for them.
     const auto others = platform::signals_for_others();
     sigset_t before;
     ::pthread_sigmask(SIG_SETMASK, &others, &before);
@@ -97,7 +97,7 @@ struct ClientFree {
     void operator()(AvahiClient* client) const { avahi->client_free(client); }
 };
 
-/// What the daemon is, as its client is told.
+/// The state of the daemon, as reported to its client.
 struct Standing {
     const Avahi& avahi;
     DaemonUser& user;
@@ -113,13 +113,13 @@ void on_state(AvahiClient* client, AvahiClientState now, void* data)
     } else if (now == AVAHI_CLIENT_CONNECTING && !standing.connected) {
         standing.user.nobody();
     } else if (now == AVAHI_CLIENT_FAILURE || standing.connected) {
-        standing.lost = true;  // it ends, or its host gets another name: everything is begun anew
+        standing.lost = true;  // it exits, or its host name changes: restarts the work
     }
 }
 
 }  // namespace
 
-/// With one client, until it is lost or the end has come.
+/// Runs one client, until it is lost or the thread has to end.
 void DaemonThread::serve(State& state, const Avahi& avahi)
 {
     const Poll poll(avahi.simple_poll_new(), PollFree{&avahi});

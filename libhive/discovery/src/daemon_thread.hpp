@@ -1,5 +1,5 @@
-// A client of the machine's Avahi daemon on a thread of its own: nobody waits for D-Bus, and a daemon that restarts is
-// found again.
+// A client of the machine's Avahi daemon on a separate thread, so that no other thread waits for D-Bus. Reconnects
+// after a restart of the daemon.
 #pragma once
 
 #include "avahi.hpp"
@@ -11,19 +11,19 @@
 
 namespace hive::discovery {
 
-/// What is wanted of the daemon. All on that thread; libavahi calls nothing here at any other time.
+/// A user of the daemon. All calls are on that thread, and so are the callbacks of libavahi.
 class DaemonUser {
 public:
     virtual ~DaemonUser() = default;
-    /// The daemon runs. @return whether what is wanted could be begun; if not, it is tried again in a while
+    /// The daemon runs. @return whether the work was started; if not, this is called again later
     virtual bool begin(const Avahi& avahi, AvahiClient& client) = 0;
-    /// The daemon is gone, or has to be told anew; what was begun ends with the client, after this.
+    /// The daemon is gone, or has to be asked again; the client frees all started work after this.
     virtual void lost() = 0;
-    /// There is nobody to be asked: no bus, no library, no daemon.
+    /// No daemon is available: no bus, no library, or no daemon.
     virtual void nobody() {}
-    /// Every `tick_every` while it is begun. @return as of begin()
+    /// Every `tick_every` while the work runs. @return as begin()
     virtual bool tick() { return true; }
-    /// Has it ended by itself? Asked after everything that came.
+    /// Has the work ended by itself? Checked after each event.
     [[nodiscard]] virtual bool failed() const { return false; }
 
     static constexpr std::chrono::milliseconds tick_every{1000};
@@ -32,8 +32,8 @@ public:
 class DaemonThread {
 public:
     explicit DaemonThread(std::shared_ptr<DaemonUser> user);
-    /// Tells the thread to end, and waits for that a moment: it may be in a call to a bus that does not answer, in
-    /// which case it goes on alone, with the user, until that call has ended.
+    /// Tells the thread to end, and waits briefly: it may be in a call to a bus that does not answer. Then it keeps
+    /// running, with the user object, until that call returns.
     ~DaemonThread();
     DaemonThread(const DaemonThread&) = delete;
     DaemonThread& operator=(const DaemonThread&) = delete;

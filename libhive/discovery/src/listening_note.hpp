@@ -1,5 +1,5 @@
-// A note in a home: this machine's daemon has just asked the network who is there. For some time it then knows without
-// asking, since it hears what is announced and taken back, and nobody need wait for answers.
+// A file in the runtime directory: this machine's daemon has just browsed the network. For some time its cache is then
+// complete, since it receives announcements and withdrawals, and no browser need wait for answers.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ class ListeningNote {
 public:
     explicit ListeningNote(std::filesystem::path file) : file_(std::move(file)) {}
 
-    /// Which daemon it was: the number that each has made for itself. Nothing when that is more than a minute ago.
+    /// The daemon's own random number. Nothing if the note is more than a minute old.
     [[nodiscard]] std::optional<std::uint32_t> daemon() const;
-    /// What cannot be written is left out: the next one waits.
+    /// Ignores errors: the next browser then waits.
     void write(std::uint32_t daemon) const noexcept;
 
 private:
