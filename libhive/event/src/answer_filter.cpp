@@ -1,4 +1,4 @@
-// A bounded memory of which attempt answered.
+// Remembers, within bounds, which attempt answered.
 #include <hive/event/answer_filter.hpp>
 #include <hive/event/ticket.hpp>
 #include <hive/protocol/defended.hpp>
@@ -10,13 +10,13 @@ namespace hive::event {
 namespace {
 
 constexpr std::string_view exceptions = "exceptions";
-constexpr char part_begins = ' ';  // of a work, for each share
+constexpr char part_begins = ' ';  // separates the shares in a work's key
 
 std::string without_group(const Share& share) { return share.of.substr(0, share.of.find('#')); }
 
 std::string drone_of(const Share& share) { return share.of.substr(0, without_group(share).rfind('.')); }
 
-/// The drone and its input that got a share: `DRONE.INPUT`. A sender that gave up names them itself.
+/// The drone and the input that got a share, `DRONE.INPUT`. A sender that gave up names them itself.
 std::pair<std::string, std::string> receiver_of(const Event& event, std::size_t i)
 {
     const auto& shares = event.identity.shares;
@@ -27,8 +27,8 @@ std::pair<std::string, std::string> receiver_of(const Event& event, std::size_t 
     return {i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender, share.to};
 }
 
-/// Which part of a pipeline that is. Members of a group are interchangeable, so behind a group neither drones nor their
-/// groups have names. Workers of the first group may call their inputs as they like.
+/// Adds a stage of the pipeline to the key. Members of a group are interchangeable, so behind a group the key names
+/// neither drones nor their groups. Workers of the first group may have inputs of different names.
 void add_stage(std::string& work, const Share& share, const std::string& receiver, const std::string& input,
                bool behind_group)
 {
@@ -37,7 +37,7 @@ void add_stage(std::string& work, const Share& share, const std::string& receive
     work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;
     ((work += '/') += std::to_string(share.part)) += '>';
     if (!behind_group && !share.group())
-        (work += receiver) += '.';  // each plain receiver gives an answer of its own
+        (work += receiver) += '.';  // each plain receiver gives its own answer
     if (behind_group || !share.group())
         work += input;
 }
@@ -82,7 +82,7 @@ bool AnswerFilter::first(const Event& event)
     return false;
 }
 
-/// A key of the work that the event answers, and which answer that is.
+/// The key of the work that the event answers, and the answer.
 std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& event, std::size_t count)
 {
     const auto& shares = event.identity.shares;
@@ -100,7 +100,7 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
         const Share& share = shares[i];
         const auto [receiver, input] = receiver_of(event, i);
         add_stage(i == 0 ? key : answer.work, share, receiver, input, behind_group);
-        if (i > 0) {  // the key has the first
+        if (i > 0) {  // the first is in the key
             (((answer.path += ' ') += without_group(share)) += '/') += std::to_string(share.part);
             answer.each += share.each ? '1' : '0';
         }
@@ -111,17 +111,16 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
         by_kind = behind_group;
         behind_group = behind_group || share.group();
     }
-    if (by_kind)  // the group that this names may have workers of several kinds
+    if (by_kind)  // this group may have workers of several kinds
         answer.kind = event.kind;
     (((key += " .") += event.output) += '/') += std::to_string(event.identity.part);
     return {std::move(key), std::move(answer)};
 }
 
-/// Does either of two answers make the other superfluous? Not where a drone gave what it made of the work to several
-/// others, and these two are of different ones. An attempt was given to one drone, which gives each answer once. What
-/// went the same way is the same, also if a receiver on the way shared it once and was alone the other time. An
-/// exception is about all that would be made of its work; a later one that is about more is news where several drones
-/// got the next share.
+/// Does either of two answers make the other redundant? No if a drone sent its result to several receivers, and the
+/// answers come from different ones. Each attempt went to one drone, which gives each answer once. Answers over the
+/// same path are the same, even if a receiver on the path shared the work one time and not the other. An exception
+/// covers all results of its work; a later exception that covers more is new if several drones got the next share.
 bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
 {
     if (one.path == other.path || includes(one, other)
@@ -136,7 +135,7 @@ bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
     return mine == one.branches.end() || its == other.branches.end() || !(mine->each || its->each);
 }
 
-/// Is all of the work given up of which the other one is a part?
+/// Is `part` a part of the work that `whole` gave up?
 bool AnswerFilter::includes(const Answer& whole, const Answer& part)
 {
     return whole.failed && part.work.size() > whole.work.size() && part.work.starts_with(whole.work)

@@ -1,4 +1,4 @@
-// Counting credit; what a peer claims beyond what it can know is cut.
+// Counts credit, and cuts impossible claims of a peer.
 #include <hive/event/credit.hpp>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ void Credit::sent(std::size_t bytes)
 void Credit::written(std::size_t bytes)
 {
     if (events_in_lane_ == 0)
-        return;  // it was given to a connection that this registration has left
+        return;  // it was sent over a connection that this registration has left
     --events_in_lane_;
     bytes_in_lane_ -= std::min(bytes, bytes_in_lane_);
 }

@@ -1,4 +1,4 @@
-// The io_context that receives answers watches the descriptors as well, so that there is one wait for all.
+// Watches the descriptors in the io_context that also receives answers, so that one wait suffices.
 #include <hive/event/descriptors.hpp>
 
 #include <asio/posix/stream_descriptor.hpp>

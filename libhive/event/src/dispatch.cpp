@@ -1,10 +1,10 @@
-// Lines of events, one for each receiver that waits for an encoding.
+// Queues of events, one per receiver that waits for an encoding.
 #include <hive/event/dispatch.hpp>
 
 namespace hive::event {
 namespace {
 
-/// The event as the encoder gives it, checked as an emitted one is.
+/// The event as returned by the encoder, checked like an emitted one.
 EmissionPtr encoded(const Encoder& encoder, const Emission& emission, const std::string& encoding)
 {
     Event result = encoder.encode(emission.event(), encoding);
@@ -62,7 +62,7 @@ Dispatch::Made Dispatch::make(const EmissionPtr& event, const std::string& encod
         const Error error = current_error();
         result.problem = Error(error.code(), encoding + ": " + error.what());
     }
-    if (result.problem) {  // a copy: one that kept itself would never go
+    if (result.problem) {  // a copy, since an event that holds itself would never be freed
         Event as_it_is = event->event();
         as_it_is.ticket = {};
         result.form = std::make_shared<const Emission>(std::move(as_it_is), true, event->own());

@@ -1,4 +1,4 @@
-// Encoding events into packets and decoding them.
+// Encodes events into packets and decodes them.
 #include "header_text.hpp"
 
 #include <hive/error.hpp>
@@ -19,7 +19,7 @@ const Share* Identity::shared_work() const
 
 std::chrono::microseconds Event::age() const
 {
-    const auto here_us = identity.captured_us - identity.offset_us;  // as the clock of this machine would have had it
+    const auto here_us = identity.captured_us - identity.offset_us;  // in the clock of this machine
     return std::chrono::microseconds(identity.captured_us == 0 ? 0 : event::wall_us() - here_us);
 }
 
@@ -101,7 +101,7 @@ bool is_share_name(std::string_view text)
 
 namespace {
 
-/// The size of a body that was not made is known only to who keeps it elsewhere, as a recording does.
+/// Without a body, only the emitter can know the size, such as a recording that stores it elsewhere.
 Event with_honest_size(Event event, bool complete)
 {
     event.sized = event.sized && (complete || event.size > 0);
@@ -117,7 +117,7 @@ Emission::Emission(Event event, bool complete, std::optional<Share> own)
       header_(std::make_shared<const std::string>(header_text(event_, own_ ? &*own_ : nullptr)))
 {
     require_within(event_.header, {}, 1);
-    constexpr std::size_t share_bytes = 512;  // what sharing adds
+    constexpr std::size_t share_bytes = 512;  // added by sharing
     if (header_->size() + share_bytes > protocol::Limits{}.header)
         throw Error(Errc::too_large, "the header of an event is " + std::to_string(header_->size()) + " bytes, limit "
                                          + std::to_string(protocol::Limits{}.header)
@@ -163,7 +163,7 @@ void Emission::keep_rendition(const std::string& encoding, std::shared_ptr<const
 Event event_from_packet(const protocol::Packet& packet)
 {
     Event event = event_from_text(packet.header_text(), packet.body);
-    event.sized = event.sized || packet.type != protocol::PacketType::notification;  // else the body tells it
+    event.sized = event.sized || packet.type != protocol::PacketType::notification;  // otherwise the body has it
     event.received = Clock::now();
     return event;
 }

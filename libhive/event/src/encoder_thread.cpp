@@ -1,4 +1,4 @@
-// A thread with a queue of jobs for each peer.
+// Runs jobs from one queue per peer.
 #include <hive/event/encoder_thread.hpp>
 #include <hive/platform/crash_signals.hpp>
 
@@ -31,7 +31,7 @@ void EncoderThread::end()
         ended = std::exchange(thread_, {});
         changed_.notify_one();
     }
-    dropped.clear();  // without the lock: what a job holds may have work to do
+    dropped.clear();  // without the lock, since destroying a job may run code
     if (ended.joinable())
         ended.join();
 }

@@ -1,4 +1,4 @@
-// Choosing encodings.
+// Chooses encodings.
 #include <hive/event/encoding_choice.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Rounds of questions with a time limit.
+// Asks in rounds with a time limit.
 #include <hive/event/end_check.hpp>
 #include <hive/event/intake.hpp>
 

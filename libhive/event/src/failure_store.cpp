@@ -1,4 +1,4 @@
-// A file is DRONE,NUMBER,RUN,EDGE. In it are packets as on the wire: one about the failure, then one for each input.
+// A file is DRONE,NUMBER,RUN,EDGE. It contains packets as on the wire: one about the failure, then one for each input.
 #include <hive/error.hpp>
 #include <hive/event/failure_store.hpp>
 #include <hive/event_text.hpp>
@@ -43,7 +43,7 @@ constexpr std::string_view unfinished = ".new-";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(Errc::io, what + ": " + std::strerror(errno)); }
 
-/// Held for as long as it takes to name a file and to remove others, never while bodies are written.
+/// Held only while a file is named and others are removed, never while bodies are written.
 class Turn {
 public:
     explicit Turn(const fs::path& directory)
@@ -89,7 +89,7 @@ void write_packet(std::ofstream& out, PacketType type, const std::string& header
 
 void write_failure(const fs::path& file, const KeptFailure& failure)
 {
-    // Made with its mode, so that no other user can open it before.
+    // Created with its mode, so that other users can never open it.
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor < 0)
         fail("cannot write " + file.string());
@@ -205,7 +205,7 @@ std::int64_t FailureStore::keep(const KeptFailure& failure, const std::string& e
                 break;
         }
     number = std::max<std::int64_t>(number, 1);
-    constexpr std::size_t max_edge = 128;  // so that the name is one that file systems take
+    constexpr std::size_t max_edge = 128;  // so that the file name is valid on all file systems
     const auto name = failure.drone + "," + std::to_string(number) + "," + std::to_string(failure.run) + ","
                       + edge.substr(0, max_edge);
     fs::rename(fresh, directory_ / name, problem);
@@ -217,7 +217,7 @@ std::int64_t FailureStore::keep(const KeptFailure& failure, const std::string& e
     return number;
 }
 
-/// Removes the oldest of a drone that has too many, then the oldest of all, and what writers left that died.
+/// Removes the oldest failures of a drone that has too many, then the oldest of all, and files left by crashed writers.
 void FailureStore::make_room() const
 {
     std::error_code ignored;

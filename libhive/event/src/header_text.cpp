@@ -1,4 +1,4 @@
-// Writing and reading the fixed fields of an event's header.
+// Writes and reads the fixed fields of an event's header.
 #include "header_text.hpp"
 
 #include <hive/error.hpp>
@@ -94,7 +94,7 @@ bool read_hops(PlainReader& text, std::vector<Hop>& hops)
     return text.skip("]") && hops.size() <= most_hops;
 }
 
-/// Up to the bracket that closes the first one; parse_json judges what is between.
+/// The text up to the bracket that closes the first one; parse_json checks the content.
 std::size_t object_size(std::string_view text)
 {
     std::size_t depth = 0;
@@ -115,7 +115,7 @@ std::size_t object_size(std::string_view text)
     return 0;
 }
 
-/// Any object, with the limits of one that is inside another.
+/// Any object, with the limits of a nested one.
 bool read_object(PlainReader& text, Json& value)
 try {
     if (text.skip("{}")) {
@@ -134,7 +134,7 @@ try {
 
 using Read = bool (*)(PlainReader&, Event&);
 struct Field {
-    std::string_view key;  ///< as it stands in the text
+    std::string_view key;  ///< with its punctuation
     Read read;
 };
 
@@ -206,7 +206,7 @@ bool read_plain_header(std::string_view text, Event& event)
     do {
         std::size_t tried = 0;
         while (tried < known_fields.size() && !place.skip(known_fields[next].key)) {
-            next = (next + 1) % known_fields.size();  // they mostly come in this order
+            next = (next + 1) % known_fields.size();  // they usually come in this order
             ++tried;
         }
         if (tried == known_fields.size() || (seen & (1u << next)) != 0 || !known_fields[next].read(place, event))

@@ -1,4 +1,4 @@
-// Paths, locks and state files in the home directory.
+// Paths, locks and state files in the runtime directory.
 #include <hive/error.hpp>
 #include <hive/event/home.hpp>
 #include <hive/name.hpp>
@@ -38,7 +38,7 @@ void make_private(const fs::path& directory)
                     "close it: chmod 700 " + directory.string());
 }
 
-/// Open-file-description locks: they end with the process, and can be looked at without being taken.
+/// Open-file-description locks: they end with the process, and can be checked without being taken.
 struct flock whole_file(short type)
 {
     struct flock lock {};
@@ -165,7 +165,7 @@ NameClaim::NameClaim(const Home& home, const std::string& name, To what)
     const auto pid = std::to_string(platform::own_pid());
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0) {
         const int error = errno;
-        ::close(descriptor_);  // and with it the lock
+        ::close(descriptor_);  // releases the lock
         errno = error;
         fail(Errc::io, "cannot write " + file.string());
     }

@@ -1,4 +1,4 @@
-// Counting deliveries at the receiver, and when its sender must hear of it.
+// Counts deliveries at the receiver, and decides when to report them to the sender.
 #include <hive/event/credit.hpp>
 #include <hive/event/input_progress.hpp>
 #include <hive/json.hpp>
@@ -12,7 +12,7 @@ using protocol::Request;
 
 namespace {
 
-constexpr std::int64_t told_at_least = 16;  // a stream tells what it has dealt with after so many events
+constexpr std::int64_t told_at_least = 16;  // a stream reports after this many finished events
 
 }  // namespace
 
@@ -28,7 +28,7 @@ bool InputProgress::begin(std::int64_t epoch, const ConnectionOptions& options, 
     place_ = place;
     back_.clear();
     finished_ = std::max(finished_, done_);
-    const auto told = goes_on ? 0 : done_;  // what was told last may not have come through
+    const auto told = goes_on ? 0 : done_;  // the last report may have been lost
     const auto asks = [&](std::int64_t window) { return arrived() + std::max<std::int64_t>(window - held, 0); };
     told_ = {.epoch = epoch, .id = asks(options.window), .done = told, .worked = told};
     allowed_ = options.transfer == Transfer::streaming ? asks(Credit::most_streamed) : told_.id;
@@ -77,12 +77,12 @@ std::int64_t InputProgress::allowed(std::int64_t ask, std::int64_t worked) const
     return std::max(allowed_, options_.transfer == Transfer::streaming ? worked + Credit::most_streamed : ask);
 }
 
-/// Is there something to tell that cannot go with a later request? @param more  may come then
+/// Is there a report that cannot go with a later request? @param more  the report lets the sender deliver more
 bool InputProgress::urgent(std::int64_t worked, bool more) const
 {
     if (!back_.empty())
         return true;
-    const bool waits = !all_worked();  // something is being processed, and its end will be told
+    const bool waits = !all_worked();  // an event is being processed, and its end will be reported
     if (options_.transfer == Transfer::streaming)
         return (done_ > told_.done || worked > told_.worked || more)
                && (!waits || lossless_ || worked - told_.worked >= told_at_least);

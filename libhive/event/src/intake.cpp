@@ -1,4 +1,4 @@
-// Registering at a sender, coming back after a loss, and leaving.
+// Registers at a sender, reconnects after a loss, and leaves.
 #include <hive/event/module.hpp>
 
 #include <algorithm>
@@ -13,14 +13,14 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto patience = 3s;      // for one attempt to dial and register
-constexpr auto short_break = 10s;  // so long after a loss it is tried more often: most networks are back by then
-constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, and six round trips more
-constexpr auto pause_after_refusal = 1s;   // the sender is there, and will say the same again
-constexpr auto patience_to_leave = 30s;    // for what is in hand when it is told to stop
-constexpr auto lost_for_good = 30s;        // a sender that is lost for longer does not delay the end
-constexpr auto others_work = 2s;           // the same for a member of a group, whose work the others do
+constexpr auto short_break = 10s;  // after a loss retries are frequent for this long: most networks are back by then
+constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, plus six round trips
+constexpr auto pause_after_refusal = 1s;   // the sender is up, and would refuse again
+constexpr auto patience_to_leave = 30s;    // for work in progress at a stop
+constexpr auto lost_for_good = 30s;        // a sender lost for longer does not delay the end
+constexpr auto others_work = 2s;           // the same for a group's member, whom the others replace
 
-/// A socket file is the name of its drone; a port may be another one's by now.
+/// A socket file belongs to the drone of its name; a port may belong to another drone by now.
 std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
 {
     if (spec.address.scheme != transport::Address::Scheme::tcp || link.peer().name == spec.sender)
@@ -31,7 +31,7 @@ std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
 
 Backoff backoff_for(const transport::Address& address)
 {
-    // A local socket that is not there costs nothing to try, so a restarted drone is met again at once.
+    // Trying a missing local socket costs nothing, so a restarted drone is reached at once.
     const bool local = address.scheme != transport::Address::Scheme::tcp;
     return {local ? 5ms : 100ms, local ? 300ms : 4000ms, static_cast<std::uint32_t>(wall_us())};
 }
@@ -60,17 +60,18 @@ void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
     before_ = std::exchange(spec_.options, options);
     first_ = std::move(on_outcome);
     disconnected();
-    link_->release_channel(channel_);  // what is under way there comes again
+    link_->release_channel(channel_);  // events in transit there are sent again
     register_on(link_, Clock::now() + patience);
 }
 
-/// What the kernel sent while there was no network it sends again only after one second, and then after two more.
+/// TCP retransmits packets that were sent without network only after one second, and then after two more; a new dial is
+/// faster.
 bool Intake::in_short_break() const
 {
     return lost_ && spec_.address.scheme == transport::Address::Scheme::tcp && Clock::now() < *lost_ + short_break;
 }
 
-/// An intake whose first attempt is still unanswered is not held: connects register in the order of their requests.
+/// An intake whose first attempt is unanswered is not delayed, since connects register in the order of their requests.
 bool Intake::holds()
 {
     held_up_ = held_ > 0 && !first_;
@@ -132,7 +133,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
         link_.reset();
         return failed(error);
     }
-    // Held by the link, so it holds neither the link nor this, which has the link.
+    // Owned by the link, so it must own neither the link nor this, which owns the link.
     const auto on_outcome = [weak = weak_from_this(), to = std::weak_ptr(link),
                              held = registration.held](const Outcome& outcome) {
         const auto self = weak.lock();
@@ -163,14 +164,14 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
                            .turn = fields.integer_or("turn", 0, max_json_integer, 0),
                            .closed = fields.integer_or("closed", 0, max_json_integer, 0)};
     } catch (const Error& error) {
-        link_.reset();  // nothing is pending any more that would report its end
+        link_.reset();  // no pending call would report its end any more
         link->close(error);
         return failed(error);
     }
     connected_ = true;
     tried_ = 0;
     sender_leaves_ = false;
-    end_.reset();  // the sender tells of it again, if it is still so, and then it is asked again
+    end_.reset();  // the sender sends its end again, if it still holds, and is then asked again
     answered_ = question_;
     changed();
     before_.reset();
@@ -184,7 +185,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
     keep_time();
 }
 
-/// The ages of events need the clock of a sender on another machine, for as long as it sends.
+/// The ages of events need the clock of a remote sender as long as it sends.
 void Intake::keep_time()
 {
     if (!connected_ || stopped() || link_->local())
@@ -226,7 +227,7 @@ void Intake::stop(std::function<void()> left)
     on_left_ = std::move(left);
     if (const auto first = std::exchange(first_, {}))
         first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
-    module_.look_at_ends();  // it has no answer to give any more
+    module_.look_at_ends();  // it will not answer any more
     if (connected_ && !progress_.empty()) {
         timer_.run_after(patience_to_leave, [weak = weak_from_this()] {
             if (const auto self = weak.lock())
@@ -256,15 +257,15 @@ void Intake::leave_now()
     try_to_leave();
 }
 
-/// Results that wait for their first receiver are kept, so nothing is lost when their events are acknowledged.
+/// Results that wait for their first receiver are kept, so their events can be acknowledged without loss.
 void Intake::acknowledge_held()
 {
     if (connected_ && all_worked() && !progress_.empty() && module_.holds())
         tell(progress_.acknowledge_all());
 }
 
-/// Lossless and shared work is finished first; other events are not waited for. A group goes on without the answer of
-/// this member, but who puts its results in order would not wait for one that is acknowledged.
+/// Finishes lossless and shared work first, but does not wait for other events. A group continues without this member's
+/// answer, but an ordered collector would not wait for the answer of an acknowledged event.
 void Intake::try_to_leave()
 {
     const bool shared = !spec_.options.group.empty();
@@ -324,7 +325,7 @@ void Intake::disconnected()
     lost_at_ = Clock::now();
 }
 
-/// Whatever is wrong but that nobody was met, or not for long enough.
+/// Any error except an unreachable or silent sender.
 std::optional<Error> Intake::refusal() const
 {
     if (connected_ || !problem_)

@@ -1,4 +1,4 @@
-// What comes at an intake, what the sender is told of it, and what the status says.
+// Handles the packets of an intake, its reports to the sender, and its status.
 #include <hive/event/emission.hpp>
 #include <hive/event/module.hpp>
 #include <hive/name.hpp>
@@ -12,7 +12,7 @@ using protocol::PacketType;
 
 namespace {
 
-constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row for each input
+constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row per input
 
 }  // namespace
 
@@ -57,7 +57,7 @@ bool Intake::unsure() const
     return end_ && answered_ < question_ && !sender_leaves_ && !stopped() && !refusal() && !gone_for_good();
 }
 
-/// Its sender ended the registration, because an operator said so.
+/// The sender ended the registration at an operator's request.
 void Intake::dropped()
 {
     const auto text = spec_.sender + "." + spec_.output + " was disconnected from " + spec_.receiver + " at its sender";
@@ -68,7 +68,7 @@ void Intake::dropped()
     note_end(text);
 }
 
-/// A sender speaks for itself alone: its events are those of its output.
+/// A sender may only send events of its own output.
 void Intake::require_own(const Event& event) const
 {
     const auto& peer = link_->peer();
@@ -103,7 +103,7 @@ void Intake::on_packet(const protocol::Packet& packet)
 void Intake::accept(Event event)
 {
     ++received_;
-    constexpr std::int64_t no_generation = -1;  // there is nobody to ask or to acknowledge
+    constexpr std::int64_t no_generation = -1;  // no sender to request from or to acknowledge to
     event.ticket = ticket(no_generation, 0);
     sink_(std::move(event));
 }
@@ -113,7 +113,7 @@ Ticket Intake::ticket(std::int64_t generation, std::int64_t number)
     return {std::make_shared<Acknowledgement>(module_.weak_loop(), weak_from_this(), generation, number), true};
 }
 
-/// A halted member keeps no work from others, and an input that leaves takes nothing more.
+/// A halted member must not keep work from others, and a leaving input accepts nothing more.
 bool Intake::refuses_now() const
 {
     return stopped() || (!spec_.options.group.empty() && module_.paused() == Reason::halted);
@@ -225,7 +225,7 @@ std::int64_t EndOfInputs::doubt()
 {
     const std::lock_guard lock(mutex_);
     sure_ = whom_ == Of::drone;
-    return ++number_;  // an answer to an earlier doubt is no answer to this one
+    return ++number_;  // answers to earlier questions do not count for this one
 }
 
 bool EndOfInputs::confirm(std::int64_t end)

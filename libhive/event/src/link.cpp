@@ -9,7 +9,7 @@ using protocol::PacketType;
 
 namespace {
 
-/// A peer would end the connection for more, and with it everything else that goes on there.
+/// A peer would close the connection for more, with everything else on it.
 void require_acceptable(const Json& header, const std::string& text, const Body& body)
 {
     constexpr protocol::Limits limits;
@@ -48,7 +48,7 @@ protocol::Direction Link::to_peer() const
     return end_ == End::dialed ? protocol::Direction::to_listener : protocol::Direction::to_dialer;
 }
 
-/// Before anything is read that the peer says.
+/// Checked before the packet is read.
 bool Link::wants(PacketType type, std::uint16_t channel) const
 {
     if (const auto role = credentials().role; !permits(role, to_here(), type))
@@ -78,7 +78,7 @@ void Link::on_packet(const Packet& packet)
     }
 }
 
-/// What the peer asks of this module.
+/// A request of the peer.
 void Link::take(const Packet& packet)
 {
     constexpr std::size_t max_deferred = 128, max_size = 64 * 1024;
@@ -160,7 +160,7 @@ void Link::request(PacketType type, Json header, Body body, Clock::time_point de
     connection_->send(protocol::make_packet(type, std::move(text), channel, std::move(body)));
 }
 
-/// The status of a drone tells the time as any answer does, is answered at once, and without rows it is short.
+/// The status of a drone has the time like any answer, is answered at once, and is short without rows.
 void Link::ask_time()
 {
     const auto now = Clock::now();
@@ -190,7 +190,7 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
     } catch (const Error& error) {
         return answer(id, error);
     }
-    // A peer that asks faster than it reads keeps its connection: the short answer fits.
+    // A peer that sends requests faster than it reads answers keeps its connection: the short answer fits.
     constexpr std::size_t short_answer = 1024;
     if (text.size() > short_answer && !connection_->has_room(text.size() + 32 * short_answer))
         return answer(id, Error(Errc::refused, "answers to earlier requests wait to be read"));

@@ -1,4 +1,4 @@
-// The turn, waiting with it, and the network thread that steps in when nobody has it.
+// The turn, waits with the turn, and the network thread, which takes over when no thread has it.
 #include <hive/error.hpp>
 #include <hive/event/loop.hpp>
 #include <hive/platform/crash_signals.hpp>
@@ -15,7 +15,7 @@
 namespace hive::event {
 namespace {
 
-/// Signals are for the user thread.
+/// Blocks signals, which are for the user thread.
 void block_signals()
 {
     const auto others = platform::signals_for_others();
@@ -48,7 +48,7 @@ void Loop::start()
 {
     {
         const std::lock_guard lock(mutex_);
-        arm(patience);  // for what has been posted already
+        arm(patience);  // for tasks that are already posted
     }
     thread_ = std::thread([this] { watch(); });
 }
@@ -81,7 +81,7 @@ void Loop::post(Task task)
         asio::post(context_, [this] { run_posted(); });
 }
 
-/// The io_context is left alone: what has to be read, and what was written, is for the next wait() or serve().
+/// Does not poll the io_context: reads and completed writes are left to the next wait() or serve().
 void Loop::perform(Task task)
 {
     if (!try_take())
@@ -137,11 +137,11 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
     if (!ran)
         run_ready();
     short_wait_ = Clock::now() - begin
-                  < patience / 10;  // then a look now and then is cheaper than two system calls for each wait
+                  < patience / 10;  // then an occasional wake-up is cheaper than two system calls for each wait
     leave();
 }
 
-/// Turns are served in order, so whoever leaves and takes again lets the others go first.
+/// Turns are served in order, so a thread that releases and retakes the turn lets the others go first.
 void Loop::take()
 {
     std::unique_lock lock(mutex_);
@@ -189,7 +189,7 @@ void Loop::arm(std::chrono::nanoseconds after)
     ::timerfd_settime(timer_, 0, &due, nullptr);
 }
 
-/// Before what is likely to be a long wait: the network thread need not wake only to see that it is not needed.
+/// Before a wait that is likely to be long, so that the network thread does not wake needlessly.
 void Loop::disarm()
 {
     const std::lock_guard lock(mutex_);
@@ -220,7 +220,7 @@ try {
     return true;
 }
 
-/// What was posted up to now, in the order of the calls.
+/// Runs the tasks posted so far, in the order of the calls.
 void Loop::run_posted()
 {
     std::vector<Task> tasks;
@@ -241,7 +241,7 @@ void Loop::run_ready()
     }
 }
 
-/// An earlier alarm is left as it is: that costs one look too many, now and then, and no system call for each wait.
+/// Keeps an earlier alarm: that costs an occasional needless wake-up, but no system call per wait.
 void Loop::set_alarm(Clock::time_point deadline)
 {
     if (deadline == Clock::time_point::max() || (alarm_set_ && alarm_.expiry() <= deadline))
@@ -268,13 +268,13 @@ void Loop::watch()
     }
 }
 
-/// Takes the turn if everybody has been away for long enough.
+/// Takes the turn if no thread has had it for long enough.
 bool Loop::take_over()
 {
     const std::lock_guard lock(mutex_);
     armed_ = false;
     if (ending_ || asked_ != given_back_)
-        return false;  // whoever has it arms the timer when leaving
+        return false;  // its holder arms the timer when releasing it
     if (const auto away = Clock::now() - served_at_; away < patience) {
         arm(patience - away);
         return false;

@@ -33,7 +33,7 @@ void Mailbox::subtract(const Event& event)
         live_.erase(row);
 }
 
-/// The oldest of the output that has most; the end when nothing may be lost.
+/// The oldest event of the output with the most; end() if all are lossless.
 std::deque<Event>::iterator Mailbox::to_drop(std::size_t Load::*what)
 {
     if (live_.empty())
@@ -52,7 +52,7 @@ void Mailbox::push(Command command)
 
 void Mailbox::push(Event&& event)
 {
-    std::vector<Event> dropped;  // destroyed after the lock: tickets have work to do
+    std::vector<Event> dropped;  // destroyed after the lock, since tickets run code
     const std::lock_guard lock(mutex_);
     add(event);
     events_.push_back(std::move(event));

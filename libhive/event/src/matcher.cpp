@@ -1,4 +1,4 @@
-// Which waiting events make a set, which have no partner to hope for, and which hold up their source.
+// Decides which waiting events make a set, which cannot get a partner, and which delay their source.
 #include <hive/event/matcher.hpp>
 #include <hive/event/ticket.hpp>
 
@@ -72,7 +72,7 @@ void Matcher::expire(TimePoint now)
         drop_late(i, now);
         give_back(i, now);
         for (auto& waiting : lines_[i].events())
-            if (waiting.due <= now)  // lossless: it stays, and while it holds up its source it is looked at again
+            if (waiting.due <= now)  // lossless: it stays, and is checked again while it delays its source
                 waiting.due = waiting.event.ticket.processing() ? now + patience / 4 : never;
     }
 }
@@ -137,8 +137,7 @@ std::optional<Matcher::Places> Matcher::exact_set(const Waiting& newest) const
     return places.size() == lines_.size() ? std::optional(places) : std::nullopt;
 }
 
-/// The event of another input that is nearest to one of the first, and has none nearer itself; when nothing can change
-/// that any more.
+/// The event of another input that is mutually nearest to one of the first input, once no later event can change that.
 std::optional<std::size_t> Matcher::nearest_partner(std::size_t first, std::size_t other, TimePoint now) const
 {
     const Waiting& here = lines_[0].events()[first];
@@ -181,7 +180,7 @@ void Matcher::make_set(const Places& places)
     ++counts_.sets;
 }
 
-/// An event without hope, and of the same capture what waits for it elsewhere.
+/// Drops an event that cannot get a partner, and the events of the same capture that wait for it.
 void Matcher::give_up(std::size_t input, std::size_t place)
 {
     const Waiting& waiting = lines_[input].events()[place];
@@ -192,10 +191,10 @@ void Matcher::give_up(std::size_t input, std::size_t place)
             const auto there = partner(waiting, other);
             if (!there)
                 lacking.push_back(other);
-            else if (!match_.tolerance)  // without this one it has nothing to hope for; by time it may find another
+            else if (!match_.tolerance)  // the other has lost its only partner; by time it may match another
                 gone.emplace_back(other, *there);
         }
-    if (lacking.empty())  // there was one, which belonged to another
+    if (lacking.empty())  // its nearest partner matched another event
         lacking.push_back(input == 0 ? 1 : 0);
     for (const auto other : lacking)
         counts_.missing[lines_[other].input()] += std::ssize(gone);
@@ -204,7 +203,7 @@ void Matcher::give_up(std::size_t input, std::size_t place)
         conclude(lines_[line].take(position), Ending::unmatched);
 }
 
-/// Can its partner at that input not come any more?
+/// Is it certain that its partner at that input cannot arrive any more?
 bool Matcher::hopeless(const Waiting& waiting, std::size_t other) const
 {
     const Identity& identity = waiting.event.identity;
@@ -213,7 +212,7 @@ bool Matcher::hopeless(const Waiting& waiting, std::size_t other) const
     return lines_[other].heard_until() > identity.captured_us + match_.tolerance->count() && !partner(waiting, other);
 }
 
-/// Has that input come further than this event, so that nobody need wait for it?
+/// Has that input passed this event, so that waiting is useless?
 bool Matcher::overtaken(const Waiting& waiting, std::size_t other) const
 {
     const Identity& identity = waiting.event.identity;
@@ -251,7 +250,7 @@ void Matcher::drop_late(std::size_t input, TimePoint now)
     }
 }
 
-/// Does something still come where its partner is missing?
+/// Is the input of the missing partner still active?
 bool Matcher::holds_up(const Waiting& waiting, std::size_t input, TimePoint now) const
 {
     for (std::size_t other = 0; other < lines_.size(); ++other)

@@ -1,4 +1,4 @@
-// The life of a module: its end, what it owns, its timer.
+// The lifetime of a module, its parts and its timer.
 #include <hive/event/module.hpp>
 #include <hive/protocol/defended.hpp>
 
@@ -17,7 +17,7 @@ constexpr auto patience_at_end = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
 const std::size_t most_viewers = defended("share-of-viewers") ? 64 : most_peers;  ///< of them
 
-/// Beside them, for the local socket, and as many for applications from elsewhere.
+/// In addition to these, for the local socket, and as many for remote applications.
 const std::size_t reserved = defended("reserved-places") ? 32 : 0;
 
 }  // namespace
@@ -42,7 +42,7 @@ void Module::end()
     pool_->end();
 }
 
-/// Deregisters everywhere and waits a moment for the confirmations, so that nobody takes the end for a loss.
+/// Deregisters everywhere and waits briefly for the confirmations, so that no peer treats the end as a loss.
 void Module::leave()
 {
     call([&] {
@@ -68,7 +68,7 @@ void Module::close_links()
     keys_timer_.cancel();
     end_check_.stop();
     armed_ = false;
-    timer_.cancel();  // a tick that is due in 20 ms would hold up the end of a command that long
+    timer_.cancel();  // a tick that is due in 20 ms would delay the end of a command by that time
     if (!handed_over_)
         for (auto& outlet : outlets_)
             outlet.say_leaving();
@@ -78,7 +78,7 @@ void Module::close_links()
         std::erase_if(dialing_, [this](const auto& row) { return !under_way_.contains(row.first); });
     if (links_.empty() && dialing_.empty())
         return;
-    // What is left are closings and dials under way: a peer that does not answer is not waited for.
+    // Only closings and dials in progress are left: do not wait for a peer that does not answer.
     last_.run_after(patience_at_end, [this] { context().stop(); });
 }
 
@@ -90,7 +90,7 @@ std::optional<Mailbox::Item> Module::next(Mailbox& mailbox, Clock::time_point de
 {
     const auto ready = [&] { return mailbox.ready(!halted_); };
     if (ready())
-        loop_->serve();  // what the last item left behind, its ticket and what it emitted, is not for later
+        loop_->serve();  // the last item's ticket and emissions must not wait
     else
         loop_->wait(deadline, ready);
     return mailbox.pop(!halted_);
@@ -155,7 +155,7 @@ transport::Address Module::listen(const transport::Address& address)
             adopt(make_link(std::move(connection), Link::End::accepted), [this, local](const Result<LinkPtr>& opened) {
                 if (const auto link = value_or_none(opened); link && !local && !has_place(*link)) {
                     turn_away(link->connection());
-                    std::erase(links_, link);  // at once, so that it takes nobody's place until its end is told
+                    std::erase(links_, link);  // at once, so that it takes no place until its end is reported
                     link->close(Error(Errc::refused, "there is no place left"));
                 }
             });
@@ -167,7 +167,7 @@ transport::Address Module::listen(const transport::Address& address)
 namespace {
 
 bool is_local(const Link& link) { return link.credentials().role == Role::owner; }
-/// Who has said what it is: of the others, the transport bounds how many there are.
+/// Peers after their hello; the transport bounds the others.
 bool is_remote(const Link& link) { return !is_local(link) && link.open(); }
 bool is_viewer(const Link& link) { return is_remote(link) && link.credentials().role == Role::viewer; }
 bool is_remote_application(const Link& link) { return is_remote(link) && link.peer().kind == "application"; }
@@ -179,16 +179,16 @@ std::size_t Module::peers(bool (*like)(const Link&)) const
     return static_cast<std::size_t>(std::ranges::count_if(links_, [&](const LinkPtr& link) { return like(*link); }));
 }
 
-/// Whether one more may come through the local socket; it has said nothing yet.
+/// May one more peer connect through the local socket? Called before its hello.
 bool Module::has_local_place()
 {
     return links_.size() < most_peers || peers(is_local) < reserved
            || make_room(Role::owner, [](const Link&) { return true; });
 }
 
-/// Whether a peer from elsewhere, which has said what it is, may stay. Some places are kept for applications: whoever
-/// looks what is wrong must not find the door shut by those who have their work here, nor be sent away for them.
-/// Viewers have a share of the places, so that they keep no member out.
+/// May a remote peer stay after its hello? Some places are reserved for applications, so that an operator can connect
+/// to a full drone, and is not evicted for its regular peers. Viewers have a share of the places, so that they keep no
+/// member out.
 bool Module::has_place(const Link& newcomer)
 {
     const auto role = newcomer.credentials().role;
@@ -212,9 +212,8 @@ void Module::turn_away(const transport::Connection& connection)
         + " connected, and each has something to do here");
 }
 
-/// Of the peers that have nothing registered and nothing under way, the one that has been idle for longest gives up its
-/// place, viewers first: strangers who only hold places do not keep out who has something to say. When there is none, a
-/// viewer makes room for a member.
+/// Evicts the peer without registrations and requests in progress that has been idle for longest, viewers first, so
+/// that idle peers keep no active one out. If there is none, evicts a viewer for a member.
 bool Module::make_room(Role newcomer, const std::function<bool(const Link&)>& may_go)
 {
     enum Rank { idle_viewer, idle_member, busy_viewer, stays };
@@ -235,7 +234,7 @@ bool Module::make_room(Role newcomer, const std::function<bool(const Link&)>& ma
         }
     if (!first)
         return false;
-    std::erase(links_, first);  // at once, so that it is not chosen again before its end is told
+    std::erase(links_, first);  // at once, so that it is not chosen again before its end is reported
     first->close(Error(Errc::refused, chosen.first == busy_viewer
                                           ? "a member needed the place of a viewer"
                                           : "it had nothing to do here, and another peer needed the place"));
@@ -310,7 +309,7 @@ std::vector<Subscriber> Module::subscribers() const
     return all;
 }
 
-/// Those of an output that this drone has no longer are left out.
+/// Skips subscribers of an output that this drone no longer has.
 void Module::expect(const std::vector<Subscriber>& subscribers, std::optional<Clock::time_point> until)
 {
     for (const auto& subscriber : subscribers)
@@ -335,12 +334,12 @@ void Module::emit(Outlet& outlet, EmissionPtr event)
     const auto gives_events = [](const Outlet& each) { return each.carrier() == PacketType::event; };
     const bool nobody =
         std::ranges::none_of(outlets_, [&](const Outlet& each) { return gives_events(each) && each.awaited(); });
-    // An exception is told to whoever listens, and waits for nobody.
+    // An exception goes to present receivers only.
     outlet.offer(event, gives_events(outlet) && nobody);
     arm();
 }
 
-/// What waited for a first receiver goes when another output of this module has got one.
+/// Drops held events once another output of this module has a receiver.
 void Module::release_held()
 {
     const auto awaited = [](const Outlet& each) { return each.carrier() == PacketType::event && each.awaited(); };

@@ -1,4 +1,4 @@
-// The swarm's keys while a module runs: who was turned away, and links whose key holds no longer.
+// Watches the swarm's keys while a module runs: logs rejected peers, and closes links whose key became invalid.
 #include <hive/event/module.hpp>
 
 #include <vector>
@@ -18,7 +18,7 @@ transport::Security Module::security()
             }};
 }
 
-/// Looks once a second as long as a link stands on a key.
+/// Checks once per second as long as a link depends on a key.
 void Module::watch_keys()
 {
     if (watching_keys_ || ending_)

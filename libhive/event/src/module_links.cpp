@@ -1,4 +1,4 @@
-// The links of a module: made, shared by all who need the same peer, given up, ended.
+// The links of a module: opens, shares and closes them.
 #include <hive/event/module.hpp>
 #include <hive/platform/process.hpp>
 
@@ -11,7 +11,7 @@ using protocol::PacketType;
 
 namespace {
 
-/// Nearly all of the work of a dial that succeeds is done by then.
+/// A successful dial has done nearly all its work by then.
 constexpr auto busy_dialing = std::chrono::milliseconds(250);
 
 }  // namespace
@@ -63,8 +63,8 @@ void Module::with_link(const transport::Address& address, Clock::time_point dead
     dial_next();
 }
 
-/// Few at a time: a peer does not wait long for the hello of whoever has connected. One that takes long costs nothing
-/// meanwhile, and who cannot be reached must not keep others from being asked.
+/// Few at a time, since a peer does not wait long for the hello of a new connection. A slow dial costs nothing
+/// meanwhile and does not count, so that unreachable peers do not delay others.
 void Module::dial_next()
 {
     const auto now = Clock::now();
@@ -76,7 +76,7 @@ void Module::dial_next()
         const auto key = to_text(address);
         const auto row = dialing_.find(key);
         if (row == dialing_.end() || !under_way_.try_emplace(key, now).second)
-            continue;  // nobody waits any more, or a dial for somebody who gave up is still under way
+            continue;  // no caller waits any more, or a dial for an earlier caller is still in progress
         ++busy;
         dial(address, key, row->second.front().deadline);
     }
@@ -101,7 +101,7 @@ void Module::dial(const transport::Address& address, const std::string& key, Clo
         options_.timing, security());
 }
 
-/// Whoever asks many drones in turn, again and again, asks the one that was asked last as the last one again.
+/// Closes the most recently used link: a caller that queries many drones in rounds needs that one last.
 void Module::let_one_go()
 {
     auto latest = dialed_.end();
@@ -111,7 +111,7 @@ void Module::let_one_go()
     if (latest == dialed_.end())
         return;
     const auto link = latest->second;
-    dialed_.erase(latest);  // at once, so that nobody asks on it any more
+    dialed_.erase(latest);  // at once, so that no request uses it any more
     link->close(Error(Errc::stopped, options_.self.name + " has nothing to ask at present"));
 }
 
@@ -128,7 +128,7 @@ void Module::dialed(const std::string& key, const Result<LinkPtr>& link)
     last_one_gone();
 }
 
-/// At the end nothing is waited for once there are neither links nor dials under way.
+/// Ends the final wait once there are neither links nor dials in progress.
 void Module::last_one_gone()
 {
     if (ending_ && links_.empty() && dialing_.empty())
@@ -149,9 +149,9 @@ void Module::request(const transport::Address& address, PacketType type, Json he
 }
 
 /// A hello with the name of a connected drone and a larger epoch comes from its next run, or from another drone of that
-/// name. The connection of an earlier run ends by itself, at the latest after the time for silence; another drone
-/// answers a ping. Requests of the new one wait for either. Names of applications are not unique, and those of viewers
-/// prove nothing.
+/// name. The connection of an earlier run ends by itself, at the latest after the inactivity timeout; another drone
+/// answers a ping. Requests of the new drone wait for either. Names of applications are not unique, and those of
+/// viewers are not trusted.
 void Module::await_earlier_run(const LinkPtr& link)
 {
     const auto& peer = link->peer();
@@ -188,19 +188,19 @@ void Module::await_end_or_answer(Link& earlier, const LinkPtr& link)
         to->go_on();
         arm();
     };
-    // What it sends but a pong shows as well that it lives; else it has been cut off by then.
+    // Any packet shows that it is alive, not only a pong; otherwise it has been disconnected by then.
     timer->run_after(options_.timing.silence + options_.timing.heartbeat, [go_on] { go_on(true); });
     earlier.connection().ping(go_on);
 }
 
 namespace {
 
-/// What becomes of the events that a peer was sent when its connection ends.
+/// The outcome of a peer's events in progress when its connection ends.
 Fate fate_by(Link& link, const Error& reason)
 {
     if (!link.connection().ended_by_peer())
         return reason.code() == Errc::stopped ? Fate::lost_connection : Fate::lost_cut_off;
-    // A peer may also have cut off this end.
+    // The peer may have disconnected this end.
     const bool died = link.local() ? platform::process_ends(link.peer().pid) : !link.connection().seemed_dead();
     return died ? Fate::lost_killed : Fate::lost_connection;
 }
@@ -212,14 +212,14 @@ std::string without_prefix(std::string_view text, std::string_view prefix)
 
 }  // namespace
 
-/// No line keeps back one of another level.
+/// Lines of different levels are limited separately.
 void Module::log_about(LogLevel level, const std::string& peer, const std::string& text)
 {
     if (const auto left_out = lines_.pass(std::string(token(level)) + " " + without_port(peer), Clock::now()))
         log(level, text + left_out_text(*left_out));
 }
 
-/// A receiver that leaves deregisters first, and one that is replaced closes its connection and lives on.
+/// A leaving receiver deregisters first, and a replaced one closes its connection and keeps running.
 void Module::log_end(Link& link, const Error& reason, Fate fate)
 {
     const auto& place = link.connection().peer();
@@ -235,7 +235,7 @@ void Module::log_end(Link& link, const Error& reason, Fate fate)
     log_about(LogLevel::debug, place, "closed link to " + name + text);
 }
 
-/// What this peer shares could not be mapped: when it comes again, it does without. The others go on sharing.
+/// This peer's shared memory could not be mapped: its next connection does without. The other peers keep sharing.
 void Module::come_through_the_socket(const std::string& peer)
 {
     constexpr std::size_t most_remembered = 256;
@@ -265,7 +265,7 @@ void Module::on_closed(Link& link, const Error& reason)
         intake->link_closed(link);
 }
 
-/// A peer that accepts and says nothing must not keep anybody beyond its own deadline.
+/// A peer that accepts and sends nothing must not delay a caller beyond its deadline.
 void Module::expire_dialing(Clock::time_point now)
 {
     std::vector<Waiting> late;

@@ -1,4 +1,4 @@
-// What peers ask of a module: registrations, requests, and the limits on both.
+// Handles registrations and requests of peers, and their limits.
 #include <hive/event/module.hpp>
 #include <hive/name.hpp>
 
@@ -9,14 +9,14 @@ using protocol::PacketType;
 namespace {
 
 constexpr std::size_t most_registrations = 64;  ///< of one peer
-constexpr std::size_t most_requests = 32;       ///< of one peer, under way
+constexpr std::size_t most_requests = 32;       ///< of one peer, in progress
 
-/// Given to a request that names no deadline.
+/// For a request without a deadline.
 constexpr std::int64_t usual_deadline_ms = 5000;
-/// Whatever a request names.
+/// The maximum of any request.
 constexpr std::int64_t longest_deadline_ms = 24 * 3600 * 1000;
 
-/// The fields that every request has.
+/// The common fields of all requests.
 struct RequestFields {
     RequestFields(const protocol::Packet& packet, const Json& header)
         : fields(header, protocol::token(packet.type)), id(fields.integer("id", 0, max_json_integer))
@@ -68,7 +68,7 @@ Outlet& Module::outlet(const std::string& name)
 
 void Module::on_register(Link& link, const protocol::Packet& packet, const Json& header)
 {
-    // Far more than the drones of one machine make when all of them are connected again.
+    // Far more than the drones of one machine need when all of them reconnect.
     if (!registrations_.pass(without_port(link.connection().peer()), Clock::now()))
         throw Error(Errc::refused, "more than 4096 registrations within 10 s");
     const RequestFields request(packet, header);
@@ -90,7 +90,7 @@ void Module::on_register(Link& link, const protocol::Packet& packet, const Json&
     arm();
 }
 
-/// What a receiver learns when it has registered: where it may come back to, and how far shared work has come.
+/// The answer to a registration: its place, and the progress of shared work.
 Json Module::confirmation(const Outlet& sender, const Welcome& welcome) const
 {
     Json json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}};
@@ -180,7 +180,7 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
     arm();
 }
 
-/// Sends the first answer to a request, from whatever thread it comes.
+/// Sends the first answer to a request, from any thread.
 std::function<void(const Outcome&)> Module::answer_to(Link& link, const std::shared_ptr<Asked>& asked)
 {
     link.asked.push_back(asked);

@@ -1,4 +1,4 @@
-// Carrying out the decisions of the receiver table.
+// Carries out the decisions of the receiver table.
 #include <hive/event/outlet.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/protocol/defended.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 ReceiverTable::Defences defences() { return {.leases = defended("leases"), .places = defended("places")}; }
 
-/// What leases and kept places go by: the steady clock; the wall clock in a twin of a test.
+/// The clock of leases and kept places: the steady clock; the wall clock in a twin of a test.
 Clock::time_point lease_now()
 {
     static const bool steady = defended("steady-clock");
@@ -26,11 +26,11 @@ Clock::time_point lease_now()
 /// The peer dialed in with the viewers' key.
 bool is_guest(const Link& link) { return link.credentials().role == Role::viewer; }
 
-/// Is there one registration for each name of a receiver? Of an application there may be several, and of a viewer one
-/// does not know who it is.
+/// Is the receiver's name unique? An application may register several times under one name, and a viewer's name is not
+/// verified.
 bool is_unique(const Link& link) { return link.peer().kind != "application" && !is_guest(link); }
 
-/// What a viewer says of itself counts for nothing: it has no place to come back to, and an account of its own.
+/// A viewer's claims are ignored: it has no place to return to, and its own counters.
 protocol::Registration as_guest(protocol::Registration registration)
 {
     registration.receiver += " (viewer)";
@@ -84,7 +84,7 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
         require_modest(registration);
 }
 
-/// A viewer looks on: it takes no work, and costs no encoding that nobody else would want.
+/// A viewer is passive: it gets no work, and causes no encoding that no other receiver wants.
 void Outlet::require_modest(const protocol::Registration& registration) const
 {
     if (!registration.options.group.empty())
@@ -95,7 +95,7 @@ void Outlet::require_modest(const protocol::Registration& registration) const
                     "leave it out");
 }
 
-/// Each encoding is made once for all who want it; one peer that wanted many would have everybody pay for them.
+/// Each encoding is made once for all its receivers; a peer that asked for many would delay the others.
 void Outlet::require_few_encodings(const Link& link, const protocol::Registration& registration) const
 {
     constexpr std::size_t most_encodings = 4;
@@ -175,7 +175,7 @@ void Outlet::request(const Link& link, std::uint16_t channel, const protocol::Re
         answer(id);
 }
 
-/// One question of a receiver is worked on at a time. The answer goes behind all that the receiver has been sent.
+/// Handles one question of a receiver at a time. The answer is sent after all the receiver's events.
 void Outlet::answer(ReceiverId receiver)
 {
     const auto& asking = places_.at(receiver);
@@ -216,7 +216,7 @@ void Outlet::link_closed(const Link& link, Fate how)
     execute(decisions);
 }
 
-/// In the encoding that this receiver got.
+/// Sends an event in this receiver's encoding.
 void Outlet::tell_failed_at(const std::vector<FailedAt>& failed, Place& place, Fate how)
 {
     if (!place.data || is_guest(*place.link) || place.link->peer().kind == "application")
@@ -231,7 +231,7 @@ void Outlet::tell_failed_at(const std::vector<FailedAt>& failed, Place& place, F
         hooks_.failed_at(failing);
 }
 
-/// Ends what goes to this registration; the table still has it.
+/// Detaches this registration from its link; the table still has it.
 ReceiverId Outlet::detach(std::map<Key, ReceiverId>::iterator place)
 {
     const auto id = place->second;
@@ -280,7 +280,7 @@ void Outlet::expect(const Subscriber& subscriber, std::optional<Clock::time_poin
     refresh();
 }
 
-/// 0: of no application on this machine.
+/// 0: not an application on this machine.
 std::int64_t Outlet::pid_of(const std::string& application) const
 {
     for (const auto& [id, place] : places_)
@@ -350,8 +350,8 @@ void Outlet::transmit(const Send& send, const Emission& form)
 {
     Place& place = places_.at(send.receiver);
     const auto type = send.delivery == Delivery::notification ? PacketType::notification : carrier_;
-    // The closure holds the event, and with it the ticket of a lossless cause, until the bytes are with the system.
-    // The table counts the size of the event, whatever the form has.
+    // The closure holds the event, and with it the ticket of a lossless cause, until the system has the bytes.
+    // The table counts the size of the event, not that of its encoded form.
     const auto carriage = place.link->connection().send(
         form.packet(type, place.channel, send.share),
         [this, alive = std::weak_ptr(alive_), id = send.receiver, bytes = send.event->size()](bool written) {
@@ -365,8 +365,8 @@ void Outlet::transmit(const Send& send, const Emission& form)
     place.fallback += carriage == transport::Carriage::fallback ? 1 : 0;
 }
 
-/// What is so when it leaves: an end that was revoked while it waited behind an event is told as that. A receiver that
-/// does not know `revoked` reads the end that it has already.
+/// Sends the current state: an end that was revoked while it waited behind an event is sent as revoked. A receiver that
+/// does not know `revoked` reads it as the end that it already has.
 void Outlet::transmit_end(ReceiverId receiver)
 {
     const Place& place = places_.at(receiver);

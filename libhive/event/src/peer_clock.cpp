@@ -1,4 +1,4 @@
-// The shortest of the last round trips.
+// Selects the sample with the shortest round trip.
 #include <hive/event/peer_clock.hpp>
 
 #include <algorithm>
@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// So many at one every 2 s: a clock that was set is known again after 16 s.
+/// This many, one every 2 s: the offset is right again 16 s after a clock was set.
 constexpr std::size_t most_samples = 8, first_samples = 3;
 
 }  // namespace

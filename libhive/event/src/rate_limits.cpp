@@ -19,7 +19,7 @@ std::optional<std::int64_t> RateLimits::pass(const std::string& peer, Clock::tim
     return std::nullopt;
 }
 
-/// Those whose time is over; all of them if there is none.
+/// Forgets expired periods; all if none has expired.
 void RateLimits::forget_old(Clock::time_point now)
 {
     if (std::erase_if(periods_, [&](const auto& row) { return now - row.second.begun >= time_; }) == 0)

@@ -1,4 +1,4 @@
-// Receivers that come, follow one another and go.
+// Attaches, replaces and detaches receivers.
 #include <hive/event/receiver_table.hpp>
 
 #include <hive/platform/process.hpp>
@@ -17,7 +17,7 @@ bool is_of(const std::string& receiver, const std::string& drone)
 
 bool takes_bodies(const Newcomer& newcomer) { return newcomer.options.delivery == Delivery::data; }
 
-/// At random, from 1 to 2^52, so that no other receiver can guess it.
+/// Random, from 1 to 2^52, so that no other receiver can guess it.
 std::int64_t new_place() { return static_cast<std::int64_t>(platform::entropy() >> 12) + 1; }
 
 }  // namespace
@@ -39,7 +39,7 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
 
 std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcomer) const
 {
-    // A receiver that only watches pushes no other from its place.
+    // A passive receiver replaces no other at its place.
     const auto same = [&](const Seat& seat) {
         return newcomer.unique ? seat.run == newcomer.run
                                : takes_bodies(newcomer) && seat.plain && is_at(*seat.plain, newcomer);
@@ -50,14 +50,14 @@ std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcome
     return std::nullopt;
 }
 
-/// Has it this place, or had it before the confirmation that would have told so was lost?
+/// Has it this place, or got it in a confirmation that was lost?
 bool ReceiverTable::is_at(const Plain& plain, const Newcomer& newcomer)
 {
     return plain.place == newcomer.place
            || (newcomer.tried != 0 && plain.tried == newcomer.tried && plain.run == newcomer.run);
 }
 
-/// @return  `before`, if it ends now
+/// @return `before`, if it ends now
 std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcomer& newcomer, Clock::time_point now,
                                                          Decisions& decisions)
 {
@@ -78,8 +78,8 @@ std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcom
     return before;
 }
 
-/// Its place, or that of its name if it is a drone or had it in an earlier run of this drone, or what is remembered of
-/// its name. Two drones of one name that are there at once have a place each.
+/// Its place; or that of its name, if it is a drone or had it in an earlier run of this drone; or the record of its
+/// name. Two connected drones of one name have separate places.
 ReceiverTable::Plain& ReceiverTable::plain_for(const Newcomer& newcomer)
 {
     const auto find = [&](auto fits) {
@@ -156,8 +156,8 @@ Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Dec
     return welcome;
 }
 
-/// What waits where it was before, and for nobody else, goes along: from a plain receiver to its group, and back when
-/// it was the last member.
+/// Moves the events that wait at its old registration for no other receiver: from a plain receiver to its group, and
+/// back if it was the last member.
 void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
     const Seat& seat = seats_.at(newcomer.id);
@@ -169,7 +169,7 @@ void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Dec
             seat.subscription().adopt(std::move(group.subscription), now, decisions);
 }
 
-/// Was the newcomer a member of this group, which has none now and waits for no other?
+/// Was it the last member of this group, which waits for no other?
 bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer)
 {
     const bool was_lost = group.lost.erase(newcomer.receiver) > 0;
@@ -232,7 +232,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     if (heir == seats_.end() || &heir->second.subscription() == &subscription
         || heir->second.subscription().passive()) {
         subscription.detach(id, how, returns, now, decisions);
-    } else {  // what it had in hand and did not do goes along
+    } else {  // its unfinished events in progress move along
         const bool last = !subscription.present();
         subscription.detach(id, last ? Fate::lost_connection : how, true, now, decisions);
         if (last)
@@ -244,7 +244,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     forget_empty_groups(decisions);
 }
 
-/// Whoever was to be followed by `before`, which is gone, is followed by the one behind it.
+/// Registrations that `before` was to replace, which is gone, are replaced by its heir.
 void ReceiverTable::bequeath(Id before, Id heir)
 {
     for (auto& [id, seat] : seats_)
@@ -273,7 +273,7 @@ void ReceiverTable::unregister(Registered& registered)
         registered.gone = ++order_;
 }
 
-/// Of the receivers that the source waits for, the one that was lost first, if there are too many.
+/// Stops waiting for the receiver that was lost first, if there are too many.
 void ReceiverTable::forget_awaited()
 {
     std::size_t awaited = 0;
@@ -287,7 +287,7 @@ void ReceiverTable::forget_awaited()
         first->subscription.stop_waiting();
 }
 
-/// Of the receivers that are gone and that nobody waits for, the oldest go when there are too many.
+/// Forgets the oldest receivers that are gone and not awaited, if there are too many.
 void ReceiverTable::forget_gone()
 {
     std::map<std::uint64_t, std::function<void()>> old;  // the oldest first
@@ -302,7 +302,7 @@ void ReceiverTable::forget_gone()
         oldest->second();
 }
 
-/// Of the groups that nobody waits for, the one without members for longest, if there are too many.
+/// Forgets the group without members for longest that is not awaited, if there are too many.
 void ReceiverTable::forget_empty_groups(Decisions& decisions)
 {
     std::map<std::uint64_t, std::string> empty;
@@ -333,11 +333,11 @@ void ReceiverTable::written(Id id, std::size_t bytes, Clock::time_point now, Dec
 
 void ReceiverTable::offer(const EmissionPtr& event, bool hold, Clock::time_point now, Decisions& decisions)
 {
-    // Whoever only keeps or watches an event must not hold up its acknowledgement: the next one may not come before.
+    // A passive receiver or a stored event must not delay the acknowledgement, since the next event may wait for it.
     const auto kept = event->event().ticket.owed() ? event->without_ticket() : event;
     const bool whole = event->serves(Delivery::data);
     bool received = false;
-    go_on(decisions);  // also for receivers that do not get this event
+    go_on(decisions);  // even for receivers that do not get this event
     const bool held = hold && whole && event->lossless() && !awaited();
     for (Plain& plain : plain_) {
         Subscription& to = plain.subscription;

@@ -1,4 +1,4 @@
-// What a table of receivers tells of itself: whether anybody wants or asks, why it stands still, and its rows.
+// The status of a receiver table: its demand, its stall reason, and its rows.
 #include <hive/event/receiver_table.hpp>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace hive::event {
 
-/// Counts of another receiver of the same name are added.
+/// Adds the counts of another receiver of the same name.
 static void add_to(Ledger& sum, const Ledger& more)
 {
     sum.came(more.total());
@@ -52,7 +52,7 @@ bool ReceiverTable::backlogged() const { return !held_.empty() || any(&Subscript
 
 bool ReceiverTable::timed() const { return any(&Subscription::timed); }
 
-/// Does anything wait here for anybody?
+/// Does any event wait here for a receiver?
 bool ReceiverTable::waits() const { return any(&Subscription::has_waiting); }
 
 Reason ReceiverTable::why() const
@@ -96,7 +96,7 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
     return list;
 }
 
-/// 0: that of its name. Applications that are registered under one name have a row each, and so have two drones.
+/// 0: the row of its name. Applications, or two drones, that are registered under one name have separate rows.
 std::int64_t ReceiverTable::row_of(const Plain& plain) const
 {
     const auto is_twin = [&](const Plain& other) {
@@ -107,7 +107,7 @@ std::int64_t ReceiverTable::row_of(const Plain& plain) const
 
 std::vector<ReceiverTable::Row> ReceiverTable::rows() const
 {
-    // By receiver and group. Applications that are registered have a row each, even under one name.
+    // By receiver and group. Registered applications have separate rows, even under one name.
     std::map<std::tuple<std::string, std::string, std::int64_t>, Row> rows;
     const auto add_registered = [](EdgeStatus& status, const std::string& receiver, const Registered& registered) {
         status.receiver = receiver;

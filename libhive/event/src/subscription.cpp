@@ -1,4 +1,4 @@
-// Which consumer gets which event, and what becomes of it.
+// Decides which consumer gets which event, and tracks its outcome.
 #include <hive/event/subscription.hpp>
 #include <hive/protocol/defended.hpp>
 
@@ -27,7 +27,7 @@ bool Subscription::comes_back(const Job& job) const { return job.event && (share
 
 bool Subscription::streams() const { return !shared() && present() && consumers_.begin()->second.credit.streaming(); }
 
-/// Calls it with each event here that must arrive.
+/// Calls it with each lossless event here.
 void Subscription::for_lossless(const std::function<void(const EmissionPtr&)>& call) const
 {
     const auto look = [&](const EmissionPtr& event) {
@@ -46,7 +46,7 @@ bool Subscription::must_something_arrive() const
     return any;
 }
 
-/// Before the first event it is not known whether the source waits for its consumers.
+/// Before the first event it is unknown whether the source waits for its consumers.
 bool Subscription::worth_keeping() const
 {
     return !kind_.passive && (lossless_.value_or(true) || must_something_arrive());
@@ -78,7 +78,7 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
         if (awaited_ && !worth_keeping())
             stop_waiting();
         miss(identity, now);
-        return;  // it would be old when a consumer comes
+        return;  // it would be outdated when a consumer attaches
     }
     ledger_.came();
     go_on(decisions);
@@ -89,7 +89,7 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
     wait(event);
     do
         pump(now, decisions);
-    while (streams() && drop_oldest(now));  // what was too large for the lane held up what is not
+    while (streams() && drop_oldest(now));  // an event that was too large for the lane delayed smaller ones
 }
 
 void Subscription::miss(const Identity& identity, Clock::time_point now)
@@ -153,8 +153,8 @@ bool Subscription::drop_oldest(Clock::time_point now)
 
 // --- jobs ---
 
-/// Of those that have asked and do not have it: the one that has the fewest, then the one that asked first. A consumer
-/// whose connection cannot take it right now comes last.
+/// Of the consumers with credit that do not have the job: the one with the fewest events, then the one that asked
+/// first. A consumer with a full connection comes last.
 Subscription::Consumers::iterator Subscription::choose(std::int64_t job, const EmissionPtr& event)
 {
     auto best = consumers_.end();
@@ -171,7 +171,7 @@ Subscription::Consumers::iterator Subscription::choose(std::int64_t job, const E
     return best;
 }
 
-/// A job that every consumer with credit has already waits for another consumer, or for its answer.
+/// A job that every consumer with credit already has must wait for another consumer, or for its answer.
 void Subscription::pump(Clock::time_point now, Decisions& decisions)
 {
     for (auto next = again_.begin(); next != again_.end();) {
@@ -215,8 +215,8 @@ void Subscription::give(Consumers::iterator to, std::int64_t number, Clock::time
         job.event = nullptr;
 }
 
-/// A lossless event is kept as the job that it is: here it would hold up the acknowledgement of its cause. The bound
-/// goes by events of one size; what the receiver of a window works on is in its memory as well.
+/// A lossless event is kept as a job anyway; a copy here would delay the acknowledgement of its cause. The bound
+/// assumes events of one size; the events of a receiver with a window are in its memory as well.
 bool Subscription::may_show(const Consumer& consumer, const EmissionPtr& event) const
 {
     const auto before = consumer.hands.size();
@@ -224,8 +224,8 @@ bool Subscription::may_show(const Consumer& consumer, const EmissionPtr& event) 
            && (before == 0 || (before < max_shown_events && (before + 1) * event->size() <= max_shown_bytes));
 }
 
-/// The first event that the consumer has not processed, behind those that it has not acknowledged, as far as they are
-/// still here. Of a stream it tells what it has processed after every few, so that it may have got further.
+/// Reports the first unprocessed event, after the unacknowledged ones that are still here. A streaming consumer reports
+/// its progress only every few events, so it may have got further.
 void Subscription::show_hands(ReceiverId id, const Consumer& consumer, Decisions& decisions) const
 {
     const std::size_t untold = consumer.options.transfer == Transfer::streaming ? 15 : 0;
@@ -246,7 +246,7 @@ Share Subscription::share(std::int64_t number, const Job& job) const
     return share;
 }
 
-/// Not shared: the first time all receivers of the output are told the same.
+/// Not shared: all receivers of the output get the same share at first.
 std::optional<Share> Subscription::told(std::int64_t number, const Job& job) const
 {
     if (job.adopted_as) {
@@ -263,7 +263,7 @@ std::optional<Share> Subscription::told(std::int64_t number, const Job& job) con
     return own;
 }
 
-/// The last attempt, and whose it was: several plain receivers may fail at one event.
+/// The last attempt and its receiver, since several plain receivers may fail at one event.
 std::optional<Share> Subscription::failed(std::int64_t number, const Job& job) const
 {
     auto share = told(number, job);
@@ -325,7 +325,7 @@ void Subscription::acknowledge(Consumer& consumer, std::int64_t count)
     }
 }
 
-/// Once: any other consumer that has the job answers for nothing.
+/// Once: answers of other consumers to this job are ignored.
 void Subscription::close(std::int64_t job, Fate fate)
 {
     if (open_.erase(job) == 0)
@@ -334,7 +334,7 @@ void Subscription::close(std::int64_t job, Fate fate)
     ledger_.went(fate);
 }
 
-/// @param failed  the work is to blame
+/// @param failed  the work failed, not the connection
 /// @param holds   the consumer may still answer
 void Subscription::pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds)
 {
@@ -353,7 +353,7 @@ void Subscription::pass_on(Consumer& consumer, Handed& handed, bool failed, bool
         again_.insert(found->first);
 }
 
-/// What failed too often and no consumer can answer any more.
+/// Gives up jobs that failed too often and that no consumer can answer any more.
 void Subscription::settle(Decisions& decisions)
 {
     if (!shared())
@@ -375,8 +375,8 @@ void Subscription::abandon(std::int64_t number, Decisions& decisions)
 
 // --- leases and ends ---
 
-/// The shortest that a consumer asks for, so that none keeps work from the others for longer than they would; one that
-/// asks for none has the measured one.
+/// The shortest lease that any consumer asks for, so that none keeps work from the others for longer; the measured
+/// lease for those that ask for none.
 Clock::duration Subscription::lease() const
 {
     auto shortest = Clock::duration::max();
@@ -432,7 +432,7 @@ bool Subscription::told_end(ReceiverId id) const
     return found != consumers_.end() && found->second.told_end;
 }
 
-/// Where events are shared, what another consumer has may still come to any of them.
+/// In a shared subscription any consumer may still get another's events.
 void Subscription::tell_end(Decisions& decisions)
 {
     if (!ended_ || waiting() > 0 || (shared() && !open_.empty()))

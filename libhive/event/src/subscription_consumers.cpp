@@ -1,4 +1,4 @@
-// Consumers that attach, leave, are lost and come back.
+// Attaches and detaches consumers: they leave, are lost, and return.
 #include <hive/event/subscription.hpp>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
     return behind;
 }
 
-/// If it was there all the time, it still has what it received and did not acknowledge.
+/// If it has kept running, it still has the events that it received and did not acknowledge.
 void Subscription::resume(Consumer& consumer, const Kept& kept, Decisions& decisions)
 {
     Away away = *std::exchange(away_, std::nullopt);
@@ -41,7 +41,7 @@ void Subscription::resume(Consumer& consumer, const Kept& kept, Decisions& decis
     consumer.hands = std::move(away.was.hands);
 }
 
-/// Nobody is given a job again over which three consumers have died.
+/// A job that crashed three consumers is not dispatched again.
 void Subscription::abandon_exhausted(Decisions& decisions)
 {
     for (const auto number : std::set(again_))
@@ -49,7 +49,7 @@ void Subscription::abandon_exhausted(Decisions& decisions)
             abandon(number, decisions);
 }
 
-/// What it was sent beyond the first `count` deliveries is given out again; live events ended with the connection.
+/// Requeues its deliveries after the first `count`; live events ended with the connection.
 void Subscription::take_back(Away& away, std::int64_t count)
 {
     auto& hands = away.was.hands;
@@ -77,7 +77,7 @@ void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_poi
     pump(now, decisions);
 }
 
-/// What a consumer of a shared subscription had goes to others.
+/// Requeues the jobs of a consumer of a shared subscription.
 void Subscription::let_go(Consumer& consumer, Fate how)
 {
     const auto head = consumer.head();
@@ -92,7 +92,7 @@ void Subscription::let_go(Consumer& consumer, Fate how)
     }
 }
 
-/// The next consumer begins with what is new then.
+/// The next consumer starts with new events.
 void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
     end_live(shared() ? Fate::skipped : how);
@@ -112,7 +112,7 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
         return clear(how);
     }
     if (how != Fate::lost_connection && last.works())
-        ++open_.at(last.hands[last.head()].job).failures;  // it may be what the receiver died of
+        ++open_.at(last.hands[last.head()].job).failures;  // it may have crashed the receiver
     awaited_until_ = now + kept_for;
     for (auto& handed : last.hands)
         handed.live = nullptr;
@@ -158,7 +158,7 @@ void Subscription::cancel(Decisions& decisions)
         give_up(false, decisions);
 }
 
-/// What a consumer that was lost may have answered is not reported as failed, or it would have two answers.
+/// A job that a lost consumer may have answered is not reported as failed, or it would have two answers.
 void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
 {
     if (!shared())
@@ -176,7 +176,7 @@ void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
     }
 }
 
-/// Everything that is left ends in this way.
+/// Ends all remaining events with this outcome.
 void Subscription::clear(Fate how)
 {
     ledger_.went(how, static_cast<std::int64_t>(fresh_.size() + open_.size()));
@@ -186,7 +186,7 @@ void Subscription::clear(Fate how)
     again_.clear();
 }
 
-/// The job goes elsewhere, as the work that it was given out as: there may be an answer to that.
+/// Moves the job with its original share, since there may be an answer to that.
 Subscription::Job Subscription::leave_with(std::int64_t number)
 {
     Job job = open_.at(number);
@@ -197,7 +197,7 @@ Subscription::Job Subscription::leave_with(std::int64_t number)
     return job;
 }
 
-/// From a passive one nothing goes along: what waits there was for that one to see, and may have no body.
+/// Nothing moves from a passive subscription: its events were only for display, and may have no body.
 void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions& decisions)
 {
     if (other.passive())

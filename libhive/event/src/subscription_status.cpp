@@ -1,4 +1,4 @@
-// What a subscription says of itself: whether its consumers ask, what waits, and why it stands still.
+// The status of a subscription: its demand, its waiting events, and its stall reason.
 #include <hive/event/subscription.hpp>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ bool Subscription::timed() const
 
 Reason Subscription::why() const
 {
-    if (!present() && retiring())  // what it returned from here goes along when it has acknowledged the rest
+    if (!present() && retiring())  // its returned events move along when it has acknowledged the rest
         return has_waiting() ? Reason::not_acknowledged : Reason::none;
     if (!present()) {
         const bool waits = awaited_ || !open_.empty();

@@ -1,4 +1,4 @@
-// The way back from an event to its input.
+// Reports the outcome of an event to its input.
 #include <hive/event/intake.hpp>
 #include <hive/event/loop.hpp>
 #include <hive/event/ticket.hpp>
@@ -53,9 +53,9 @@ Acknowledgement::Acknowledgement(std::weak_ptr<Loop> loop, std::weak_ptr<Intake>
 
 Acknowledgement::~Acknowledgement() { tell(tells_both_, true, told_ ? std::nullopt : std::optional(ending_)); }
 
-/// @param processed  the next event may be asked for
-/// @param done       this one may be acknowledged
-/// @param ending     how it ended, for who counts; nothing: not now
+/// @param processed  the next event may be requested
+/// @param done  this event may be acknowledged
+/// @param ending  its outcome, for the counters; nothing: not now
 void Acknowledgement::tell(bool processed, bool done, std::optional<Ending> ending) const
 {
     const auto loop = loop_.lock();
@@ -67,19 +67,19 @@ void Acknowledgement::tell(bool processed, bool done, std::optional<Ending> endi
     });
 }
 
-/// How it ended, if that is known and was not told.
+/// The outcome, if it is known and was not reported.
 std::optional<Ending> Acknowledgement::news()
 {
     return concluded_ && !std::exchange(told_, true) ? std::optional(ending_) : std::nullopt;
 }
 
-/// Where the acknowledgement comes later the count does not wait for it.
+/// The count does not wait for a later acknowledgement.
 void Acknowledgement::conclude(Ending ending)
 {
     ending_ = ending;
     concluded_ = true;
     if (!processed_)
-        return;  // stop() tells it, or the destructor
+        return;  // stop() reports it, or the destructor
     if (const auto ended = news())
         tell(false, false, ended);
 }

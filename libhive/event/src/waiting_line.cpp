@@ -1,4 +1,4 @@
-// Finding events in a line, and what can still come to it.
+// Finds events in a line, and decides what can still arrive.
 #include <hive/event/waiting_line.hpp>
 
 #include <algorithm>
@@ -47,11 +47,11 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     Sender& sender = sender_of(event);
     sender.heard_at = now;
     sender.shares = event.identity.shared_work() != nullptr;
-    // Not the largest of all: if a source's clock was put back, its epochs and times begin again lower.
+    // Not the largest of all: if a source's clock was set back, its epochs and times restart lower.
     sender.place = sender.shares ? std::max(sender.place, place_of(event.identity)) : place_of(event.identity);
     const auto until =
         sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
-    for (auto& each : senders_)  // time is the same for all sources whose events come through one drone
+    for (auto& each : senders_)  // one time for all sources whose events come through one drone
         if (each.drone == event.sender && each.output == event.output)
             each.captured_us = until;
 }
