@@ -203,7 +203,7 @@ MatchingStatus matching_from_json(const Json& object)
     return matching;
 }
 
-/// Of all inputs together, for readers that skip the rows.
+/// The sums over all inputs, for readers that skip the rows.
 Json totals_to_json(const Status& status)
 {
     InputStatus sum;

@@ -1,4 +1,4 @@
-// One number in a file; its time is that of the file.
+// Stores one number in a file, with the file's modification time.
 #include "listening_note.hpp"
 
 #include <chrono>

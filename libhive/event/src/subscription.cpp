@@ -153,8 +153,8 @@ bool Subscription::drop_oldest(Clock::time_point now)
 
 // --- jobs ---
 
-/// Of the consumers with credit that do not have the job: the one with the fewest events, then the one that asked
-/// first. A consumer with a full connection comes last.
+/// Chooses the consumer with the fewest events in progress, then the one that asked first, among those with credit that
+/// do not have the job. A consumer with a full connection comes last.
 Subscription::Consumers::iterator Subscription::choose(std::int64_t job, const EmissionPtr& event)
 {
     auto best = consumers_.end();

@@ -14,8 +14,8 @@ constexpr std::int64_t second_us = 1'000'000;
 
 std::int64_t microseconds(const timeval& time) { return time.tv_sec * second_us + time.tv_usec; }
 
-/// Of the first line of /proc/stat: "cpu user nice system idle iowait irq softirq steal ...", in ticks. Time stolen by
-/// other virtual machines counts as busy.
+/// The busy time by the first line of /proc/stat: "cpu user nice system idle iowait irq softirq steal ...", in ticks.
+/// Time stolen by other virtual machines counts as busy.
 std::int64_t machine_cpu_us()
 {
     std::ifstream file("/proc/stat");

@@ -1,4 +1,4 @@
-// One line of a drone in the log of its process.
+// Writes a line of a drone to the log of its process.
 #pragma once
 
 #include <hive/drone.hpp>

@@ -20,9 +20,9 @@ public:
 
     /// @param descriptor  sent with its first byte; -1: none
     void push(protocol::Packet packet, Written written, int descriptor = -1);
-    /// What to write next: the rest of a packet that has begun, then waiting control packets, then events, until there
-    /// are 16 packets or 64 KiB; a packet with a descriptor begins a list of its own. Valid until wrote() or drop().
-    /// Empty if nothing waits.
+    /// The next bytes to write: the rest of a packet that has begun, then waiting control packets, then events, until
+    /// there are 16 packets or 64 KiB; a packet with a descriptor begins a list of its own. Valid until wrote() or
+    /// drop(). Empty if nothing waits.
     std::span<const asio::const_buffer> gather();
     /// The descriptor to send with the first byte of the gather list; -1: none.
     [[nodiscard]] int descriptor() const { return batch_.empty() || begun_ > 0 ? -1 : batch_.front().descriptor; }

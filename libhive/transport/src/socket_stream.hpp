@@ -15,7 +15,7 @@ using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, asio::i
 
 /// @param local  the peer is on this machine
 std::unique_ptr<Stream> make_socket_stream(Socket socket, std::string peer, bool local);
-/// Of a unix socket, that passes descriptors.
+/// The stream of a unix socket, which passes descriptors.
 std::unique_ptr<Stream> make_descriptor_stream(Socket socket, std::string peer);
 
 /// Stream::write_now of a socket.

@@ -13,7 +13,7 @@
 
 namespace hive {
 
-/// One option: a key of a swarm file, an option of `hivectl connect`, a word of --connect. `share`, which stands for
+/// One option: a key of a swarm file, an option of `hivectl connect`, a keyword in --connect. `share`, which stands for
 /// the group of the sender's name, is not among them, since these know no sender.
 struct ConnectionOption {
     std::string_view name;   ///< in a swarm file and in --connect: "first_frame"

@@ -14,7 +14,7 @@ namespace hive {
 /// When an engine restarts a drone by itself.
 enum class Restart { never, on_failure, always };
 
-/// One drone: one process. Of `"face": {"count": 4, ...}` there are four of these, face-1 to face-4.
+/// One drone, which is one process: `"face": {"count": 4, ...}` makes four of these, face-1 to face-4.
 struct DroneOrder {
     std::string name{}, kind{};  ///< kind: "face" for hive-face, or a Python file, "edges.py"
     std::string host = "local";  ///< the machine's name in the file: the key in `engines`

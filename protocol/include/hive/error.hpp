@@ -47,7 +47,7 @@ const ErrorInfo& info(Errc code) noexcept;
 /// The code of a wire token; Errc::failed for a token this version does not know.
 Errc errc_from_token(std::string_view token) noexcept;
 
-/// What Hive throws for bad input, peers and the operating system. Normal absence is std::optional instead.
+/// Thrown for bad input, peers and the operating system. Normal absence is std::optional instead.
 class Error : public std::runtime_error {
 public:
     /// @param text    what happened, in one sentence

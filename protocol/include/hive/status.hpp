@@ -73,7 +73,7 @@ private:
     std::array<std::int64_t, fates> went_{};
 };
 
-/// One receiver of an output, or a group of them, as the sender sees it. It outlives single registrations.
+/// The sender's counters for one receiver of an output, or for a group. They outlive single registrations.
 struct EdgeStatus {
     std::string receiver;           ///< "face.image", "app-1234"; of a group: "group NAME"
     bool group = false;             ///< this row counts for a whole group; its members have their own rows
@@ -96,7 +96,7 @@ struct OutputStatus {
     Reason why{};
 };
 
-/// One connection of an input, as the receiver sees it: received = processed + abandoned + duplicates + discarded +
+/// The receiver's counters for one connection of an input: received = processed + abandoned + duplicates + discarded +
 /// dropped + unmatched + queued + in_hand.
 struct InputStatus {
     std::string input;

@@ -21,7 +21,7 @@ namespace hive {
 
 class DroneCore;  // the implementation behind the handles below
 
-/// What a parameter may be, apart from its type: `between(1.01, 2.0)`, `one_of({"jpeg", "png"})`, `between(1,
+/// The constraint of a parameter besides its type: `between(1.01, 2.0)`, `one_of({"jpeg", "png"})`, `between(1,
 /// 100).in("%")`.
 struct Constraint {
     std::optional<double> least, most;
@@ -209,7 +209,6 @@ private:
     DroneCore& core_;
 };
 
-/// What a drone program is.
 struct DroneProgram {
     std::string kind;       ///< "face"
     std::string summary;    ///< one sentence for --help and describe

@@ -14,7 +14,7 @@
 
 namespace hive {
 
-/// What an embedded drone may do in its program; by default nothing that affects the rest of the program.
+/// The settings of an embedded drone; by default it does not affect the rest of the program.
 struct EmbeddedOptions {
     std::string name;                      ///< in the swarm; empty: the kind
     std::vector<std::string> listen{};     ///< addresses besides the local socket, "tcp://HOST:PORT"
@@ -49,7 +49,7 @@ public:
 
     [[nodiscard]] Drone& drone() noexcept;
     [[nodiscard]] const std::string& name() const noexcept;
-    /// What has been declared so far.
+    /// The declarations so far.
     [[nodiscard]] Interface interface() const;
 
     /// Runs until the drone is told to stop. For --describe: prints the interface and returns.

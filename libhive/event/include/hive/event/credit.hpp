@@ -47,7 +47,7 @@ public:
     /// Must it acknowledge something before it gets more?
     [[nodiscard]] bool full() const { return sent_ - progress_.done >= window() + most_under_way; }
     [[nodiscard]] bool streaming() const { return streaming_; }
-    /// How many of the deliveries in progress, from the oldest on, were processed.
+    /// Number of unacknowledged deliveries that were processed.
     [[nodiscard]] std::int64_t worked_in_hand() const { return progress_.worked - progress_.done; }
     [[nodiscard]] std::int64_t sent() const { return sent_; }
     [[nodiscard]] std::int64_t done() const { return progress_.done; }

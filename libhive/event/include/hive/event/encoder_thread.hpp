@@ -31,7 +31,7 @@ public:
     void push(const std::string& peer, Job job);
     /// Drops waiting jobs, and waits for the running one. Jobs pushed later are dropped. Any thread but its own.
     void end();
-    /// How long it has been working. Any thread.
+    /// The total time spent on jobs. Any thread.
     [[nodiscard]] std::chrono::nanoseconds worked() const;
 
 private:

@@ -26,7 +26,7 @@ public:
     /// @param within  a sender without an answer by then is ignored: it is of an earlier version, or drones wait for
     /// each other
     void begin(std::chrono::milliseconds within, Then then);
-    /// One of them may have answered.
+    /// Checks whether all senders have answered; call it when one may have.
     void look();
     void stop();
 

@@ -1,4 +1,4 @@
-// What drones and applications have in common: links to peers, outlets, intakes, requests, and the loop that runs them.
+// The common part of drones and applications: links to peers, outlets, intakes, requests, and the loop that runs them.
 #pragma once
 
 #include <hive/event/encoder_thread.hpp>

@@ -78,7 +78,7 @@ public:
     ReceiverTable& operator=(const ReceiverTable&) = delete;
 
     Welcome add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
-    /// It deregistered.
+    /// The receiver deregistered.
     void leave(Id id, Clock::time_point now, Decisions& decisions);
     /// Its connection ended. @param returns  it may come back
     void lose(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);

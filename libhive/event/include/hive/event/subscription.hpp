@@ -11,7 +11,7 @@
 //        +-------------------+                                                                    |
 //        +------------------- cancel, or 30 s for a subscription that is not shared --------------+
 //
-// Where an earlier run of the drone had a consumer, the new subscription is awaited from the beginning (expect).
+// If an earlier run of the drone had a consumer, the new subscription is awaited from the beginning (expect).
 //
 // Events. An event waits (`fresh_`) until a consumer may have it; then it is a job with a number (`open_`) until one
 // consumer acknowledges it. It counts in the ledger once when it is offered and once when it ends, so
