@@ -47,7 +47,7 @@ struct SocketTurn {
 
     int socket = -1;
     std::size_t left = least;   ///< in this turn
-    std::size_t unpaid = most;  ///< budget of read bytes; data pays back twice its size
+    std::size_t unpaid = most;  ///< read bytes that no data has paid for; data pays for twice its size
     std::uint64_t taken = 0;    ///< in all turns
     std::uint64_t key_updates = 0;
     bool ended = false;  ///< the peer has stopped sending

@@ -61,7 +61,7 @@ public:
     [[nodiscard]] bool wanted() const;
     /// True if it has receivers, even of headers only.
     [[nodiscard]] bool received() const;
-    /// For sources that produce on demand: has every receiver of bodies asked for another event (and is there one)?
+    /// For sources on demand: true if the output has receivers of bodies and each of them has requested another event.
     [[nodiscard]] bool asked() const;
     /// True if a lossless event still waits here to be sent. Events emitted at another output then overtake it.
     [[nodiscard]] bool backlogged() const;
