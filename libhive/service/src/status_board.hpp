@@ -53,7 +53,7 @@ public:
     void prepared(bool yes);
     void matched(std::size_t matching, MatchCounts counts);
 
-    // --- what is told ---
+    // --- reports ---
     /// @return whether that is a change
     bool condition(const std::string& text, Reason why);
     void source_events(std::int64_t events);

@@ -43,7 +43,7 @@ private:
     std::map<std::string, std::deque<Job>> jobs_;  ///< by peer; none is empty
     std::deque<std::string> turns_;                ///< these peers, the next first
     std::chrono::nanoseconds worked_{0};           ///< on finished jobs
-    Clock::time_point since_{};                    ///< works on a job since then; the default: on none
+    Clock::time_point since_{};                    ///< start of the running job; the default: none
     bool ending_ = false;
     std::thread thread_;
 };

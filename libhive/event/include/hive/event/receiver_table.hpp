@@ -80,7 +80,7 @@ public:
     Welcome add(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     /// The receiver deregistered.
     void leave(Id id, Clock::time_point now, Decisions& decisions);
-    /// Its connection ended. @param returns  it may come back
+    /// Its connection ended. @param returns  it may return
     void lose(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void request(Id id, std::int64_t epoch, const Progress& progress, const std::vector<std::int64_t>& back,
                  Clock::time_point now, Decisions& decisions);

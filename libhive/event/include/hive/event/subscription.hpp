@@ -2,7 +2,7 @@
 // consumer, and the outcome of each.
 //
 // States. A subscription is *present* while it has a consumer, *awaited* while it has none and its source waits for
-// one to come back, and else *dormant*: a record that counts on when a consumer attaches again.
+// one to return, and otherwise *dormant*: a record that continues counting when a consumer attaches again.
 //
 //                 attach                      detach: connection lost, something must arrive
 //     dormant ------------> present ------------------------------------------------------> awaited
@@ -15,11 +15,12 @@
 //
 // Events. An event waits (`fresh_`) until a consumer may have it; then it is a job with a number (`open_`) until one
 // consumer acknowledges it. It counts in the ledger once when it is offered and once when it ends, so
-// offered = ended + waiting + open, always. A job that comes back is in `again_` as well, and goes out before fresh
-// events, in the order of its number.
+// offered = ended + waiting + open, always. A requeued job is in `again_` as well, and is sent before fresh events, in
+// the order of its number.
 //
-// Which events come back. A lossless one always, unless the subscription is passive; a live one only if it is shared,
-// where another consumer can still do it in time. Any other live event is kept only to show what a consumer failed at.
+// Which events are requeued. A lossless one always, unless the subscription is passive; a live one only if it is
+// shared, where another consumer can still do it in time. Any other live event is kept only to show what a consumer
+// failed at.
 //
 // The three departures of a consumer (detach):
 //   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
@@ -93,7 +94,7 @@ public:
     /// The connection has written an event.
     void written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// @param how      one of Fate::lost_...
-    /// @param returns  false: it will not come back
+    /// @param returns  false: it will not return
     void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     /// The consumer gets nothing more; it still acknowledges its deliveries, and then leaves.
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
