@@ -1,4 +1,5 @@
-// Where the time of events goes on their way through drones, what limits their rate, and what a change would give.
+// Measures how long events spend at each step between drones and what limits their rate, and predicts what changes
+// give.
 #pragma once
 
 #include <hive/application.hpp>
@@ -11,11 +12,11 @@
 
 namespace hive {
 
-/// What a proposal is to improve: events per second, or their age when the last drone has processed them.
+/// The goal of a proposal: more events per second, or a lower age when the last drone has processed them.
 enum class Goal { fps, latency };
 std::string_view token(Goal goal) noexcept;  // "fps", "latency"
 
-/// One step on the way of an event.
+/// One step of the path of an event.
 struct Station {
     enum class What {
         source,      ///< makes one event in this time
@@ -24,20 +25,20 @@ struct Station {
         travel,      ///< from one drone to the next
         queue,       ///< at the receiver, of events requested ahead
         work,        ///< in the drone's code
-        window,      ///< a limit only: events that may be under way at once
+        window,      ///< a limit only: events that may be in flight at once
         processors,  ///< a limit only: of a machine
     };
     What what{};
     std::string at{};      ///< "camera", "face-1, face-2", "camera.image -> face.image", a machine
     double time_us = 0;    ///< of one event, on average
-    double max_per_s = 0;  ///< events per second that it lets through; 0: not a limit
+    double max_per_s = 0;  ///< maximum events per second; 0: not a limit
 };
 std::string_view token(Station::What what) noexcept;  // "source"
 
-/// One change, with what it would come to.
+/// One change, with its predicted effect.
 struct Proposal {
     enum class What { worker, window, encoding, transfer, source_rate, halt, machine };
-    /// high: all that it depends on was measured; medium: one part is inferred; low: a part is not known.
+    /// high: every input of the prediction was measured; medium: one was inferred; low: one is unknown.
     enum class Sure { low, medium, high };
     What what{};
     std::string text{};             ///< a sentence without full stop
@@ -51,14 +52,14 @@ struct Proposal {
 std::string_view token(Proposal::What what) noexcept;  // "worker"
 std::string_view token(Proposal::Sure sure) noexcept;  // "high"
 
-/// The way of events from one source to a drone that passes them to no other.
+/// The path of events from one source to a drone that no other drone receives from.
 struct AdvisedLine {
     std::string from, to;             ///< "camera", "face-1, face-2"
     double per_s = 0;                 ///< events per second that the last drone processes
     double latency_us = 0;            ///< their age then; 0: not known
-    std::vector<Station> stations{};  ///< in the order of the way
-    /// Of the rate, the lowest first: the first one is the bottleneck. Empty: nothing comes, or a drone passes on fewer
-    /// events than it gets.
+    std::vector<Station> stations{};  ///< in the order of the path
+    /// Limits of the rate, the lowest first: the first one is the bottleneck. Empty: no events arrive, or a drone emits
+    /// fewer events than it receives.
     std::vector<Station> limits{};
     std::vector<Proposal> proposals{};  ///< the best first; empty: nothing known here would help
 };
@@ -70,14 +71,14 @@ struct Advice {
 
 struct AdviceOptions {
     Goal goal = Goal::fps;
-    std::chrono::milliseconds time{2000};  ///< that is measured
+    std::chrono::milliseconds time{2000};  ///< of the measurement
 };
 
 /// Measures how events pass the drones, and predicts by a model what would help (libhive/docs/architecture.md).
-/// Receives headers of the outputs on the way meanwhile. Where raw images go to another machine, it also requests some
-/// of them as JPEG, to measure their size.
+/// Meanwhile it receives the headers of the outputs on the path. If raw images go to another machine, it also requests
+/// some as JPEG, to measure their size.
 /// @param drones  the last drone of a line; or the first and the last; empty: all lines
-/// Throws Errc::not_found when a drone does not run, or no events go from the first to the last.
+/// Throws Errc::not_found when a drone is not running, or no path leads from the first to the last.
 Advice advise(Application& application, const std::vector<std::string>& drones = {}, const AdviceOptions& options = {});
 
 /// {"goal", "lines": [{"from", "to", "per_s", "latency_us", "stations": [...], "limits": [...], "proposals": [...]}]}

@@ -1,4 +1,4 @@
-// What an application is written against: find drones, describe, connect, configure, collect. hivectl uses only this.
+// The interface for applications: find drones, describe, connect, configure, collect. hivectl uses only this.
 #pragma once
 
 #include <hive/error.hpp>
@@ -20,16 +20,16 @@
 
 namespace hive {
 
-/// Where a drone is met.
+/// Where a drone is reachable.
 struct Place {
     std::string drone;
-    std::string host;              ///< `here`, or the machine as it was named when the place was written down
+    std::string host;              ///< `here`, or the machine under the name that was given when the place was saved
     std::string address;           ///< "unix:/run/user/1000/hive/camera.sock", "tcp://cam1:7700"
-    std::string ssh{};             ///< how ssh calls the machine, when the drone was started through it
+    std::string ssh{};             ///< the ssh host, if the drone was started over ssh
     std::int64_t answered_us = 0;  ///< on another machine: wall clock of its last answer to this home; 0: none yet
-    bool announced = false;        ///< found by what it announces on the local network, and not in the list
+    bool announced = false;        ///< discovered on the local network, and not in the list
 
-    /// The host of the drones of this machine that meet in the home.
+    /// The host of drones of this machine in this home.
     static constexpr const char* here = "local";
     bool operator==(const Place&) const = default;
 };
@@ -41,39 +41,39 @@ struct Answer {
     std::optional<Error> error;
 };
 
-/// What one drone of several says of itself.
+/// The status of one drone of several.
 struct StatusAnswer {
     std::string drone;
     Status status;  ///< meaningful without error
     std::optional<Error> error;
-    Place place{};  ///< where it was asked; with an empty address it was not
+    Place place{};  ///< where it was queried; with an empty address it was not
 };
 
-/// A drone of this machine that died of a signal as SIGSEGV, while it does not run.
+/// A drone of this machine that a signal such as SIGSEGV killed and that is not running again.
 struct CrashedDrone {
     std::string drone;
     std::int64_t pid = 0;
     std::int64_t time_us = 0;  ///< wall clock
     std::string signal;        ///< "SIGSEGV"
-    std::string function;      ///< of its own code where that was, else of libhive; empty: not known
+    std::string function;      ///< of its own code if that crashed, else of libhive; empty: not known
     std::string source;        ///< "/src/face.cpp:12:5"; empty: not known
 };
 
-/// A drone that crashes again and again.
+/// A drone that crashes repeatedly.
 struct FailedDrone {
     std::string drone;
     std::string reason;  ///< "crashed 6 times in a row; ..."
     std::string log;     ///< its last lines
 };
 
-/// What a set on several drones came to.
+/// Result of a set on several drones.
 struct SetResult {
     enum class Changed {
         all,
         none,    ///< each has its old values
-        unclear  ///< some may have the new values and others the old ones: the answers say which, or that it is unknown
+        unclear  ///< some may have the new values, others the old ones: the answers say which, or that this is unknown
     };
-    std::vector<Answer> answers;  ///< in the order of the drones; what has changed has no error
+    std::vector<Answer> answers;  ///< in the order of the drones; no error: the drone has the new values
     Changed changed = Changed::none;
 };
 
@@ -85,40 +85,39 @@ struct Endpoint {
 std::string to_text(const Endpoint& end);  // "camera.image", "camera"
 
 struct CollectOptions {
-    /// A wide window: nothing is skipped unless the collector falls that far behind, and of a source on demand nothing
-    /// at all.
+    /// A wide window: events are skipped only if the collector falls that far behind, and never from a source on
+    /// demand.
     ConnectionOptions connection{.window = 64, .group = {}, .lease = {}};
-    bool ordered = false;  ///< results of one source in the order of its captures, however many workers made them
-    /// Ordered: how long a missing result holds up those after it. Live events never wait longer than 1 s.
+    bool ordered = false;  ///< results of one source in the order of its captures, for any number of workers
+    /// Ordered: how long a missing result delays those after it. Live events never wait longer than 1 s.
     std::chrono::milliseconds patience{30'000};
 };
 
-/// What collecting has counted so far.
+/// Counters of a collector.
 struct CollectCounts {
-    std::int64_t received = 0;    ///< results handed out
-    std::int64_t duplicates = 0;  ///< second answers to shared work, refused
-    std::int64_t missing = 0;     ///< turns of shared work whose result never came (ordered)
+    std::int64_t received = 0;    ///< results returned
+    std::int64_t duplicates = 0;  ///< duplicate results of shared work, discarded
+    std::int64_t missing = 0;     ///< jobs of shared work whose result never arrived (ordered)
     std::map<std::string, std::vector<std::int64_t>> missing_turns;  ///< the first of them, by "sender.output#group"
     std::int64_t failed = 0;                                         ///< reported as exceptions instead
-    std::int64_t dropped = 0;  ///< lost at this end because they were not taken in time
+    std::int64_t dropped = 0;  ///< lost at this end: the caller did not take them in time
 };
 
-/// Receives events from outputs of drones; connections that end are made again by themselves. Made by
-/// Application::collect.
+/// Receives events from outputs of drones; broken connections are restored. Created by Application::collect.
 class Collector {
 public:
     virtual ~Collector() = default;
     /// The next event, or nothing when `patience` has passed or everything has ended(). User thread.
     virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
-    /// When all that it receives has come to its end and everything was taken: what is lacking, empty when everything
-    /// came. Nothing as long as something may come; so it is again when something comes after all. User thread.
+    /// Once all outputs have ended and the caller has taken every event: what is missing, empty if nothing is. Nothing
+    /// as long as an event may arrive, and again if one arrives later. User thread.
     [[nodiscard]] virtual std::optional<std::string> ended() = 0;
     [[nodiscard]] virtual CollectCounts counts() const = 0;
     /// This end of each connection.
     [[nodiscard]] virtual std::vector<InputStatus> inputs() const = 0;
 };
 
-/// Receives sets of events that belong together, one of each output, in the order of the outputs. Made by
+/// Receives sets of matching events, one of each output, in the order of the outputs. Created by
 /// Application::collect_matched.
 class MatchedCollector {
 public:
@@ -126,29 +125,29 @@ public:
     /// The next set, or nothing when `patience` has passed or everything has ended(); the `input` of each event is its
     /// "drone.output". User thread.
     virtual std::optional<std::vector<Event>> next(std::chrono::milliseconds patience) = 0;
-    /// As of a Collector.
+    /// As Collector::ended.
     [[nodiscard]] virtual std::optional<std::string> ended() = 0;
     /// `missing` is by "drone.output".
     [[nodiscard]] virtual MatchCounts counts() const = 0;
-    /// Of the single events.
+    /// Counters of single events, not of sets.
     [[nodiscard]] virtual CollectCounts received() const = 0;
     /// This end of each connection.
     [[nodiscard]] virtual std::vector<InputStatus> inputs() const = 0;
 };
 
-/// An application in the swarm. Calls block until they are confirmed or their deadline has passed (Errc::timeout); they
-/// are for one thread at a time. Everything throws hive::Error.
+/// An application in the swarm. Calls block until they are confirmed or their deadline has passed (Errc::timeout). For
+/// one thread at a time. Every function throws hive::Error.
 class Application {
 public:
     struct Options {
-        std::string name;                         ///< empty: "app-PID", of further ones "app-PID-2"
+        std::string name;                         ///< empty: "app-PID", then "app-PID-2" ...
         std::filesystem::path home;               ///< empty: default_home()
         std::chrono::milliseconds timeout{5000};  ///< of every call
         std::filesystem::path key{};  ///< the swarm's key file, for drones on other machines; empty: default_key_file()
-        /// What to advise whoever names a drone that does not run, and no running one is called nearly so.
+        /// Advice for naming a drone that is not running, if no running drone has a similar name.
         std::function<std::string(const std::string& drone)> advice_if_missing{};
-        /// Asked again and again while a call waits for drones, on the thread that called: true, and the call throws
-        /// Errc::stopped instead of waiting any longer. Whether it has had its effect nobody knows then.
+        /// Polled on the calling thread while a call waits for drones: if true, the call throws Errc::stopped instead
+        /// of waiting longer. Its outcome is then unknown.
         std::function<bool()> cancelled{};
     };
 
@@ -158,45 +157,40 @@ public:
     Application(const Application&) = delete;
     Application& operator=(const Application&) = delete;
 
-    /// What drones call it: the name of its edges at their outputs.
+    /// The name that drones list for its connections.
     [[nodiscard]] const std::string& name() const;
-    /// Where the drones of this machine meet.
+    /// The runtime directory.
     [[nodiscard]] const std::filesystem::path& home() const;
     /// Changes the deadline of the calls that follow.
     void timeout(std::chrono::milliseconds timeout);
 
-    // --- find ---
-    // A drone is called by its name, wherever it is; by "NAME@HOST" where several have the same name.
+    // --- find --- A drone is identified by its name, on any machine; by "NAME@HOST" if several have the same name.
 
-    /// The drones that run on this machine, and those of other machines that the list of places names or that announce
-    /// themselves on the local network, whether these answer or not; sorted. The first call waits for what the network
-    /// knows, for 300 ms at most (a busy daemon: 1 s), where there are a key and an Avahi daemon.
+    /// The drones running on this machine, and those of other machines in the list of places or announced on the local
+    /// network, answering or not; sorted. With a key and an Avahi daemon, the first call waits at most 300 ms for the
+    /// network (1 s if the daemon is busy).
     std::vector<std::string> drones();
-    /// Where it is met. Throws Errc::not_found, and Errc::invalid_argument when several have the name.
+    /// Where the drone is reachable. Throws Errc::not_found, or Errc::invalid_argument if several have the name.
     Place place(const std::string& drone);
-    /// The list of places: drones on other machines that this home was told of, sorted by name.
+    /// The list of places: drones on other machines that were saved in this home, sorted by name.
     std::vector<Place> listed_places();
-    /// Writes a place into the list. Throws Errc::invalid_argument when it cannot be one.
+    /// Adds a place to the list. Throws Errc::invalid_argument if it is not a valid place.
     void add_place(const Place& place);
-    /// The same for drones that were started just now: an earlier place of one at the same host is out of date and
-    /// goes.
+    /// Adds places of drones that were just started, and removes their earlier places at the same host.
     void replace_places(const std::vector<Place>& places);
-    /// Strikes a place off the list; false: it was not there.
+    /// Removes a place from the list; false: not found.
     bool forget_place(const Place& place);
-    /// Names of drones that do not run and get back what they were told when they are started again: they crashed.
-    /// Sorted.
+    /// Names of drones that crashed and will restore their saved state when they are started again. Sorted.
     std::vector<std::string> remembered();
-    /// Drones that crashed and have left word of it, until they run again or are stopped. Sorted.
+    /// Drones that crashed and left a report, until they run again or are stopped. Sorted.
     std::vector<CrashedDrone> crashed();
-    /// What this drone failed at, by number: the last 4 times, as far as it was kept on this machine, by the drone
-    /// itself or by those that sent to it. It need not run.
-    /// @param bodies  false: the inputs have their headers and sizes alone
+    /// The inputs at which this drone failed, by number: the last 4 failures that the drone or its senders kept on this
+    /// machine. The drone may have exited.
+    /// @param bodies  false: only headers and sizes of the inputs
     std::vector<KeptFailure> failures(const std::string& drone, bool bodies = false);
-    /// Names of drones that have failures here. Sorted.
+    /// Names of drones with failures kept on this machine. Sorted.
     std::vector<std::string> failing();
-    /// Drones that crash as soon as whoever stays with their swarm (Swarm::stay) restarts them, until they run again or
-    /// are stopped.
-    /// Sorted.
+    /// Drones that crash each time Swarm::stay restarts them, until they run again or are stopped. Sorted.
     std::vector<FailedDrone> failed();
     /// Expands a glob over the names, or finds one name. Throws Errc::not_found (with the nearest name) when none fits.
     std::vector<std::string> find(const std::string& pattern);
@@ -205,58 +199,58 @@ public:
     Interface describe(const std::string& drone);
     /// What the drone is doing: state, counters, connections (see SPEC.md, section 6.4).
     Status status(const std::string& drone);
-    /// Of many at once; the answers come in the order of the names.
+    /// Queries all at once; the answers are in the order of the names.
     std::vector<StatusAnswer> status(const std::vector<std::string>& drones);
 
     // --- wire ---
 
-    /// Connects output to input, confirmed by both. Empty ports are inferred. Returns the ports that were used.
-    /// Throws Errc::type_mismatch naming both types, Errc::refused when a drone that keeps state is to share.
+    /// Connects output to input, confirmed by both. Empty ports are inferred. Returns the ports that were used. Throws
+    /// Errc::type_mismatch naming both types, and Errc::refused if a stateful drone is to share.
     std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver,
                                           const ConnectionOptions& options = {});
-    /// Undoes it. Throws Errc::not_found if there is no such connection. Empty ports: every connection between the two.
-    /// A receiver that does not run is forgotten by its sender, which then waits for it no longer.
+    /// Removes a connection. Throws Errc::not_found if there is none. Empty ports: every connection between the two. If
+    /// the receiver has exited, its sender forgets it and stops waiting for it.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
 
     // --- configure ---
 
     /// Sets parameters of one drone, all together or none; returns the applied values.
     Json set(const std::string& drone, const Json& parameters);
-    /// Sets the same on many: prepared on all, where the drones' own code tries it, then committed on all. If one
-    /// refuses, or `cancelled` becomes true before that, none has changed.
+    /// Sets the same values on many drones: all prepare (their own code tries the values), then all commit. If a drone
+    /// refuses, or `cancelled` returns true before the commit, no drone is changed.
     SetResult set(
         const std::vector<std::string>& drones, const Json& parameters,
         const std::function<bool()>& cancelled = [] { return false; });
-    /// The present values: of all parameters, or of those named.
+    /// The current values of all parameters, or of those named.
     Json get(const std::string& drone, const std::vector<std::string>& names = {});
     std::vector<Answer> get(const std::vector<std::string>& drones, const std::vector<std::string>& names = {});
-    /// All values as they were asked for: a drone may have made another value of one, for example by rounding.
+    /// All values as requested, before the drone adjusted them, for example by rounding.
     std::vector<Answer> asked(const std::vector<std::string>& drones);
 
     // --- collect ---
 
     /// Receives from the outputs; ends when the Collector is destroyed. Returns when every drone has acknowledged.
     std::unique_ptr<Collector> collect(const std::vector<Endpoint>& outputs, const CollectOptions& options = {});
-    /// Receives sets of events, one of each of two or more different outputs, that belong together by `match`.
-    /// `options.ordered` is not for sets: they come as they are complete.
+    /// Receives sets of events that match by `match`, one of each of two or more different outputs. `options.ordered`
+    /// does not apply: sets arrive as they are completed.
     std::unique_ptr<MatchedCollector> collect_matched(const std::vector<Endpoint>& outputs,
                                                       Match match = Match::exact(), const CollectOptions& options = {});
     /// Receives the exceptions of drones, as events whose header has "code", "text", "policy".
     std::unique_ptr<Collector> exceptions(const std::vector<std::string>& drones);
-    /// Sends one event into an input; returns when the drone has taken it into its queue.
+    /// Sends one event to an input; returns once the drone has queued it.
     void put(const Endpoint& input, const Json& header, Body body, const std::string& type);
-    /// Sends an event as another drone has sent it, with its identity, but as a live one that is nobody's work.
+    /// Sends an event of another drone with its identity, but as a live event and not as shared work.
     void put(const Endpoint& input, const Event& event);
 
     // --- control ---
 
     void halt(const std::string& drone);
     void resume(const std::string& drone);
-    /// Ends a drone and forgets what it was told, and its place; returns when it is gone. One of this machine that
-    /// hangs is killed when the time is over, one that crashed is forgotten only.
+    /// Stops a drone and discards its state and place; returns when it has exited. On this machine a drone that hangs
+    /// is killed at the timeout; of one that crashed, only state and place are discarded.
     void stop(const std::string& drone);
-    /// The same of many at once; returns when all are gone, or their time is over.
-    /// @param swarm  not empty: only those that this swarm brought up; others answer Errc::refused
+    /// Stops many at once; returns when all have exited, or at the timeout.
+    /// @param swarm  not empty: only drones that this swarm brought up; others answer Errc::refused
     std::vector<Answer> stop(const std::vector<std::string>& drones, const std::string& swarm = {});
     /// Changes what happens when the drone's code throws.
     void exception_policy(const std::string& drone, ExceptionPolicy policy);
@@ -267,7 +261,7 @@ private:
     std::unique_ptr<Core> core_;
 };
 
-/// Where local drones meet: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID. Only their user can enter it.
+/// The runtime directory: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID. Only its user has access.
 std::filesystem::path default_home();
 
 }  // namespace hive

@@ -1,4 +1,4 @@
-// Whether anything was lost: the counts of both ends of each connection, side by side.
+// Finds lost events by comparing the counts of both ends of each connection.
 #pragma once
 
 #include <hive/connection_ends.hpp>
@@ -13,16 +13,16 @@ struct AuditLoss {
     std::string fate;  ///< "dropped", "lost_killed"; at the receiver: "abandoned", "dropped", "discarded" ...
     std::string at;    ///< the drone that counts it
     std::int64_t events = 0;
-    bool promised = true;  ///< false: the options or the receiver ask for it, such as skipped events of a live source
+    bool promised = true;  ///< false: the options or the receiver allow it, such as skipped events of a live source
 };
 
 /// One connection, or a group as a whole.
 struct AuditRow {
     ConnectionEnds ends{};
     bool sender_answers = false;
-    bool receiver_answers = false;  ///< false, too: an application, or a group
+    bool receiver_answers = false;  ///< also false for an application or a group
     std::vector<AuditLoss> losses{};
-    std::vector<std::string> differences{};  ///< what the two ends contradict each other in, as sentences
+    std::vector<std::string> differences{};  ///< contradictions between the two ends, as sentences
 
     [[nodiscard]] std::int64_t lost() const;  ///< against a promise
 };
@@ -31,15 +31,15 @@ struct Audit {
     std::vector<AuditRow> rows;
     std::vector<std::string> silent;  ///< drones that did not answer
 
-    /// Does everything balance, and was nothing lost that was promised?
+    /// Do all counts agree, and was no promised event lost?
     [[nodiscard]] bool clean() const;
 };
 
-/// Asks all drones three times, so that counts that are not of one instant are compared only where they must agree:
-/// what a receiver has dealt with at the second time is no less than what its sender knew of at the first, and no more
-/// than what the sender has sent at the third.
+/// Queries all drones three times, because their counts are not of one instant: a receiver must have processed at the
+/// second time at least as many events as its sender had acknowledged at the first, and at most as many as the sender
+/// has sent at the third.
 Audit audit(Application& application);
-/// The same of three answers of each drone, in the order in which they came.
+/// The same from three answers of each drone, in their order.
 Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnswer>& second,
             const std::vector<StatusAnswer>& third);
 

@@ -1,4 +1,4 @@
-// The connections of a swarm, put together from what both ends report.
+// Merges the reports of both ends of each connection of a swarm.
 #pragma once
 
 #include <hive/application.hpp>
@@ -9,12 +9,12 @@
 
 namespace hive {
 
-/// What each end reports of one connection, or the sender of a group as a whole.
+/// One connection as both ends report it, or a group as its sender reports it.
 struct ConnectionEnds {
     std::string from, to;                      ///< "camera.image", "face.image"
-    std::optional<EdgeStatus> at_sender{};     ///< nothing: the sender does not know it, or does not answer
-    std::optional<InputStatus> at_receiver{};  ///< nothing: an application, or it does not know it or answer
-    /// Where the two run; empty: not known as a drone.
+    std::optional<EdgeStatus> at_sender{};     ///< nothing: unknown to the sender, or no answer
+    std::optional<InputStatus> at_receiver{};  ///< nothing: an application, unknown there, or no answer
+    /// Hosts of the two; empty: not a known drone.
     std::string from_host{}, to_host{};
 
     [[nodiscard]] const ConnectionOptions& options() const

@@ -1,4 +1,4 @@
-// A failure as programs tell it each other: one line, {"error": {"code", "text", "advice", "drone"}}.
+// A failure as programs print it for each other: one line, {"error": {"code", "text", "advice", "drone"}}.
 #pragma once
 
 #include <hive/error.hpp>
@@ -9,9 +9,9 @@
 
 namespace hive {
 
-/// @param drone  that has failed, or its port; empty: the failure is of none
+/// @param drone  that failed, or its port; empty: the failure concerns none
 Json failure_json(const Error& error, const std::string& drone = {});
-/// The last failure among the lines that a program printed; nothing when there is none.
+/// The last failure in a program's output; nothing if there is none.
 std::optional<Error> failure_in(const std::string& printed);
 
 }  // namespace hive

@@ -1,4 +1,4 @@
-// What a swarm is made of: drones, the machines that they run on, and the connections between them.
+// The graph of a swarm: drones, their machines, and their connections.
 #pragma once
 
 #include <hive/connection_ends.hpp>
@@ -10,23 +10,23 @@ namespace hive {
 
 struct GraphDrone {
     std::string name;
-    std::string host;   ///< as Place::host; empty: an application, or a drone that this home does not know
-    std::string kind;   ///< empty: it does not answer
-    std::string state;  ///< "idle", "halted"; "silent": it does not answer; empty: not known as a drone
+    std::string host;   ///< as Place::host; empty: an application, or a drone unknown to this home
+    std::string kind;   ///< empty: no answer
+    std::string state;  ///< "idle", "halted"; "silent": no answer; empty: not a known drone
 };
 
 struct SwarmGraph {
     std::vector<GraphDrone> drones;  ///< by host, then by name
-    /// Without groups as a whole, and without those that only remember a receiver that is gone.
+    /// Without the rows of groups as a whole, and without connections whose receiver is gone.
     std::vector<ConnectionEnds> connections;
 };
 
-/// Asks all drones.
+/// Queries all drones.
 SwarmGraph graph(Application& application);
 SwarmGraph graph(const std::vector<StatusAnswer>& statuses);
-/// In the language of Graphviz: machines are clusters.
+/// In the DOT language of Graphviz: machines are clusters.
 std::string to_dot(const SwarmGraph& graph);
-/// For people at a terminal: each drone, with what it sends, by machine.
+/// For terminals: each drone with its connections, by machine.
 std::string to_text(const SwarmGraph& graph);
 /// {"drones": [{"name", "host", "kind", "state"}], "connections": [{"from", "to", "group", "connected"}]}
 Json to_json(const SwarmGraph& graph);

@@ -1,4 +1,4 @@
-// What a swarm counts, for Prometheus: families of samples, and the two text forms in which they are scraped.
+// The counters of a swarm for Prometheus: families of samples, and the two text formats for scraping them.
 #pragma once
 
 #include <hive/application.hpp>
@@ -11,7 +11,7 @@
 
 namespace hive {
 
-/// One number of a family, told from the others by its labels.
+/// One number of a family, identified by its labels.
 struct MetricSample {
     std::vector<std::pair<std::string, std::string>> labels{};
     double value = 0;
@@ -19,11 +19,11 @@ struct MetricSample {
 };
 
 struct MetricFamily {
-    /// A state has a sample for each state that there is, of which one is 1; its last label has the name of the family.
+    /// A state has one sample per possible state, of which one is 1; its last label has the name of the family.
     enum class Type { counter, gauge, info, state };
     std::string name;  ///< "hive_drone_busy_seconds", without the "_total" or "_info" of its samples
     Type type{};
-    std::string unit{};  ///< "seconds": the end of the name; empty: a plain number
+    std::string unit{};  ///< "seconds": the suffix of the name; empty: a plain number
     std::string help{};  ///< one sentence
     std::vector<MetricSample> samples{};
 };
@@ -31,22 +31,22 @@ struct MetricFamily {
 /// No two families of one name, and no two samples of a family with equal labels.
 using Metrics = std::vector<MetricFamily>;
 
-/// Asks all drones at once, each with its accounts of one moment. One that does not answer is a number, not an error.
-/// Waits at most as long as the application's timeout.
+/// Queries all drones at once; the counters of one drone are of one instant. A drone that does not answer is counted,
+/// and is not an error. Waits at most the application's timeout.
 Metrics metrics(Application& application);
-/// The same of answers that have come.
-/// @param crashed  drones that do not run, because they crashed
+/// The same from answers at hand.
+/// @param crashed  drones that crashed and are not running
 Metrics metrics(const std::vector<StatusAnswer>& answers, const std::vector<std::string>& crashed = {});
 
-/// The text form 0.0.4 of Prometheus, or OpenMetrics 1.0.0.
+/// The Prometheus text format 0.0.4, or OpenMetrics 1.0.0.
 enum class MetricsForm { prometheus, openmetrics };
 std::string to_text(const Metrics& metrics, MetricsForm form);
-/// [{"name", "type": "counter", "unit", "help", "samples": [{"labels": {}, "value", "created_us"}]}]; what is empty or
-/// not known is left out.
+/// [{"name", "type": "counter", "unit", "help", "samples": [{"labels": {}, "value", "created_us"}]}]; empty and unknown
+/// fields are omitted.
 Json to_json(const Metrics& metrics);
-/// As HTTP needs it. Prometheus 3 refuses a scrape of another type.
+/// The media type for HTTP. Prometheus 3 refuses any other.
 std::string_view media_type(MetricsForm form) noexcept;
-/// The form that a scraper prefers.
+/// The format that a scraper prefers.
 /// @param accept  the header Accept of its request
 MetricsForm metrics_form(std::string_view accept);
 

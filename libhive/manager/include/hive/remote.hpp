@@ -1,4 +1,4 @@
-// hivectl on another machine, through ssh as its user has set it up.
+// Runs hivectl on another machine over ssh, with the user's ssh configuration.
 #pragma once
 
 #include <hive/process.hpp>
@@ -13,27 +13,27 @@ namespace hive {
 /// One machine. Its connection is kept open for a minute, for the commands that follow.
 class Remote {
 public:
-    /// @param ssh   how ssh calls the machine: a host or a name of ~/.ssh/config, with or without USER@
-    /// @param home  where the connection is kept
+    /// @param ssh   the ssh host: a host or an alias of ~/.ssh/config, with or without USER@
+    /// @param home  where the socket of the connection is
     Remote(std::string ssh, const std::filesystem::path& home);
 
-    /// "cam1" of "user@cam1": what the machine is called in the HOST column.
+    /// "cam1" of "user@cam1": the machine's name in the HOST column.
     [[nodiscard]] std::string host() const;
-    /// Where ssh finds it: the HostName of its configuration.
+    /// The HostName of its ssh configuration.
     [[nodiscard]] std::string address(std::chrono::milliseconds limit) const;
-    /// Runs hivectl there. Throws Errc::unreachable when ssh does not get there, Errc::not_found when there is no
-    /// hivectl, Errc::timeout; what hivectl itself says there is in the result.
+    /// Runs hivectl there. Throws Errc::unreachable if ssh fails, Errc::not_found if there is no hivectl,
+    /// Errc::timeout; the output of hivectl itself is in the result.
     [[nodiscard]] CommandResult hivectl(const std::vector<std::string>& words, std::chrono::milliseconds limit) const;
-    /// The same with our stdout and stderr, for what goes on until Ctrl-C. Returns the exit code.
+    /// The same with our stdout and stderr, for verbs that run until Ctrl-C. Returns the exit code.
     [[nodiscard]] int hivectl_attached(const std::vector<std::string>& words) const;
 
-    // --- the same in pieces, for who does not wait ---
-    /// What runs hivectl there.
+    // --- the same in steps, for callers that do not wait ---
+    /// The command that runs hivectl there.
     [[nodiscard]] std::vector<std::string> command(const std::vector<std::string>& words) const;
     /// Throws as hivectl() does.
     void require_there(const CommandResult& result) const;
-    /// Where a drone there is met from here: the first of its places that is on the network; of one that listens
-    /// everywhere, at `address`, which is that of the machine. Throws Errc::failed when there is none.
+    /// Where a drone there is reachable from here: the first of its places on the network; if that listens at all
+    /// addresses, at `address`, the machine's own. Throws Errc::failed if there is none.
     [[nodiscard]] std::string met_at(const std::vector<std::string>& places, const std::string& address) const;
 
 private:
@@ -41,10 +41,10 @@ private:
     std::filesystem::path home_;
 };
 
-/// The line for a shell that copies a key file to a machine, to where programs look for it.
+/// The shell command that copies a key file to its default path on a machine.
 std::string copy_of_key(const std::filesystem::path& file, const std::string& ssh);
 
-/// A word as a shell reads it back.
+/// Quotes an argument for a shell.
 std::string quoted_for_shell(const std::string& word);
 
 }  // namespace hive

@@ -22,8 +22,8 @@ private:
     sockaddr_storage storage_{};
 };
 
-/// May a request with this Host header be answered by who listens at `bind`? A foreign page can make its own name mean
-/// our address (DNS rebinding), but it cannot make the browser say an address or "localhost": so other names are
+/// May a listener at `bind` answer a request with this Host header? A foreign page can let its own name resolve to our
+/// address (DNS rebinding), but cannot make the browser send an address or "localhost" as the host, so other names are
 /// refused.
 bool host_fits(std::string_view host, const Address& bind);
 

@@ -1,5 +1,5 @@
-// Checks the token of a request. A browser has it from the address that the owner opens, and then in a cookie; a
-// program sends it in a header.
+// Checks the token of a request. A browser gets the token from the address that the owner opens, and then keeps it in a
+// cookie; a program sends it in a header.
 #pragma once
 
 #include <string>
@@ -9,24 +9,24 @@ namespace hive::http {
 
 struct Request;
 
-/// What a server of one port asks of its clients. Other users of the machine reach the port as well, and so does every
-/// page that one of its browsers shows.
+/// The credentials that a server at one port requires. Other users of the machine reach the port too, and so does every
+/// page that a browser on it shows.
 class Pass {
 public:
     /// @param token        empty: no request is allowed
-    /// @param cookie_name  cookies do not know ports, so it says which
+    /// @param cookie_name  has the port in it, because browsers send cookies to all ports of a host
     Pass(std::string token, std::string cookie_name);
-    /// 128 bits of chance, as text.
+    /// 128 random bits, as text.
     static std::string draw_token();
 
-    /// Does another page ask, as far as the browser says?
+    /// Does the browser report that another page sends the request?
     [[nodiscard]] static bool cross_site(const Request& request);
     [[nodiscard]] bool in_address(const Request& request) const;
     [[nodiscard]] bool in_cookie(const Request& request) const;
     /// "Authorization: Bearer TOKEN"
     [[nodiscard]] bool in_header(const Request& request) const;
     [[nodiscard]] const std::string& cookie_name() const noexcept { return name_; }
-    /// What Set-Cookie says: for this host alone, not for scripts, and not with requests that other pages make.
+    /// The value of Set-Cookie: for this host alone, hidden from scripts, and not sent with requests of other pages.
     [[nodiscard]] std::string cookie() const;
 
 private:
