@@ -1,4 +1,4 @@
-// Fields of comma-separated values, RFC 4180 but for line ends of "\n".
+// Fields of comma-separated values, RFC 4180 except for line ends of "\n".
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace hive::recording::csv {
 
-/// Control characters could steer a terminal, and would break lines.
+/// Control characters could control a terminal, and would break lines.
 std::string field(std::string text);
 std::string joined(const std::vector<std::string>& fields);
 

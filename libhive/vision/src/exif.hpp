@@ -1,4 +1,4 @@
-// Which way up a picture was taken, as its EXIF data says.
+// The orientation of an image by its EXIF data.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,7 +8,7 @@
 
 namespace hive::vision {
 
-/// The orientation tag (0x0112) of an APP1 segment: 1 to 8; 1 (upright) when there is none or it makes no sense.
+/// The orientation tag (0x0112) of an APP1 segment: 1 to 8; 1 (upright) if it is missing or invalid.
 int exif_orientation(std::span<const std::uint8_t> app1) noexcept;
 
 /// `picture` turned and mirrored so that it stands upright.

@@ -1,6 +1,6 @@
-// What can be known of a JPEG from its markers alone (ITU-T T.81, annex B), before any memory is spent on it. libjpeg
-// would decode the coefficients to find out as much: 1.3 to 8 ms instead of 0.02 ms for a picture of 1920x1080, also
-// for pictures that are only passed on; and it takes a progressive picture that ends between two scans for whole.
+// Checks a JPEG by its markers alone (ITU-T T.81, annex B), before any memory is allocated for it. libjpeg would decode
+// the coefficients for that: 1.3 to 8 ms instead of 0.02 ms for an image of 1920x1080, even if it is only forwarded;
+// and libjpeg accepts a progressive image that ends between two scans as complete.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ struct JpegStructure {
     std::size_t size = 0;  ///< bytes up to and including the end-of-image marker
 };
 
-/// Walks the markers from start to end of image. Throws Errc::malformed when they do not fit together or the end is
-/// missing, Errc::unsupported for kinds other than 8 bit Huffman-coded pictures of one, three or four components, and
-/// Errc::too_large as soon as there are more than `most_scans` scans.
+/// Walks the markers from start to end of image. Throws Errc::malformed if they contradict each other or the end is
+/// missing, Errc::unsupported except for 8 bit Huffman-coded images of one, three or four components, and
+/// Errc::too_large at more than `most_scans` scans.
 JpegStructure jpeg_structure(std::span<const std::uint8_t> bytes, int most_scans);
 
 }  // namespace hive::vision

@@ -1,4 +1,4 @@
-// The pixels of a PNG, by libpng.
+// Reads and writes the pixels of a PNG with libpng.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -12,12 +12,11 @@ namespace hive::vision {
 struct PngSize {
     std::int64_t width = 0, height = 0;
 };
-/// Reads up to the pixels, and inflates nothing. Throws Errc::malformed when that is damaged or too short.
+/// Reads the part before the pixels, and inflates nothing. Throws Errc::malformed if it is damaged or truncated.
 PngSize png_size(std::span<const std::uint8_t> bytes);
 
-/// Fills `picture`, 8 bit BGR of the size that the header says. Inflates what the pixels need and hardly more, whatever
-/// else is there: texts and colour profiles are skipped. Throws Errc::malformed when the bytes are damaged or too few,
-/// up to the chunk that ends the file.
+/// Fills `picture`, 8 bit BGR of the size in the header. Inflates little more than the pixels: texts and colour
+/// profiles are skipped. Throws Errc::malformed if any byte is damaged or missing, up to the chunk that ends the file.
 /// @return  the orientation of EXIF, 1 to 8; 1 is upright
 int read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture);
 

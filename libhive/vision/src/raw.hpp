@@ -1,4 +1,4 @@
-// Pictures as plain pixels: what the header of image/raw declares, checked against the bytes that are there.
+// Raw images: checks the declarations in the header of image/raw against the bytes of the body.
 #pragma once
 
 #include <hive/vision/image.hpp>

@@ -1,4 +1,5 @@
-// Which coefficients the scans of a JPEG have brought: a picture cut between two scans looks whole to the decoder.
+// Records which coefficients the scans of a JPEG contain: to the decoder, an image cut between two scans looks
+// complete.
 #pragma once
 
 #include <array>
@@ -7,10 +8,10 @@
 
 namespace hive::vision {
 
-/// T.81, B.2.3 and G.1.1.1: a scan brings the coefficients first to last of its components, down to the bit `low`.
+/// T.81, B.2.3 and G.1.1.1: a scan contains the coefficients first to last of its components, down to the bit `low`.
 class ScanCoverage {
 public:
-    /// Takes in the parameters of one scan; false if they make no sense.
+    /// Adds the parameters of one scan; false if they are invalid.
     bool add(std::span<const std::uint8_t> header, bool progressive) noexcept
     {
         const std::size_t components = header.empty() ? 0 : header[0];
@@ -27,7 +28,7 @@ public:
         return true;
     }
 
-    /// Has the component with this identifier all of its 64 coefficients to the last bit?
+    /// Are all 64 coefficients of the component with this identifier present, to the last bit?
     [[nodiscard]] bool complete(std::uint8_t component) const noexcept
     {
         for (const std::uint8_t missing : missing_bits_[component])
@@ -43,7 +44,7 @@ public:
     }
 
 private:
-    static constexpr std::uint8_t none = 16;  ///< nothing of the coefficient has come
+    static constexpr std::uint8_t none = 16;  ///< no bit of the coefficient is present
     std::array<std::array<std::uint8_t, 64>, 256> missing_bits_;
 };
 

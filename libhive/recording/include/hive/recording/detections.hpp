@@ -1,4 +1,4 @@
-// What finders and trackers report about one image, as values for the formats of other tools.
+// Detections and tracks of one image, as values for the formats of other tools.
 #pragma once
 
 #include <hive/event.hpp>

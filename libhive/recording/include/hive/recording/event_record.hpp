@@ -1,4 +1,4 @@
-// Between events and recordings: what of an event is kept, and how it comes back. For the drones and hivectl alike.
+// Converts events to records and back, for drones and hivectl.
 #pragma once
 
 #include <hive/event_text.hpp>
@@ -7,8 +7,8 @@
 
 namespace hive::recording {
 
-/// The header that is kept. Who shared or owed the event on its way is no part of it: a recording of the same events
-/// has the same bytes.
+/// The header to record. It omits how the event was shared and acknowledged, so recordings of the same events have the
+/// same bytes.
 inline std::string kept_text(const hive::Event& event)
 {
     if (event.identity.shares.empty())
@@ -21,7 +21,7 @@ inline std::string kept_text(const hive::Event& event)
 /// @return false when the recording has ended
 inline bool append(Writer& writer, const hive::Event& event)
 {
-    // What another process could still change would not fit its check sum.
+    // Another process could still change shared bytes, and they would no longer match their check sum.
     const auto bytes = event.body.bytes();
     const std::vector<std::byte> copy(event.body.foreign() ? std::vector<std::byte>(bytes.begin(), bytes.end())
                                                            : std::vector<std::byte>());

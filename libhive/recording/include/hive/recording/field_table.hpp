@@ -1,4 +1,4 @@
-// Fields of headers as CSV: one line for each event, one column for each field that was named.
+// Fields of headers as CSV: one line per event, one column per named field.
 #pragma once
 
 #include <hive/event.hpp>
@@ -11,8 +11,8 @@ namespace hive::recording {
 
 class FieldTable {
 public:
-    /// @param fields  "event,zones.left.occupancy": a word behind a dot is a key, the `name` of an object in an array,
-    /// or a place in an array, from 0
+    /// @param fields  "event,zones.left.occupancy": after a dot stands a key, the `name` of an object in an array,
+    /// or an index of an array, from 0
     /// @throws Error  invalid_argument: an empty field, or one given twice
     explicit FieldTable(const std::string& fields);
 

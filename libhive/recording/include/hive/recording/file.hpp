@@ -1,4 +1,4 @@
-// A file as the recorder and the reader use it: whole reads, whole writes, room taken ahead.
+// A file for the recorder and the reader: complete reads and writes, and space reserved in advance.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace hive::recording {
 
-/// Owns the descriptor. What the system refuses is thrown as std::system_error.
+/// Owns the descriptor. Errors of the system are thrown as std::system_error.
 class File {
 public:
     static File open_to_read(const std::filesystem::path& path);
-    /// A new empty file that only this user can read, or (with `overwrite`) a recording that was there emptied, unless
-    /// another process records into it. The path is seen from `folder` and stays below it, over no symbolic link.
+    /// Creates an empty file that only this user can read, or (with `overwrite`) truncates an existing recording,
+    /// unless another process is writing it. The path is relative to `folder` and stays in it, without symbolic links.
     static File create(const std::filesystem::path& folder, const std::filesystem::path& path, bool overwrite);
     ~File();
     File(File&& other) noexcept;
@@ -24,10 +24,11 @@ public:
     /// False at the end of the file: `to` is not filled then.
     bool read(std::uint64_t offset, std::span<std::byte> to) const;
     void write(std::uint64_t offset, std::initializer_list<std::span<const std::byte>> parts);
-    /// Takes disk space for the bytes of [from, upto), beyond the end too. False: this file system knows no such thing.
+    /// Reserves disk space for the bytes of [from, upto), also beyond the end. False: not supported by this file
+    /// system.
     bool reserve(std::uint64_t from, std::uint64_t upto);
     void truncate(std::uint64_t size);
-    /// Until the data is on the disk. 0 or errno.
+    /// Waits until the data is on the disk. 0 or errno.
     [[nodiscard]] int sync() const noexcept;
 
 private:

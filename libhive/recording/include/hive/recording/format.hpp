@@ -1,5 +1,4 @@
-// The recording file: its records, what is known of a whole file, and the names of what is in it. FORMAT.md is the
-// specification.
+// The recording file: its records, summary and track names. FORMAT.md is the specification.
 #pragma once
 
 #include <array>
@@ -27,7 +26,7 @@ enum class Kind : std::uint32_t {
     end = 0x454E4F44
 };  ///< "BEGN", "EVNT", "DONE"
 
-/// What stands before the text and the body of each record.
+/// Precedes the text and the body of each record.
 struct Prefix {
     Kind kind = Kind::event;
     std::uint32_t track = 0;
@@ -38,31 +37,31 @@ struct Prefix {
     [[nodiscard]] std::uint64_t record_size() const { return prefix_size + std::uint64_t{text_size} + body_size; }
 };
 std::array<std::byte, prefix_size> encode(const Prefix& prefix);
-/// Nothing when its own check sum is wrong or the kind is none of the three.
+/// Nothing if its own check sum is wrong or the kind is not one of the three.
 std::optional<Prefix> decode(std::span<const std::byte, prefix_size> bytes);
 
 /// CRC-32 (that of zlib and PNG).
 std::uint32_t crc(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
-/// Events of one output and one type. Events name their track by its place in the list.
+/// Events of one output and one type. Events refer to their track by its index in the list.
 struct Track {
     std::string sender, output, type;
     std::int64_t events = 0;
     std::int64_t bytes = 0;         ///< of the bodies
-    std::int64_t without_body = 0;  ///< recorded as headers alone, though there was a body
+    std::int64_t without_body = 0;  ///< recorded without the body that they had
     std::int64_t first_us = 0, last_us = 0;
 
     [[nodiscard]] std::string from() const { return sender + "." + output; }
 };
 
-/// Events that should be in the file and are not.
+/// Events missing from the file.
 struct Loss {
     std::string from;  ///< "camera.image"; "*": of any output
     std::string reason;
-    std::int64_t events = 0;  ///< 0: not known how many
+    std::int64_t events = 0;  ///< 0: unknown
 };
 
-/// Where the first event of a track in a second of the recording is.
+/// The position of a track's first event in a second of the recording.
 struct IndexEntry {
     std::uint64_t offset = 0;
     std::int64_t time_us = 0;
@@ -81,17 +80,18 @@ struct Summary {
     [[nodiscard]] std::int64_t bytes() const;
     [[nodiscard]] bool lossless() const { return lost.empty(); }
 };
-/// One line of JSON, and back; nothing when the text is something else.
+/// Writes and parses one line of JSON; nothing if the text is something else.
 std::string to_text(const Summary& summary);
 std::optional<Summary> summary_from(std::string_view text);
-/// The track that an event with this header belongs to. Throws hive::Error when it is no header.
+/// The track that an event with this header belongs to. Throws hive::Error if it is not a header.
 Track track_of_event(std::string_view header);
-/// What the text of a beginning says: wall clock, µs since 1970. Throws hive::Error when it is something else.
+/// The start time in the text of a BEGN record: wall clock, µs since 1970. Throws hive::Error if the text is something
+/// else.
 std::int64_t begun_from(std::string_view text);
 
-/// Everything of one output of the recorded swarm, under the name that a replay gives it.
+/// The events of one recorded output, under the output name that a replay uses.
 struct Port {
-    std::string name;   ///< "image"; where several drones had an output of that name, "camera-image"
+    std::string name;   ///< "image"; if several drones had an output of that name, "camera-image"
     std::string types;  ///< joined by commas
     std::vector<std::uint32_t> tracks;
 };

@@ -1,4 +1,4 @@
-// Reads a recording, whole or cut short, and believes nothing that it says before it is checked.
+// Reads a recording, complete or truncated, and checks every value before use.
 #pragma once
 
 #include <hive/recording/file.hpp>
@@ -10,17 +10,17 @@
 
 namespace hive::recording {
 
-/// An event of the file: where it is.
+/// The position of an event in the file.
 struct Record {
     Prefix prefix;
     std::uint64_t offset = 0;
 };
 
-/// For one thread. A file that changes under the reader gives errors, no more.
+/// For one thread. If the file changes while it is read, errors are all that happens.
 class Reader {
 public:
-    /// @throws std::runtime_error  no such file, or no recording. A recording without an end is read through to its
-    /// last whole record.
+    /// @throws std::runtime_error  no such file, or not a recording. A recording without an end is read up to its
+    /// last complete record.
     explicit Reader(const std::filesystem::path& path);
 
     [[nodiscard]] const Summary& summary() const noexcept { return summary_; }
@@ -29,9 +29,9 @@ public:
     /// Bytes of the file.
     [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
 
-    /// The next event; nothing after the last whole one.
+    /// The next event; nothing after the last complete one.
     std::optional<Record> next();
-    /// Goes on with an event that is not later than the first one at or after `time_us`.
+    /// Continues with an event that is not later than the first one at or after `time_us`.
     void seek(std::int64_t time_us);
     /// Its header. @throws std::runtime_error  its bytes are not those that were written
     [[nodiscard]] std::string text(const Record& record) const;

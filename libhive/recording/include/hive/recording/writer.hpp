@@ -1,4 +1,4 @@
-// Writes a recording: event by event, each whole or not at all, with an end that says what is missing.
+// Writes a recording: each event completely or not at all, with an end that lists missing events.
 #pragma once
 
 #include <hive/recording/file.hpp>
@@ -22,25 +22,25 @@ struct Limits {
 
 struct WriterSettings {
     std::filesystem::path path;
-    /// Where the path is seen from, and what it must stay below, naming nothing hidden. Empty: it may be anywhere, but
-    /// be no symbolic link.
+    /// The path is relative to this folder, stays in it, and has no hidden part. Empty: any path, but not a symbolic
+    /// link.
     std::filesystem::path folder = {};
     bool overwrite = false;
     Limits limits;
-    std::chrono::milliseconds sync{1000};  ///< how often what was written is sent to the disk; 0: when the system likes
+    std::chrono::milliseconds sync{1000};  ///< interval of syncing to the disk; 0: left to the system
 };
 
-/// Every event is with the operating system when append() returns, so killing the process loses none of them; a power
-/// failure loses what came after the last sync. Space for the end is taken ahead: a full disk does not keep the file
-/// from being ended properly. For one thread. Calls do not throw once it is made: what the disk refuses ends the
-/// recording, and is counted.
+/// The operating system has every event when append() returns, so killing the process loses none; a power failure loses
+/// events after the last sync. Space for the end is reserved in advance, so a full disk does not prevent a proper end.
+/// For one thread. After the constructor no call throws: an error of the disk ends the recording, and lost events are
+/// counted.
 class Writer {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// @throws std::runtime_error  the file is there, the folder is not, or the disk has no room
+    /// @throws std::runtime_error  the file exists, the folder does not, or the disk is full
     explicit Writer(const WriterSettings& settings);
-    /// Ends it properly, if that has not been done.
+    /// Writes the end, unless that has been done.
     ~Writer();
     Writer(const Writer&) = delete;
     Writer& operator=(const Writer&) = delete;
@@ -50,19 +50,19 @@ public:
     /// @return false when the recording has ended; after a failure (not after a limit) the event is counted as lost
     bool append(const Track& track, std::string_view text, std::span<const std::byte> body, bool has_body,
                 Clock::time_point arrived);
-    /// Notes what others know to be missing; the same cause again replaces the number.
+    /// Adds events that others report missing; the same cause again replaces the number.
     void lost(const std::string& from, const std::string& reason, std::int64_t events)
     {
         loss(from, reason).events = events;
     }
-    /// Looks whether time is up or the disk has failed; for when no event comes.
+    /// Checks the time limit and the disk; for times without events.
     void look(Clock::time_point now);
     /// Writes the end; again when more was lost since. @param how  for people: "stopped"
     void finish(const std::string& how);
 
-    /// How it has ended; empty: it goes on.
+    /// How it ended; empty: still recording.
     [[nodiscard]] const std::string& ended() const noexcept { return summary_.ended; }
-    /// Why the disk refused; empty: it did not.
+    /// The error of the disk; empty: none.
     [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
     [[nodiscard]] const Summary& summary() const noexcept { return summary_; }
     /// Bytes of the file so far, without its end.
@@ -83,14 +83,14 @@ private:
 
     File file_;
     Limits limits_;
-    std::uint64_t most_;          ///< what the system lets a file of this process grow to
+    std::uint64_t most_;          ///< maximum file size that the system allows this process
     std::uint64_t end_ = 0;       ///< of the last whole record
-    std::uint64_t end_size_ = 0;  ///< of what ends the file now; 0: nothing yet
-    std::uint64_t reserved_ = 0;  ///< disk space taken, bytes from the beginning of the file
+    std::uint64_t end_size_ = 0;  ///< of the end that the file has now; 0: none yet
+    std::uint64_t reserved_ = 0;  ///< disk space reserved, in bytes from the start of the file
     bool reserves_ = true;
     Summary summary_;
     std::string failure_;
-    std::size_t names_bytes_ = 0;  ///< what the names in the end take at most
+    std::size_t names_bytes_ = 0;  ///< maximum size of the names in the end
     std::map<std::tuple<std::string, std::string, std::string>, std::uint32_t> numbers_;
     std::vector<std::int64_t> indexed_;  ///< by track: the second of its last index entry
     std::vector<IndexEntry> index_;

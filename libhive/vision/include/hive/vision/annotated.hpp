@@ -1,4 +1,4 @@
-// Emitting a picture with something drawn on it.
+// Emits an image with something drawn on it.
 #pragma once
 
 #include <hive/vision/image.hpp>
@@ -8,10 +8,10 @@
 
 namespace hive::vision {
 
-/// Emits a copy of `picture` (1 or 3 channels) in colour after `draw(cv::Mat&)` has drawn on it, in the memory that
-/// receivers map. Made only when somebody wants it.
-/// @param loans  of that output
-/// @param header  what the event tells beside the form of the picture
+/// Emits a colour copy of `picture` (1 or 3 channels) after `draw(cv::Mat&)` has drawn on it, in the memory that
+/// receivers map. The copy is made only if a receiver requests it.
+/// @param loans  of this output
+/// @param header  the event's header, without the fields of the image format
 template <class Output, class Draw>
 void emit_annotated(const Output& output, LoanAllocator& loans, Json header, const cv::Mat& picture, Draw draw)
 {

@@ -1,4 +1,4 @@
-// Between the bodies of events and OpenCV pictures: what comes in is checked before it is decoded.
+// Converts between bodies of events and OpenCV images. Input is checked before it is decoded.
 #pragma once
 
 #include <hive/event.hpp>
@@ -10,38 +10,37 @@
 
 namespace hive::vision {
 
-/// What a picture may cost. Beyond it is Errc::too_large, found out without decoding.
+/// Limits of an image. Beyond them is Errc::too_large, checked without decoding.
 struct DecodeLimits {
     std::int64_t pixels = 40'000'000;
     int scans = 100;  ///< of one JPEG
-    /// Pixels times scans of one JPEG: what decoding a progressive picture costs. 16 scans of the largest picture.
+    /// Pixels times scans of one JPEG: the cost of decoding a progressive image. 16 scans of the largest image.
     std::int64_t pixel_scans = 640'000'000;
-    /// Are image/raw pictures of gray16 taken? Most code of vision works on 8 bits and would misread them, so that they
-    /// are refused (Errc::unsupported) unless asked for. Colour of 16 bits and 32 bit floats are refused always.
+    /// Accept image/raw of gray16? Most vision code works on 8 bits and would misread it, so it is refused
+    /// (Errc::unsupported) by default. 16 bit colour and 32 bit floats are always refused.
     bool sixteen_bits = false;
 };
 
-/// The media types that decode() knows; what an input that takes pictures declares.
+/// The media types that decode() supports, for inputs that accept images.
 inline constexpr const char* image_types = "image/jpeg,image/png,image/raw";
 
-/// The picture in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what
-/// cv::imdecode gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8",
-/// "gray8", "gray16" or "bgra8", which becomes bgr8, and optionally "stride", the bytes from one row to the next). The
-/// caller owns the pixels. Only
-/// the declared type is tried. A picture that is cut short or damaged is refused, never returned in part.
-/// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera makes:
+/// The image in `body`: 8 bit BGR for image/jpeg and image/png (turned upright as EXIF says, exactly what cv::imdecode
+/// gives), as declared for image/raw (then `header` has "width", "height", "pixel_format" of "bgr8", "gray8", "gray16"
+/// or "bgra8", which becomes bgr8, and optionally "stride", the bytes from one row to the next). The caller owns the
+/// pixels. Only the declared type is tried. A truncated or damaged image is refused, never returned in part.
+/// @throws Error  malformed, too_large, or unsupported (another type, or a kind of JPEG that no camera produces:
 ///                arithmetic, lossless, 12 bit)
 cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits = {},
                const Json& header = Json::object());
 
-/// The picture of an event. If its header declares "width" and "height", a picture of more pixels is Errc::malformed.
+/// The image of an event. If its header declares "width" and "height", an image of more pixels is Errc::malformed.
 cv::Mat decode(const Event& event, const DecodeLimits& limits = {});
 
 /// As decode(), but the pixels of image/raw are not copied, except bgra8: the result is read-only and valid while
 /// `event.body` lives.
 cv::Mat view(const Event& event, const DecodeLimits& limits = {});
 
-/// The size of the picture (upright), without decoding it; the same checks and errors as before decoding.
+/// The size of the image (upright), without decoding it; with the checks and errors of decode() that precede decoding.
 cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits = {},
                  const Json& header = Json::object());
 
@@ -52,24 +51,22 @@ cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& 
 ///                failed
 Body encode_jpeg(const cv::Mat& picture, int quality);
 Body encode_png(const cv::Mat& picture);
-/// The pixels themselves, not copied when they lie without gaps: do not draw on `picture` afterwards. When they are
-/// those of a loan (loans.hpp), the body is that loan; only a part of one is copied.
+/// The pixels themselves, not copied if they are contiguous: do not draw on `picture` afterwards. If they are those of
+/// a loan (loans.hpp), the body is that loan; only a part of a loan is copied.
 Body encode_raw(const cv::Mat& picture);
-/// `header` with the fields that image/raw needs: "width", "height", "pixel_format", "stride", as encode_raw lays them
-/// out.
+/// Adds the fields of image/raw to `header`: "width", "height", "pixel_format", "stride", for the layout of encode_raw.
 Json raw_header(const cv::Mat& picture, Json header = Json::object());
 
-/// How pictures of one size are emitted when they are at hand as pixels: as image/raw, or when the pixels are more than
-/// the body of an event may hold as image/jpeg, or as image/png where each has 16 bits. What connections want is the
-/// encoder's business (encoder.hpp).
+/// The form in which pixels of one size are emitted: image/raw, or if they exceed the maximum size of a body,
+/// image/jpeg (16 bit: image/png). The encoder converts it for each connection (encoder.hpp).
 struct PlainForm {
     std::string type;
-    Json header;  ///< "width", "height", and what image/raw needs beside them
+    Json header;  ///< "width", "height", and the other fields of image/raw
 
     [[nodiscard]] Body body(const cv::Mat& picture) const;
 };
 /// @param channels  1 or 3 (BGR)
-/// @param bits      of each: 8, or 16 where there is one channel
+/// @param bits      of each: 8, or 16 for one channel
 PlainForm plain_form(cv::Size size, int channels, int bits = 8);
 
 }  // namespace hive::vision

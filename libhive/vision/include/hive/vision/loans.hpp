@@ -1,4 +1,4 @@
-// Pictures in lent memory: what OpenCV makes lies from the beginning in the buffer that is emitted.
+// Lets OpenCV create images directly in the buffer that is emitted.
 #pragma once
 
 #include <hive/body.hpp>
@@ -10,21 +10,20 @@
 
 namespace hive::vision {
 
-/// Gives cv::Mat its pixels from an output's loans: `LoanAllocator loans([=](std::size_t bytes) { return
-/// output.loan(bytes); })`. Whatever fills such a picture (cv::resize, VideoCapture::read, copyTo) fills the loan, and
-/// encode_raw() copies nothing. Outlives its pictures, but not the bodies made of them. Pictures may be made on any
-/// thread, each used by one at a time.
+/// Allocates the pixels of cv::Mat from an output's loans: `LoanAllocator loans([=](std::size_t bytes) { return
+/// output.loan(bytes); })`. Any function that fills such an image (cv::resize, VideoCapture::read, copyTo) fills the
+/// loan, and encode_raw() copies nothing. The allocator must outlive its images, but need not outlive the bodies made
+/// of them. Images can be created on any thread; one thread at a time uses each.
 class LoanAllocator final : public cv::MatAllocator {
 public:
     using Lend = std::function<Loan(std::size_t bytes)>;
     explicit LoanAllocator(Lend lend) : lend_(std::move(lend)) {}
 
-    /// An empty picture; its pixels will lie in a loan.
+    /// An empty image whose pixels will be in a loan.
     [[nodiscard]] cv::Mat picture();
-    /// A copy in colour (BGR) of a picture of 1 or 3 channels, in a loan: what is drawn on it is drawn in the memory
-    /// that is emitted.
+    /// A colour copy (BGR) of an image of 1 or 3 channels, in a loan.
     [[nodiscard]] cv::Mat colour_copy(const cv::Mat& original);
-    /// From now on pictures lie in ordinary memory, so that the lender may go.
+    /// Allocates ordinary memory from now on, so that the lender can be destroyed.
     void close();
     /// The loan that holds the pixels, or nullptr.
     static const Loan* loan_of(const cv::Mat& picture);
